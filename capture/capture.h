@@ -1,0 +1,114 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture/image.h"
+
+/// What a dual-pixel camera hands over for one press of the shutter, rendered or real: the one thing that passes
+/// between the simulator and the pipeline. docs/capture.md defines the folder that it becomes on disk, field by field.
+///
+/// Camera axes are OpenCV's: x right, y down, z forward. All pictures are upright. The left view is the light that
+/// crossed the pupil at x < 0 (the left viewpoint, as in a stereo pair), so that with
+///     right(x + d) = left(x)
+/// the disparity d is negative in front of the focus plane, 0 on it, and positive behind it:
+///     d = alpha * b,   b = L f / (1 - f/z) * (1/z - 1/D)          (Wadhwa et al. 2018, Eq. 3 and supplement)
+/// with pupil diameter L, focal length f, focus distance z and planar depth D, both from the entrance pupil.
+namespace dualpixel {
+
+/// Row-major 4x4; points are columns.
+using Matrix4 = std::array<double, 16>;
+inline constexpr Matrix4 kIdentity4 = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+
+struct Camera {
+  std::string name = "unnamed";
+  int width_px = 0;               ///< photosites of the full sensor; even
+  int height_px = 0;              ///< multiple of 4
+  double pixel_pitch_um = 0;      ///< of one photosite
+  std::string cfa = "RGGB";       ///< colours of the top-left 2x2 photosites, row by row
+  int dp_downsample_x = 2;        ///< photosites per DP pixel, horizontally
+  int dp_downsample_y = 4;        ///< ... and vertically; green photosites only
+  double focal_length_mm = 0;
+  double f_number = 0;
+  double focus_distance_m = 0;    ///< z, from the entrance pupil; infinity is allowed
+  std::array<double, 2> principal_point_px{};  ///< continuous full-sensor coordinates
+  std::string split = "unknown";  ///< "hard", "ramp" or "unknown"
+  double alpha = 0;               ///< centroid disparity over signed blur diameter, both in DP px; 0: unknown
+
+  int bayer_plane_width() const { return width_px / 2; }
+  int bayer_plane_height() const { return height_px / 2; }
+  int dp_width() const { return width_px / dp_downsample_x; }
+  int dp_height() const { return height_px / dp_downsample_y; }
+  double dp_pitch_um() const { return pixel_pitch_um * dp_downsample_x; }
+};
+
+/// Variance of a digital number whose mean is x above black: shot * x + read. Units DN and DN^2.
+struct NoiseProfile {
+  double shot_dn = 0;
+  double read_dn2 = 0;
+};
+
+struct Exposure {
+  double time_s = 0;
+  double iso = 0;
+  int bits = 10;
+  double black_level_dn = 0;  ///< of a mosaic photosite and of a DP half-pixel alike
+  double white_level_dn = 0;
+  NoiseProfile mosaic_noise;  ///< of one photosite
+  NoiseProfile dp_noise;      ///< of one pixel of one DP view
+  /// Gains of R, G, B, green 1, that make a neutral grey read the same in all three: "as shot" white balance.
+  std::array<double, 3> white_balance = {1, 1, 1};
+  double lux_s_per_unit = 0;  ///< luminous exposure on the sensor that the normalised signal 1.0 stands for; 0: unknown
+};
+
+/// Raw digital numbers. The signal normalised as (DN - black) / (white - black) runs from 0 to 1 at clipping.
+/// A DP view's pixel is the mean of the green half-photosites that it covers, so that the normalised left + right is
+/// the normalised signal of undivided green photosites.
+struct Frame {
+  ImageU16 mosaic;  ///< width_px x height_px; may be empty in a capture of DP views alone
+  ImageU16 left;    ///< dp_width x dp_height
+  ImageU16 right;
+  std::uint64_t seed = 0;                      ///< of this frame's noise
+  Matrix4 camera_from_world = kIdentity4;      ///< pose, metres
+};
+
+/// What the simulator knows and a phone does not. All images have the full sensor's size; geometry is that of the
+/// pinhole ray through the pixel's centre, unfiltered. Pictures are linear RGB in the frames' normalised signal after
+/// white balance (1.0 = green's white level), noiseless and unclipped. Where `valid` is 0 (nothing was hit), depth is infinity and blur and
+/// disparity are those of an infinitely distant point.
+struct Truth {
+  Image depth_m;           ///< planar depth D
+  Image blur_px;           ///< signed blur diameter on the sensor, photosites
+  Image disparity_dp_px;   ///< centroid disparity alpha * b, DP pixels
+  Image normal;            ///< 3 channels, camera axes, unit length, towards the camera; 0 where not valid
+  ImageU32 object_id;      ///< 1-based index of the glTF node; 0 where not valid
+  Image person_mask;       ///< 1 on a person, 0 elsewhere
+  Image valid;             ///< 1 where the ray hit geometry
+  Image all_in_focus;      ///< RGB through a pinhole
+  Image photograph;        ///< RGB through the wider aperture
+  double photograph_aperture_scale = 0;  ///< its pupil diameter over the capture's
+};
+
+struct Capture {
+  Camera camera;
+  Exposure exposure;
+  std::vector<Frame> frames;
+  std::optional<Truth> truth;
+  std::optional<std::array<double, 4>> face_px;  ///< x, y, width, height in full-sensor pixels, where known
+  nlohmann::json provenance = nlohmann::json::object();  ///< program version, scene hash, seed, all options
+};
+
+inline constexpr int kCaptureFormatVersion = 1;
+
+/// Writes `capture` to the folder `path`: first to a temporary sibling, capture.json with a manifest of sizes and
+/// hashes last, then a rename. Throws InputError where `path` exists and is no capture, or cannot be written.
+void write_capture(const Capture& capture, const std::string& path);
+
+/// Reads and verifies a capture: version, manifest, sizes, finiteness. Throws InputError.
+/// Truth is loaded only when asked for: the pipeline never sees it.
+Capture read_capture(const std::string& path, bool with_truth);
+
+}  // namespace dualpixel

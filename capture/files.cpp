@@ -1,0 +1,194 @@
+#include "capture/files.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <stdio.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <set>
+#include <string_view>
+#include <thread>
+
+#include "capture/error.h"
+
+namespace dualpixel {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Temporaries under way, for remove_unfinished_outputs().
+std::mutex unfinished_mutex;
+std::set<std::string> unfinished;
+
+[[noreturn]] void fail(const std::string& path, const std::string& why) {
+  throw InputError(printable(path) + ": " + why);
+}
+
+[[noreturn]] void fail_errno(const std::string& path, const std::string& what) {
+  const int error = errno;
+  fail(path, what + ": " + std::strerror(error));
+}
+
+void forget(const std::string& temporary) {
+  const std::lock_guard lock(unfinished_mutex);
+  unfinished.erase(temporary);
+}
+
+/// A name beside `path` that no other process or thread uses. Short, whatever the length of the final name.
+std::string temporary_sibling(const std::string& path) {
+  static std::atomic<unsigned> counter{0};
+  const std::string name = fmt::format(".dualpixel-{}-{}.tmp", getpid(), counter++);
+  return (fs::path(path).parent_path() / name).string();
+}
+
+/// An absolute path without links, dots or a trailing slash.
+std::string resolve(const std::string& path) {
+  std::error_code error;
+  fs::path resolved = fs::weakly_canonical(fs::absolute(path, error), error);
+  if (error || path.empty()) fail(path, "cannot be written: no such path");
+  if (!resolved.has_filename()) resolved = resolved.parent_path();
+  return resolved.string();
+}
+
+void require_replaceable(const std::string& path, const std::string& marker) {
+  std::error_code error;
+  const fs::file_status status = fs::symlink_status(path, error);
+  if (status.type() == fs::file_type::not_found) return;
+  if (!fs::is_directory(status)) fail(path, "exists and is no folder");
+  if (fs::is_regular_file(fs::path(path) / marker, error)) return;
+  const bool empty = fs::is_empty(path, error);
+  if (error) fail(path, "cannot be read: " + error.message());
+  if (!empty) fail(path, "exists, and is neither empty nor holds " + marker + ": it will not be overwritten");
+}
+
+}  // namespace
+
+void require_regular_file(const std::string& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found) fail(path, "no such file");
+  if (error) fail(path, "cannot be read: " + error.message());
+  if (!fs::is_regular_file(status)) {
+    fail(path, fs::is_directory(status) ? "is a folder, not a file" : "is not a regular file");
+  }
+}
+
+std::string read_file(const std::string& path, std::size_t most_bytes) {
+  require_regular_file(path);
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file) fail_errno(path, "cannot be read");
+  const auto size = static_cast<std::size_t>(file.tellg());
+  if (size > most_bytes) fail(path, fmt::format("{} bytes; at most {} are read", size, most_bytes));
+  std::string bytes(size, '\0');
+  file.seekg(0);
+  if (!file.read(bytes.data(), static_cast<std::streamsize>(size))) fail(path, "cannot be read to its end");
+  return bytes;
+}
+
+std::string hash_of(std::string_view bytes) { return fmt::format("{:016x}", XXH64(bytes.data(), bytes.size(), 0)); }
+
+std::string file_hash(const std::string& path) { return hash_of(read_file(path)); }
+
+void sync_to_disk(const std::string& path) {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) fail_errno(path, "cannot be written");
+  // Some file systems cannot sync a folder and say EINVAL; there is then nothing more to do.
+  const bool failed = fsync(descriptor) != 0 && errno != EINVAL;
+  close(descriptor);
+  if (failed) fail(path, "cannot be written to the disk");
+}
+
+void write_file(const std::string& path, std::string_view bytes) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  if (!file) fail_errno(path, "cannot be written");
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file) fail_errno(path, "cannot be written");
+  sync_to_disk(path);
+}
+
+void replace_file(const std::string& path, std::string_view bytes) {
+  const std::string target = resolve(path);
+  std::error_code error;
+  if (fs::exists(target, error) && !fs::is_regular_file(target, error)) fail(path, "exists and is not a regular file");
+  const std::string temporary = temporary_sibling(target);
+  {
+    const std::lock_guard lock(unfinished_mutex);
+    unfinished.insert(temporary);
+  }
+  try {
+    if (!fs::is_directory(fs::path(target).parent_path(), error)) fail(path, "cannot be written: no such folder");
+    write_file(temporary, bytes);
+    if (rename(temporary.c_str(), target.c_str()) != 0) fail_errno(path, "cannot be written");
+  } catch (...) {
+    fs::remove(temporary, error);
+    forget(temporary);
+    throw;
+  }
+  forget(temporary);
+}
+
+NewFolder::NewFolder(const std::string& final_path, const std::string& marker)
+    : final_(resolve(final_path)), marker_(marker) {
+  require_replaceable(final_, marker_);
+  const fs::path parent = fs::path(final_).parent_path();
+  std::error_code error;
+  if (!fs::is_directory(parent, error)) {
+    fail(final_path, "cannot be written: " + printable(parent.string()) + " is no folder");
+  }
+  do {
+    temporary_ = temporary_sibling(final_);
+    const std::lock_guard lock(unfinished_mutex);
+    if (mkdir(temporary_.c_str(), 0777) == 0) {
+      unfinished.insert(temporary_);
+      return;
+    }
+  } while (errno == EEXIST);
+  fail_errno(final_path, "cannot be written");
+}
+
+NewFolder::~NewFolder() {
+  if (temporary_.empty()) return;
+  std::error_code ignored;
+  fs::remove_all(temporary_, ignored);
+  forget(temporary_);
+}
+
+void NewFolder::commit() {
+  sync_to_disk(temporary_);
+  require_replaceable(final_, marker_);
+  if (rename(temporary_.c_str(), final_.c_str()) == 0) {
+    forget(temporary_);
+    temporary_.clear();
+  } else if ((errno != ENOTEMPTY && errno != EEXIST) ||
+             renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, final_.c_str(), RENAME_EXCHANGE) != 0) {
+    fail_errno(final_, "cannot be replaced");
+  }
+  // After an exchange the old folder stands under the temporary name, and the destructor removes it.
+  sync_to_disk(fs::path(final_).parent_path().string());
+}
+
+void remove_unfinished_outputs() {
+  const std::lock_guard lock(unfinished_mutex);
+  for (const std::string& temporary : unfinished) {
+    // Threads that still write may put a new file into a folder that is just being emptied: try again.
+    std::error_code error;
+    for (int attempt = 0; attempt < 50; ++attempt) {
+      fs::remove_all(temporary, error);
+      if (!fs::exists(temporary, error)) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  }
+}
+
+}  // namespace dualpixel

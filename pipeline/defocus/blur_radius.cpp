@@ -1,0 +1,49 @@
+#include "pipeline/defocus/blur_radius.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/rows.h"
+
+namespace dualpixel::pipeline {
+
+double kappa_1(double focus_distance_m) { return std::clamp(0.33 * focus_distance_m + 0.17, 1.0, 3.5); }
+
+double kappa_2(double focus_dp_px) {
+  const double denominator = 1 - focus_dp_px / 2;
+  return denominator > 0 ? std::clamp(1 / denominator, 0.5, 2.0) : 2.0;
+}
+
+float BlurMapping::radius_px(float disparity_dp_px) const {
+  const double offset = disparity_dp_px - focus_dp_px;
+  const double strength = offset < 0 ? kappa * frontal_factor : kappa;
+  return static_cast<float>(std::clamp(strength * (std::abs(offset) - sharp_dp_px), 0.0, r_max_px));
+}
+
+double BlurMapping::front_dp_px(double radius_px) const {
+  return focus_dp_px - sharp_dp_px - radius_px / (kappa * frontal_factor);
+}
+
+double BlurMapping::back_dp_px(double radius_px) const { return focus_dp_px + sharp_dp_px + radius_px / kappa; }
+
+BlurMapping make_blur_mapping(double focus_distance_m, double focus_dp_px, int image_width_px, bool person,
+                              const BlurRadiusOptions& options) {
+  BlurMapping mapping;
+  const double s = options.scale_px_per_dp_px * image_width_px / options.reference_width_px;
+  mapping.kappa = s * kappa_1(focus_distance_m) * kappa_2(focus_dp_px);
+  mapping.focus_dp_px = focus_dp_px;
+  mapping.sharp_dp_px = (person ? options.sharp_person_px : options.sharp_px) / mapping.kappa;
+  mapping.frontal_factor = options.frontal_factor;
+  mapping.r_max_px = options.r_max_px;
+  return mapping;
+}
+
+Image blur_radii(const Image& disparity_dp_px, const BlurMapping& mapping) {
+  Image radii(disparity_dp_px.width, disparity_dp_px.height);
+  for_rows(radii.height, [&](int y) {
+    for (int x = 0; x < radii.width; ++x) radii.row(y)[x] = mapping.radius_px(disparity_dp_px.row(y)[x]);
+  });
+  return radii;
+}
+
+}  // namespace dualpixel::pipeline

@@ -1,0 +1,42 @@
+#pragma once
+#include <vector>
+
+#include "capture/image.h"
+#include "pipeline/defocus/blur_radius.h"
+
+/// The picture cut into bands of disparity that are blurred one by one (Wadhwa et al. 2018, section 5.2).
+namespace dualpixel::pipeline {
+
+struct LayerOptions {
+  int bands = 5;            ///< the in-focus one among them (section 5.2)
+  double overlap = 0.25;    ///< eta over the width of the band (section 5.2: 25 %)
+  double r_brute_px = 5.5;  ///< radius at the in-focus band's ends, full-resolution px (supplement: 2.75 at half size)
+};
+
+struct Band {
+  double low_dp_px = 0;    ///< d_{j-1}
+  double high_dp_px = 0;   ///< d_j
+  double taper_dp_px = 0;  ///< eta
+  bool in_focus = false;
+
+  /// Truncated tent: 1 in the band, falling to 0 within `taper` on either side.
+  float alpha(float disparity_dp_px) const;
+};
+
+/// The bands from the farthest to the nearest. The in-focus one spans the disparities whose radius is below r_brute;
+/// the others share what the picture's disparities [low, high] have beyond it: as many on either side as its length
+/// deserves, at least one where there is anything, all of one side equally wide. Fewer bands where nothing is left.
+std::vector<Band> make_bands(double low_dp_px, double high_dp_px, const BlurMapping& mapping,
+                             const LayerOptions& options = {});
+
+/// A sub-image at the blur's working resolution, half the picture's.
+struct Layer {
+  Image rgba;       ///< alpha [R, G, B, 1]
+  Image radius_px;  ///< working-resolution px
+};
+
+/// I_j = alpha_j [R, G, B, 1] of each pixel, then the mean of each 2 x 2 block; radii are means weighted by alpha_j.
+/// `rgb`, `disparity` and `radius` are of one size; odd last rows and columns count once.
+Layer make_layer(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px, const Band& band);
+
+}  // namespace dualpixel::pipeline

@@ -1,0 +1,23 @@
+#pragma once
+#include "capture/image.h"
+#include "pipeline/defocus/render.h"
+
+/// The blur where nothing but a person mask is known (Wadhwa et al. 2018, end of section 5.2).
+namespace dualpixel::pipeline {
+
+struct MaskBlurOptions {
+  double radius_px = 20;             ///< of the background, full-resolution px; the paper gives no value
+  double reference_width_px = 2688;  ///< width for which that is meant; the radius grows in proportion
+};
+
+struct MaskBlurred {
+  Defocused picture;
+  Image radius_px;  ///< full-resolution px: the background's radius, times how much of the blurred picture shows
+};
+
+/// The background (1 - mask) [R, G, B, 1] is blurred by one disc, at half resolution, and divided by its alpha, so that
+/// the person's colours never bleed into it. A depth plane is feigned by mixing: the blurred picture's share falls
+/// linearly from 1 at the top to 0 at the bottom. The person is laid over it. `mask` is of the picture's size, 0..1.
+MaskBlurred blur_background(const Image& rgb, const Image& mask, const MaskBlurOptions& options = {});
+
+}  // namespace dualpixel::pipeline

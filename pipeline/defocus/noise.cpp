@@ -1,0 +1,104 @@
+#include "pipeline/defocus/noise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pipeline/burst/demosaic.h"
+#include "pipeline/edge_aware/filter_mask.h"
+#include "pipeline/rows.h"
+
+namespace dualpixel::pipeline {
+namespace {
+
+/// Counter-based random bits: Steele, Lea, Flood 2014, "Fast Splittable Pseudorandom Number Generators" (SplitMix64).
+std::uint64_t random_bits(std::uint64_t counter) {
+  std::uint64_t z = (counter + 1) * 0x9E3779B97F4A7C15ull;
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBull;
+  return z ^ (z >> 31);
+}
+
+/// White Gaussian noise, standard deviation 1 (Box and Muller 1958).
+Image white_noise(int width, int height, std::uint64_t seed) {
+  const std::uint64_t stream = random_bits(seed);
+  Image noise(width, height);
+  for (std::size_t i = 0; i < noise.data.size(); ++i) {
+    const std::uint64_t bits = random_bits(stream + i);
+    const double u = (static_cast<double>(bits >> 32) + 0.5) * 0x1p-32;
+    const double v = static_cast<double>(bits & 0xffffffffu) * 0x1p-32;
+    noise.data[i] = static_cast<float>(std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v));
+  }
+  return noise;
+}
+
+void high_pass(Image& rgb, float sigma_px) {
+  Image plane(rgb.width, rgb.height);
+  for (int c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < plane.data.size(); ++i) plane.data[i] = rgb.data[3 * i + c];
+    const Image coarse = gaussian_blur(plane, sigma_px);
+    for (std::size_t i = 0; i < plane.data.size(); ++i) rgb.data[3 * i + c] -= coarse.data[i];
+  }
+}
+
+NoisePatch make_patch(std::uint64_t seed, int period, const NoiseOptions& options) {
+  const int side = period + options.feather_px;
+  Image field = demosaic(white_noise(side, side, seed), "RGGB");
+  high_pass(field, options.high_pass_sigma_px);
+
+  // A ramp at either end; the copy one period away has its own ramp there.
+  const auto alpha = [&](int i) {
+    const float from_end = static_cast<float>(std::min(i, side - 1 - i)) + 0.5f;
+    return std::min(from_end / static_cast<float>(options.feather_px), 1.0f);
+  };
+  NoisePatch patch(period, period, 3);
+  for (int y = 0; y < period; ++y) {
+    for (int x = 0; x < period; ++x) {
+      float squares = 0;
+      for (int v = y; v < side; v += period) {
+        for (int u = x; u < side; u += period) {
+          const float weight = alpha(u) * alpha(v);
+          squares += weight * weight;
+          for (int c = 0; c < 3; ++c) patch.at(x, y, c) += weight * field.at(u, v, c);
+        }
+      }
+      const float patches = static_cast<float>(options.periods_px.size());
+      for (int c = 0; c < 3; ++c) patch.at(x, y, c) /= std::sqrt(squares * patches);
+    }
+  }
+  return patch;
+}
+
+}  // namespace
+
+std::vector<NoisePatch> make_noise_patches(std::uint64_t seed, const NoiseOptions& options) {
+  std::vector<NoisePatch> patches;
+  for (const int period : options.periods_px) patches.push_back(make_patch(seed + patches.size(), period, options));
+  return patches;
+}
+
+NoiseLevel merged_noise(const Exposure& exposure, int frames) {
+  const double range = exposure.white_level_dn - exposure.black_level_dn;
+  return {exposure.mosaic_noise.shot_dn / (range * frames), exposure.mosaic_noise.read_dn2 / (range * range * frames),
+          exposure.white_balance};
+}
+
+void add_noise(Image& rgb, const Image& blurred, const std::vector<NoisePatch>& patches, const NoiseLevel& level) {
+  for_rows(rgb.height, [&](int y) {
+    for (int x = 0; x < rgb.width; ++x) {
+      const float amount = blurred.row(y)[x];
+      if (amount == 0) continue;
+      for (int c = 0; c < 3; ++c) {
+        float noise = 0;
+        for (const NoisePatch& patch : patches) noise += patch.at(x % patch.width, y % patch.height, c);
+        float& value = rgb.row(y)[3 * x + c];
+        const auto gain = static_cast<float>(level.gains[c]);
+        const float variance =
+            gain * (static_cast<float>(level.shot) * std::max(value, 0.0f) + gain * static_cast<float>(level.read));
+        value += std::sqrt(variance) * amount * noise;
+      }
+    }
+  });
+}
+
+}  // namespace dualpixel::pipeline

@@ -1,0 +1,43 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "capture/capture.h"
+#include "capture/image.h"
+
+/// Synthetic noise for what the blur has smoothed (Wadhwa et al. 2018, section 5.3 and supplement, "Noise generation").
+namespace dualpixel::pipeline {
+
+struct NoiseOptions {
+  std::array<int, 3> periods_px = {59, 61, 67};  ///< l_i, relatively prime (section 5.3); the paper gives no values
+  int feather_px = 16;                           ///< width over which patches fade into each other; ours
+  float high_pass_sigma_px = 6;                  ///< noise coarser than this is taken out; ours
+};
+
+/// A square RGB picture that repeats without a seam. The sum of all patches is to the noise of a demosaicked picture
+/// what 1 is to the standard deviation of its photosites.
+using NoisePatch = Image;
+
+/// The supplement's procedure with a simulated flat field for the photographed one: a flat grey mosaic with white
+/// noise, demosaicked as pictures are (so the noise is correlated as theirs is), high-passed, feathered at its edges,
+/// laid out four times at a spacing of l, cropped to l x l. Divided by the root of the summed squared alphas, which
+/// keeps the variance even where copies overlap (the supplement divides by alpha, for which it dips). One patch for
+/// each period.
+std::vector<NoisePatch> make_noise_patches(std::uint64_t seed, const NoiseOptions& options = {});
+
+/// Noise of the merged picture: variance of a channel whose normalised, white-balanced signal is v:
+///     gain * (shot * v + gain * read)
+struct NoiseLevel {
+  double shot = 0;
+  double read = 0;
+  std::array<double, 3> gains = {1, 1, 1};
+};
+
+/// Of the mean of `frames` mosaics.
+NoiseLevel merged_noise(const Exposure& exposure, int frames);
+
+/// B_noisy = B + sigma(B) M_blur sum_i N_i(x mod l_i), in place; pixels with `blurred` 0 stay as they are.
+void add_noise(Image& rgb, const Image& blurred, const std::vector<NoisePatch>& patches, const NoiseLevel& level);
+
+}  // namespace dualpixel::pipeline

@@ -1,0 +1,20 @@
+#pragma once
+#include "pipeline/defocus/layers.h"
+
+/// Synthetic defocus from disparity (Wadhwa et al. 2018, sections 5.2 and 5.3).
+namespace dualpixel::pipeline {
+
+struct Defocused {
+  Image rgb;
+  Image blurred;  ///< 0..1: how much of a pixel comes from blurred layers; 0: it is the input's
+};
+
+/// Blurs linear `rgb` by `radius_px` (blur_radius.h's r(x), full-resolution px): bands of disparity are blurred at half
+/// resolution, the in-focus one by brute force and the others in the gradient domain, enlarged, and laid over each
+/// other from back to front, divided by the alpha that they add up to. Pixels whose radius is below half a pixel are
+/// the input's own, laid over the in-focus band and all behind it; up to 1.5 px they blend over. Only blurred things
+/// nearer than the focus may cover them.
+Defocused render_defocus(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px,
+                         const BlurMapping& mapping, const LayerOptions& options = {});
+
+}  // namespace dualpixel::pipeline

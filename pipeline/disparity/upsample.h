@@ -1,0 +1,24 @@
+#pragma once
+#include "pipeline/disparity/match.h"
+
+/// From one disparity a tile to one a pixel. Anderson et al. 2016, "Jump: Virtual Reality Video", section 4, let each
+/// pixel weigh the flows of the tiles around it; this is the simplest form of that.
+namespace dualpixel::pipeline {
+
+struct PixelDisparity {
+  Image disparity_dp_px;
+  Image confidence;  ///< 0..1
+};
+
+struct UpsampleOptions {
+  float spread_dp_px = 0.25f;  ///< disagreement (standard deviation, DP px) at which confidence falls to exp(-1/2)
+};
+
+/// Each pixel blends the four tiles whose centres surround it, by bilinear weight times confidence, so that a doubtful
+/// tile gives way to its neighbours. Its confidence is the bilinear mean of theirs, times
+/// exp(-variance / (2 spread^2)) of their weighted disparities: between tiles that disagree lies an edge, and a blend
+/// of two surfaces is on neither. The edge-aware solver decides there.
+PixelDisparity upsample_tiles(const TileDisparity& tiles, int tile_px, int width, int height,
+                              const UpsampleOptions& options = {});
+
+}  // namespace dualpixel::pipeline

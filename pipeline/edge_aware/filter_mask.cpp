@@ -1,0 +1,79 @@
+#include "pipeline/edge_aware/filter_mask.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "pipeline/resample.h"
+#include "pipeline/rows.h"
+
+namespace dualpixel::pipeline {
+
+Image erode(const Image& image, int side) {
+  const int reach = side / 2;
+  const int width = image.width, height = image.height;
+  Image across(width, height), out(width, height);
+  for_rows(height, [&](int y) {
+    const float* from = image.row(y);
+    float* to = across.row(y);
+    std::copy(from, from + width, to);
+    for (int k = 1; k <= std::min(reach, width - 1); ++k) {
+      for (int x = 0; x < width - k; ++x) to[x] = std::min(to[x], from[x + k]);
+      for (int x = k; x < width; ++x) to[x] = std::min(to[x], from[x - k]);
+    }
+  });
+  for_rows(height, [&](int y) {
+    float* to = out.row(y);
+    std::copy(across.row(y), across.row(y) + width, to);
+    for (int v = std::max(y - reach, 0); v <= std::min(y + reach, height - 1); ++v) {
+      const float* from = across.row(v);
+      for (int x = 0; x < width; ++x) to[x] = std::min(to[x], from[x]);
+    }
+  });
+  return out;
+}
+
+Image gaussian_blur(const Image& image, float sigma_px) {
+  const int reach = static_cast<int>(std::ceil(3 * sigma_px));
+  const int width = image.width, height = image.height;
+  std::vector<float> kernel(2 * reach + 1);
+  float total = 0;
+  for (int k = -reach; k <= reach; ++k) {
+    total += kernel[k + reach] = std::exp(-0.5f * static_cast<float>(k * k) / (sigma_px * sigma_px));
+  }
+  for (float& weight : kernel) weight /= total;
+  Image across(width, height), out(width, height);
+  for_rows(height, [&](int y) {
+    for (int k = -reach; k <= reach; ++k) {
+      for (int x = 0; x < width; ++x) {
+        across.row(y)[x] += kernel[k + reach] * image.row(y)[std::clamp(x + k, 0, width - 1)];
+      }
+    }
+  });
+  for_rows(height, [&](int y) {
+    for (int k = -reach; k <= reach; ++k) {
+      const float* from = across.row(std::clamp(y + k, 0, height - 1));
+      for (int x = 0; x < width; ++x) out.row(y)[x] += kernel[k + reach] * from[x];
+    }
+  });
+  return out;
+}
+
+Image filter_mask(const Image& mask, const Image& guide, const FilterMaskOptions& options) {
+  const int width = (guide.width + 1) / 2, height = (guide.height + 1) / 2;
+  const Image half_guide = resize_area(guide, width, height);
+  const Image coarse = mask.width > width ? resize_area(mask, width, height) : resize_bilinear(mask, width, height);
+  Image confidence(width, height);
+  for (std::size_t i = 0; i < coarse.data.size(); ++i) {
+    const float certainty = 2 * coarse.data[i] - 1;
+    confidence.data[i] = certainty * certainty;
+  }
+  const int reach = static_cast<int>(0.5f * options.erosion * static_cast<float>(std::max(width, height)));
+  confidence = erode(confidence, 2 * reach + 1);
+
+  Image filtered = solve_bilateral(make_bilateral_grid(half_guide, options.grid), coarse, confidence, options.solver);
+  for (float& value : filtered.data) value = 1 / (1 + std::exp(-options.sigmoid_slope * (value - 0.5f)));
+  return joint_upsample(gaussian_blur(filtered, options.blur_sigma_px), half_guide, guide, options.upsample);
+}
+
+}  // namespace dualpixel::pipeline

@@ -1,0 +1,30 @@
+#pragma once
+#include "pipeline/edge_aware/bilateral_solver.h"
+#include "pipeline/edge_aware/joint_upsample.h"
+
+/// A coarse person mask made to follow the picture's edges (Wadhwa et al. 2018, section 3.4).
+namespace dualpixel::pipeline {
+
+struct FilterMaskOptions {
+  float erosion = 0.05f;  ///< side of the square that erodes confidence, over the picture's larger side (section 3.4)
+  float sigmoid_slope = 16;    ///< k of the sigmoid; the paper gives no value
+  float blur_sigma_px = 1.0f;  ///< Gaussian against speckles, half-resolution pixels; the paper gives no value
+  BilateralGridOptions grid;   ///< at half resolution
+  BilateralSolverOptions solver;
+  JointUpsampleOptions upsample;
+};
+
+/// `mask` (one channel, 0..1, any size: enlarged bilinearly) filtered along the edges of `guide` (RGB, 0..255,
+/// guide.h). Returns a mask of the guide's size. Confidence is ((mask - 1/2) / (1/2))^2, eroded; the solver runs at
+/// half the guide's resolution, its result goes through a sigmoid and a Gaussian, and is upsampled jointly with the
+/// guide.
+Image filter_mask(const Image& mask, const Image& guide, const FilterMaskOptions& options = {});
+
+/// The least value in the side x side window around each pixel, one channel; windows end at the picture's border.
+/// `side` is odd.
+Image erode(const Image& image, int side);
+
+/// Gaussian blur, one channel, cut at 3 sigma, border pixels repeated outwards.
+Image gaussian_blur(const Image& image, float sigma_px);
+
+}  // namespace dualpixel::pipeline

@@ -1,0 +1,13 @@
+#pragma once
+#include "capture/image.h"
+
+/// The picture as edge-aware filters look at it: brightness steps about as large as an eye takes them to be.
+namespace dualpixel::pipeline {
+
+/// The gain that brings the mean of a linear picture up to 0.2, never below 1: dark pictures have edges too.
+float guide_gain(const Image& linear_rgb);
+
+/// 255 * sqrt(gain * linear), clipped to 0..255; RGB. Values that are not finite count as 0 or 255.
+Image encode_guide(const Image& linear_rgb, float gain);
+
+}  // namespace dualpixel::pipeline

@@ -1,0 +1,19 @@
+#pragma once
+#include "capture/image.h"
+
+/// Joint bilateral upsampling (Kopf et al. 2007): a small map enlarged so that its edges follow the large picture's.
+namespace dualpixel::pipeline {
+
+struct JointUpsampleOptions {
+  float sigma_px = 0.5f;      ///< of the spatial Gaussian, pixels of the small map (Kopf et al., section 4: 0.5)
+  float sigma_range = 16.0f;  ///< of the range Gaussian, guide levels of 255; ours (Kopf et al. use 0.1 of the range)
+};
+
+/// Each output pixel is the mean over the 3 x 3 small pixels around it, weighted by a Gaussian of the distance and one
+/// of the difference between `guide` there and `small_guide` here. Where no small pixel resembles it, distance decides.
+/// `small` has one channel and the size of `small_guide`; both guides are RGB, 0..255 (guide.h); `guide` has the
+/// output's size. All finite.
+Image joint_upsample(const Image& small, const Image& small_guide, const Image& guide,
+                     const JointUpsampleOptions& options = {});
+
+}  // namespace dualpixel::pipeline

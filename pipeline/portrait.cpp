@@ -1,0 +1,189 @@
+#include "pipeline/portrait.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "capture/error.h"
+#include "pipeline/burst/average.h"
+#include "pipeline/burst/demosaic.h"
+#include "pipeline/defocus/render.h"
+#include "pipeline/edge_aware/guide.h"
+#include "pipeline/edge_aware/median.h"
+#include "pipeline/resample.h"
+#include "pipeline/rows.h"
+
+namespace dualpixel::pipeline {
+namespace {
+
+/// Times the stages of one run.
+class StageClock {
+ public:
+  StageClock(std::vector<StageTime>& stages, int count, const PortraitProgress& progress)
+      : stages_(stages), count_(count), progress_(progress) {}
+
+  template <typename Work>
+  auto operator()(const std::string& name, const Work& work) {
+    if (progress_) progress_(name, static_cast<double>(stages_.size()) / count_);
+    const auto start = std::chrono::steady_clock::now();
+    auto result = work();
+    const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    stages_.push_back({name, elapsed.count(), static_cast<double>(usage.ru_maxrss) / 1024});
+    if (progress_) progress_(name, static_cast<double>(stages_.size()) / count_);
+    return result;
+  }
+
+ private:
+  std::vector<StageTime>& stages_;
+  int count_;
+  const PortraitProgress& progress_;
+};
+
+/// The picture that the merged burst shows; grey, from the sum of its views, where it has no mosaic.
+Image develop(const MergedBurst& burst, const Camera& camera, const Exposure& exposure) {
+  if (!burst.mosaic.empty()) {
+    return demosaic(white_balanced(burst.mosaic, camera.cfa, exposure.white_balance), camera.cfa);
+  }
+  Image gray(burst.left.width, burst.left.height, 3);
+  for (std::size_t i = 0; i < burst.left.data.size(); ++i) {
+    const float sum = burst.left.data[i] + burst.right.data[i];
+    std::fill_n(gray.data.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, sum);
+  }
+  return resize_bilinear(gray, camera.width_px, camera.height_px);
+}
+
+/// Disparity and confidence reduced to width x height, as means weighted by confidence: what nobody is sure of must not
+/// mix with what is known.
+PixelDisparity reduce(const PixelDisparity& map, int width, int height) {
+  Image weighted = map.disparity_dp_px;
+  for (std::size_t i = 0; i < weighted.data.size(); ++i) weighted.data[i] *= map.confidence.data[i];
+  weighted = resize_area(weighted, width, height);
+  PixelDisparity reduced{resize_area(map.disparity_dp_px, width, height), resize_area(map.confidence, width, height)};
+  for (std::size_t i = 0; i < weighted.data.size(); ++i) {
+    const float confidence = reduced.confidence.data[i];
+    if (confidence > 1e-6f) reduced.disparity_dp_px.data[i] = weighted.data[i] / confidence;
+  }
+  return reduced;
+}
+
+/// Median over the rectangle x, y, width, height, in fractions of the picture; none where it covers no pixel.
+std::optional<double> median_inside(const Image& image, const std::array<double, 4>& rectangle) {
+  const auto edge = [](double at, int size) {
+    return static_cast<int>(std::clamp(std::round(at * size), 0.0, 1.0 * size));
+  };
+  std::vector<float> values;
+  for (int y = edge(rectangle[1], image.height); y < edge(rectangle[1] + rectangle[3], image.height); ++y) {
+    for (int x = edge(rectangle[0], image.width); x < edge(rectangle[0] + rectangle[2], image.width); ++x) {
+      values.push_back(image.at(x, y));
+    }
+  }
+  if (values.empty()) return {};
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+void require_mask(const std::optional<Image>& mask, Mode mode) {
+  if (mode == Mode::dp) return;
+  if (!mask || mask->empty()) throw InputError("person mask: missing; modes dp+seg and seg need one");
+  if (mask->channels != 1) throw InputError("person mask: must have one channel");
+  for (const float value : mask->data) {
+    if (!(value >= 0 && value <= 1)) throw InputError("person mask: every value must lie in [0, 1]");
+  }
+}
+
+Image stretched(const Image& mask, int width, int height) {
+  return mask.width > width ? resize_area(mask, width, height) : resize_bilinear(mask, width, height);
+}
+
+}  // namespace
+
+PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options,
+                            const std::optional<Image>& person_mask, const PortraitProgress& progress) {
+  require_mask(person_mask, options.mode);
+  const int width = capture.camera.width_px, height = capture.camera.height_px;
+  PortraitResult result;
+  StageClock stage(result.stages, options.mode == Mode::seg ? 6 : options.mode == Mode::dp ? 8 : 9, progress);
+
+  MergedBurst burst = stage("merge", [&] { return average_burst(capture.frames, capture.exposure); });
+  result.input = stage("demosaic", [&] { return develop(burst, capture.camera, capture.exposure); });
+  burst.mosaic = {};
+
+  Defocused defocused;
+  if (options.mode == Mode::seg) {
+    result.mask = stage("mask", [&] {
+      return filter_mask(*person_mask, encode_guide(result.input, guide_gain(result.input)), options.filter_mask);
+    });
+    MaskBlurred blurred = stage("blur", [&] { return blur_background(result.input, result.mask, options.mask_blur); });
+    defocused = std::move(blurred.picture);
+    result.blur_radius_px = std::move(blurred.radius_px);
+  } else {
+    PixelDisparity matched = stage("disparity", [&] {
+      const TileDisparity tiles = match_tiles(normalize_locally(burst.left, options.normalize),
+                                              normalize_locally(burst.right, options.normalize), options.match);
+      return upsample_tiles(tiles, options.match.tile_px, burst.left.width, burst.left.height, options.tile_upsample);
+    });
+
+    const int small_width = (width + 3) / 4, small_height = (height + 3) / 4;
+    PixelDisparity small = reduce(matched, small_width, small_height);
+    result.matched_disparity_dp_px = std::move(matched.disparity_dp_px);
+    result.matched_confidence = std::move(matched.confidence);
+
+    std::optional<double> person_dp_px;
+    if (options.mode == Mode::dp_seg) {
+      small = stage("mask", [&] {
+        const Image mask = stretched(*person_mask, small_width, small_height);
+        if (capture.face_px) {
+          const std::array<double, 4>& face = *capture.face_px;
+          const double x = static_cast<double>(small_width) / width, y = static_cast<double>(small_height) / height;
+          person_dp_px = face_disparity(small, {face[0] * x, face[1] * y, face[2] * x, face[3] * y});
+        } else {
+          person_dp_px = interior_disparity(small, mask, options.merge_mask);
+        }
+        result.mask = stretched(*person_mask, width, height);
+        return flatten_person(std::move(small), mask, static_cast<float>(*person_dp_px), options.merge_mask);
+      });
+    }
+
+    const Image small_input = resize_area(result.input, small_width, small_height);
+    const float gain = guide_gain(small_input);
+    const Image small_guide = encode_guide(small_input, gain);
+    const Image smooth = stage("smooth", [&] {
+      const BilateralGrid grid = make_bilateral_grid(small_guide, options.grid);
+      return median_3x3(solve_bilateral(grid, small.disparity_dp_px, small.confidence, options.solver));
+    });
+    result.disparity_dp_px = stage("upsample", [&] {
+      return joint_upsample(smooth, small_guide, encode_guide(result.input, gain), options.joint_upsample);
+    });
+    result.confidence = resize_bilinear(small.confidence, width, height);
+
+    result.focus_disparity_dp_px = person_dp_px.value_or(0);
+    if (capture.face_px) {
+      const std::array<double, 4>& face = *capture.face_px;
+      const std::optional<double> median =
+          median_inside(smooth, {face[0] / width, face[1] / height, face[2] / width, face[3] / height});
+      if (median && std::abs(*median) <= options.face_in_focus_dp_px) result.focus_disparity_dp_px = *median;
+    }
+    defocused = stage("blur", [&] {
+      const BlurMapping mapping = make_blur_mapping(capture.camera.focus_distance_m, result.focus_disparity_dp_px,
+                                                    width, options.mode == Mode::dp_seg, options.blur_radius);
+      result.blur_radius_px = blur_radii(result.disparity_dp_px, mapping);
+      return render_defocus(result.input, result.disparity_dp_px, result.blur_radius_px, mapping, options.layers);
+    });
+  }
+
+  result.portrait = stage("noise", [&] {
+    add_noise(defocused.rgb, defocused.blurred, make_noise_patches(options.seed, options.noise),
+              merged_noise(capture.exposure, static_cast<int>(capture.frames.size())));
+    return std::move(defocused.rgb);
+  });
+  result.portrait_srgb = stage("display", [&] { return encode_for_display(result.portrait, options.display); });
+  return result;
+}
+
+}  // namespace dualpixel::pipeline

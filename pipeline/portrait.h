@@ -1,0 +1,90 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture/capture.h"
+#include "capture/image.h"
+#include "pipeline/defocus/blur_radius.h"
+#include "pipeline/defocus/layers.h"
+#include "pipeline/defocus/mask_blur.h"
+#include "pipeline/defocus/noise.h"
+#include "pipeline/disparity/match.h"
+#include "pipeline/disparity/normalize.h"
+#include "pipeline/disparity/upsample.h"
+#include "pipeline/display.h"
+#include "pipeline/edge_aware/bilateral_solver.h"
+#include "pipeline/edge_aware/filter_mask.h"
+#include "pipeline/edge_aware/joint_upsample.h"
+#include "pipeline/segmentation/merge_mask.h"
+
+/// The portrait mode of Wadhwa et al. 2018, "Synthetic Depth-of-Field with a Single-Camera Mobile Phone", stage by
+/// stage: burst -> disparity -> calibration -> mask merge -> edge-aware filtering -> blur -> noise.
+namespace dualpixel::pipeline {
+
+enum class Mode {
+  dp,      ///< disparity alone
+  dp_seg,  ///< disparity flattened inside the person mask (paper section 4.3)
+  seg      ///< person mask alone: a background blur, two layers
+};
+
+/// Each stage's header says what its values mean and where they are from.
+struct PortraitOptions {
+  Mode mode = Mode::dp;
+  std::uint64_t seed = 1;  ///< of the synthetic noise
+  /// A face counts as well focused, and its median disparity as d_focus, up to this |disparity| in DP px. The paper
+  /// asks for "close to zero" (section 5.1) and gives no value.
+  double face_in_focus_dp_px = 0.5;
+  NormalizeOptions normalize;
+  MatchOptions match;
+  UpsampleOptions tile_upsample;
+  MergeMaskOptions merge_mask;
+  BilateralGridOptions grid;
+  BilateralSolverOptions solver;
+  JointUpsampleOptions joint_upsample;
+  FilterMaskOptions filter_mask;
+  BlurRadiusOptions blur_radius;
+  LayerOptions layers;
+  MaskBlurOptions mask_blur;
+  NoiseOptions noise;
+  DisplayOptions display;
+};
+
+struct StageTime {
+  std::string name;  ///< "merge", "disparity", "smooth", "blur", ... also the key in result.json
+  double ms = 0;
+  double peak_rss_mb = 0;  ///< of the process, after the stage
+};
+
+/// Everything at the full sensor's size unless said. Linear images are in the capture's normalised signal after white
+/// balance, clipped where the first colour clips.
+struct PortraitResult {
+  Image input;                    ///< linear RGB, merged burst, demosaicked: the picture before blurring
+  Image portrait;                 ///< linear RGB with synthetic defocus and noise
+  Image portrait_srgb;            ///< the same, exposed and gamma-encoded for display, 0..1
+  Image disparity_dp_px;          ///< smoothed, DP pixels; empty in mode seg
+  Image confidence;               ///< of the matches that it was smoothed from, 0..1; empty in mode seg
+  Image matched_disparity_dp_px;  ///< before smoothing, at DP resolution (dp_width x dp_height); empty in mode seg
+  Image matched_confidence;
+  Image mask;            ///< person mask, 0..1: edge-aware filtered in mode seg, as given in dp_seg, empty in dp
+  Image blur_radius_px;  ///< r(x) of Eq. 5, full-resolution pixels
+  double focus_disparity_dp_px = 0;
+  std::vector<StageTime> stages;
+};
+
+/// Called with what is being done and the fraction of all stages that is.
+using PortraitProgress = std::function<void(const std::string& stage, double fraction)>;
+
+/// Runs all stages on `capture`; its truth is never looked at. `person_mask` (one channel, 0..1, of any size: it is
+/// stretched over the picture) is needed in the modes dp_seg and seg. A capture without mosaic gives a grey picture.
+///
+/// d_focus is the median disparity over Capture::face_px where that face is well focused, in mode dp_seg otherwise the
+/// person's disparity, and 0 (trust the autofocus) in mode dp.
+///
+/// Throws InputError where a mode lacks its mask, or the mask is not one channel of finite values.
+PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options = {},
+                            const std::optional<Image>& person_mask = {}, const PortraitProgress& progress = {});
+
+}  // namespace dualpixel::pipeline

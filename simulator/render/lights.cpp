@@ -1,0 +1,306 @@
+#include "simulator/render/lights.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "simulator/render/surface.h"
+
+namespace dualpixel::simulator {
+namespace {
+
+constexpr float kPi = 3.14159265358979f;
+constexpr int kNormals = 12;  // cells a side of the octahedral map of normals: about 12 degrees each
+
+float luminance(glm::vec3 rgb) { return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z; }
+
+/// u runs once around from +z over -x, -z (the middle), +x; v from straight up to straight down.
+glm::vec3 radiance_at(const Environment& e, float u, float v) {
+  const float x = u * e.width - 0.5f;
+  const float y = v * e.height - 0.5f;
+  const float left = std::floor(x);
+  const float top = std::floor(y);
+  const float fx = x - left;
+  const float fy = y - top;
+  const int x0 = (static_cast<int>(left) + e.width) % e.width;
+  const int x1 = x0 + 1 == e.width ? 0 : x0 + 1;
+  const int y0 = std::clamp(static_cast<int>(top), 0, e.height - 1);
+  const int y1 = std::clamp(static_cast<int>(top) + 1, 0, e.height - 1);
+  const auto at = [&](int column, int row) {
+    return e.radiance_nits[static_cast<std::size_t>(row) * e.width + column];
+  };
+  return (at(x0, y0) * (1 - fx) + at(x1, y0) * fx) * (1 - fy) + (at(x0, y1) * (1 - fx) + at(x1, y1) * fx) * fy;
+}
+
+/// First entry of an increasing sum that exceeds u; u becomes the position inside that entry, probability its share.
+template <typename Iterator>
+int pick_from(Iterator begin, Iterator end, float& u, float& probability) {
+  const auto it = std::min(std::upper_bound(begin, end, u), end - 1);
+  const float below = it == begin ? 0 : *(it - 1);
+  probability = *it - below;
+  u = std::clamp((u - below) / probability, 0.0f, 0x1.fffffep-1f);
+  return static_cast<int>(it - begin);
+}
+
+/// The same for a table of `Size` entries, a power of two: no branches to mispredict.
+template <int Size>
+int pick_from(const float* cumulative, float& u, float& probability) {
+  int entry = 0;
+  for (int half = Size / 2; half > 0; half /= 2) entry += cumulative[entry + half - 1] <= u ? half : 0;
+  const float below = entry == 0 ? 0 : cumulative[entry - 1];
+  probability = cumulative[entry] - below;
+  u = std::clamp((u - below) / probability, 0.0f, 0x1.fffffep-1f);
+  return entry;
+}
+
+/// Scales an accumulated sum so that it ends at exactly 1.
+template <typename Iterator>
+void normalise(Iterator begin, Iterator end) {
+  const float total = *(end - 1);
+  for (auto it = begin; it != end; ++it) *it = total > 0 ? *it / total : float(it - begin + 1) / float(end - begin);
+  *(end - 1) = 1;
+}
+
+constexpr int kRows = 16;  // Lights::EnvironmentTable's
+constexpr int kColumns = 32;
+
+/// Cosine of the angle from straight up at the top of each row.
+const std::array<float, kRows + 1> kRowCosine = [] {
+  std::array<float, kRows + 1> cosine;
+  for (int row = 0; row <= kRows; ++row) cosine[row] = std::cos(kPi * row / kRows);
+  return cosine;
+}();
+
+/// Of one cell.
+float row_solid_angle(int row) { return 2 * kPi / kColumns * (kRowCosine[row] - kRowCosine[row + 1]); }
+
+/// Cell of the octahedral map that a unit normal falls into.
+int normal_cell(glm::vec3 n) {
+  n /= std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
+  float x = n.x, y = n.z;
+  if (n.y < 0) {
+    x = std::copysign(1 - std::abs(n.z), n.x);
+    y = std::copysign(1 - std::abs(n.x), n.z);
+  }
+  const auto cell = [](float c) { return std::clamp(static_cast<int>((c * 0.5f + 0.5f) * kNormals), 0, kNormals - 1); };
+  return cell(y) * kNormals + cell(x);
+}
+
+/// The normal in the middle of a cell.
+glm::vec3 cell_normal(int cell) {
+  const float x = (cell % kNormals + 0.5f) / kNormals * 2 - 1;
+  const int row = cell / kNormals;
+  const float z = (row + 0.5f) / kNormals * 2 - 1;
+  const float y = 1 - std::abs(x) - std::abs(z);
+  if (y >= 0) return glm::normalize(glm::vec3(x, y, z));
+  return glm::normalize(glm::vec3(std::copysign(1 - std::abs(z), x), y, std::copysign(1 - std::abs(x), z)));
+}
+
+}  // namespace
+
+glm::vec3 environment_radiance(const Environment& environment, glm::vec3 d) {
+  if (environment.radiance_nits.empty()) return glm::vec3(0);
+  const float u = std::atan2(d.x, -d.z) / (2 * kPi) + 0.5f;
+  const float v = std::acos(std::clamp(d.y, -1.0f, 1.0f)) / kPi;
+  return radiance_at(environment, u, v);
+}
+
+Lights::Lights(const Scene& scene, glm::vec3 low, glm::vec3 high) : scene_(scene) {
+  const float radius_squared = std::max(0.25f * glm::dot(high - low, high - low), 1e-12f);
+  std::vector<float> powers;
+
+  // mean luminance of each cell, and the direction to its middle
+  constexpr int kProbes = 4;  // per side of a cell
+  std::vector<float> mean(kRows * kColumns, 0.0f);
+  std::vector<glm::vec3> middle(kRows * kColumns);
+  float environment_power = 0;
+  for (int i = 0; i < kRows * kColumns && !scene.environment.radiance_nits.empty(); ++i) {
+    const int row = i / kColumns, column = i % kColumns;
+    for (int probe = 0; probe < kProbes * kProbes; ++probe) {
+      const int i_v = probe / kProbes, i_u = probe % kProbes;
+      const float u = (column + (i_u + 0.5f) / kProbes) / kColumns;
+      const float v = (row + (i_v + 0.5f) / kProbes) / kRows;
+      mean[i] += luminance(radiance_at(scene.environment, u, v)) / (kProbes * kProbes);
+    }
+    environment_power += mean[i] * row_solid_angle(row);
+    const float theta = kPi * (row + 0.5f) / kRows;
+    const float phi = 2 * kPi * ((column + 0.5f) / kColumns - 0.5f);
+    middle[i] = {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
+  }
+  if (environment_power > 0) {
+    environment_entries_ = 1;
+    powers.push_back(environment_power / 4);  // mean illuminance on planes of all directions
+    environment_tables_.resize(kNormals * kNormals);
+    for (int n = 0; n < kNormals * kNormals; ++n) {
+      EnvironmentTable& table = environment_tables_[n];
+      const glm::vec3 normal = cell_normal(n);
+      float total = 0;
+      for (int row = 0; row < kRows; ++row) {
+        float sum = 0;
+        for (int column = 0; column < kColumns; ++column) {
+          const int i = row * kColumns + column;
+          // Normals of a cell and directions of a cell both spread by some 12 degrees, and no cell may be left out:
+          // the cosine is lifted by 0.15, radiance by a hundredth of its mean.
+          const float cosine = std::max(glm::dot(normal, middle[i]) + 0.15f, 0.0f) + 0.002f;
+          sum += (mean[i] + 0.01f * environment_power / (4 * kPi)) * cosine;
+          table.cells[row][column] = sum;
+        }
+        total += sum * row_solid_angle(row);
+        table.rows[row] = total;
+        normalise(table.cells[row].begin(), table.cells[row].end());
+      }
+      normalise(table.rows.begin(), table.rows.end());
+    }
+  }
+
+  for (const PunctualLight& light : scene.lights) {
+    const float on_plane = luminance(light.intensity) / 4;
+    powers.push_back(light.kind == PunctualLight::Kind::directional ? on_plane : on_plane / radius_squared);
+  }
+
+  first_triangle_of_mesh_.assign(scene.meshes.size(), -1);
+  for (unsigned m = 0; m < scene.meshes.size(); ++m) {
+    const Mesh& mesh = scene.meshes[m];
+    const Material& material = scene.materials[mesh.material];
+    if (luminance(material.emission_nits) <= 0 || material.unlit) continue;
+    first_triangle_of_mesh_[m] = static_cast<int>(triangles_.size());
+    for (unsigned t = 0; t < mesh.triangles.size(); ++t) {
+      const glm::uvec3& corners = mesh.triangles[t];
+      const glm::vec3 p = mesh.positions[corners.x];
+      const float area = 0.5f * glm::length(glm::cross(mesh.positions[corners.y] - p, mesh.positions[corners.z] - p));
+      triangles_.push_back({m, t, area});
+      powers.push_back(luminance(material.emission_nits) * area / (4 * radius_squared));
+    }
+  }
+
+  double total = 0;
+  for (float power : powers) total += power;
+  if (!(total > 0)) return;
+  double sum = 0;
+  for (float power : powers) {
+    sum += power;
+    cumulative_.push_back(static_cast<float>(sum / total));
+  }
+  cumulative_.back() = 1;
+}
+
+int Lights::pick(float& u, float& probability) const {
+  return pick_from(cumulative_.begin(), cumulative_.end(), u, probability);
+}
+
+LightSample Lights::sample(glm::vec3 point, glm::vec3 normal, float u, float v) const {
+  if (cumulative_.empty()) return {};
+  float probability;
+  auto entry = static_cast<std::size_t>(pick(u, probability));
+  if (!(probability > 0)) return {};
+  LightSample result;
+  if (entry < environment_entries_) {
+    result = sample_environment(normal, u, v);
+  } else if (entry -= environment_entries_; entry < scene_.lights.size()) {
+    result = sample_punctual(scene_.lights[entry], point);
+  } else {
+    result = sample_triangle(entry - scene_.lights.size(), point, u, v);
+  }
+  result.radiance /= probability;
+  result.pdf *= probability;
+  return result;
+}
+
+LightSample Lights::sample_environment(glm::vec3 normal, float u, float v) const {
+  const EnvironmentTable& table = environment_tables_[normal_cell(normal)];
+  float row_probability, cell_probability;
+  const int row = pick_from<kRows>(table.rows.data(), v, row_probability);
+  const int column = pick_from<kColumns>(table.cells[row].data(), u, cell_probability);
+  const float cos_top = kRowCosine[row];
+  const float cos_bottom = kRowCosine[row + 1];
+  const float y = cos_top + v * (cos_bottom - cos_top);
+  const float around = (column + u) / kColumns;
+  const float phi = 2 * kPi * (around - 0.5f);
+  const float r = std::sqrt(std::max(1 - y * y, 0.0f));
+  LightSample s;
+  s.direction = {r * std::sin(phi), y, -r * std::cos(phi)};
+  s.distance_m = std::numeric_limits<float>::infinity();
+  s.pdf = row_probability * cell_probability / row_solid_angle(row);
+  s.radiance = radiance_at(scene_.environment, around, std::acos(y) / kPi) / s.pdf;
+  return s;
+}
+
+LightSample Lights::sample_punctual(const PunctualLight& light, glm::vec3 point) const {
+  LightSample s;
+  if (light.kind == PunctualLight::Kind::directional) {
+    s.direction = -light.direction;
+    s.distance_m = std::numeric_limits<float>::infinity();
+    s.radiance = light.intensity;
+    return s;
+  }
+  const glm::vec3 to_light = light.position - point;
+  const float squared = glm::dot(to_light, to_light);
+  if (!(squared > 0)) return s;
+  s.distance_m = std::sqrt(squared);
+  s.direction = to_light / s.distance_m;
+  s.radiance = light.intensity / squared;
+  // KHR_lights_punctual: recommended range window and cone fall-off
+  if (light.range_m > 0) {
+    const float ratio = s.distance_m / light.range_m;
+    s.radiance *= std::max(std::min(1 - ratio * ratio * ratio * ratio, 1.0f), 0.0f);
+  }
+  if (light.kind == PunctualLight::Kind::spot) {
+    const float width = std::max(light.cos_inner_cone - light.cos_outer_cone, 1e-3f);
+    const float a = std::clamp((-glm::dot(light.direction, s.direction) - light.cos_outer_cone) / width, 0.0f, 1.0f);
+    s.radiance *= a * a;
+  }
+  return s;
+}
+
+LightSample Lights::sample_triangle(std::size_t index, glm::vec3 point, float u, float v) const {
+  const EmissiveTriangle& light = triangles_[index];
+  const Mesh& mesh = scene_.meshes[light.mesh];
+  LightSample s;
+  // uniform over the triangle (Heitz 2019, low distortion)
+  float b1 = u, b2 = v;
+  if (b2 > b1) {
+    b1 *= 0.5f;
+    b2 -= b1;
+  } else {
+    b2 *= 0.5f;
+    b1 -= b2;
+  }
+  const glm::uvec3& t = mesh.triangles[light.triangle];
+  const glm::vec3 p0 = mesh.positions[t.x], p1 = mesh.positions[t.y], p2 = mesh.positions[t.z];
+  const glm::vec3 to_light = (1 - b1 - b2) * p0 + b1 * p1 + b2 * p2 - point;
+  const float squared = glm::dot(to_light, to_light);
+  if (!(squared > 0)) return s;
+  s.distance_m = std::sqrt(squared);
+  s.direction = to_light / s.distance_m;
+  const float cosine = std::abs(glm::dot(glm::normalize(glm::cross(p1 - p0, p2 - p0)), s.direction));
+  if (!(cosine > 1e-6f)) return s;
+  s.pdf = squared / (cosine * light.area_m2);
+  const Surface surface = surface_at(scene_, mesh, light.triangle, b1, b2, s.direction);
+  s.radiance = surface.emission_nits / s.pdf;
+  return s;
+}
+
+float Lights::environment_pdf(glm::vec3 normal, glm::vec3 direction) const {
+  if (environment_tables_.empty()) return 0;
+  const EnvironmentTable& table = environment_tables_[normal_cell(normal)];
+  const float u = std::atan2(direction.x, -direction.z) / (2 * kPi) + 0.5f;
+  const float v = std::acos(std::clamp(direction.y, -1.0f, 1.0f)) / kPi;
+  const int row = std::clamp(static_cast<int>(v * kRows), 0, kRows - 1);
+  const int column = std::clamp(static_cast<int>(u * kColumns), 0, kColumns - 1);
+  const float row_probability = table.rows[row] - (row > 0 ? table.rows[row - 1] : 0);
+  const auto& cells = table.cells[row];
+  const float cell_probability = cells[column] - (column > 0 ? cells[column - 1] : 0);
+  return cumulative_[0] * row_probability * cell_probability / row_solid_angle(row);
+}
+
+float Lights::triangle_pdf(unsigned mesh, unsigned triangle, float distance_m, float abs_cos_at_light) const {
+  const int first = first_triangle_of_mesh_[mesh];
+  if (first < 0 || !(abs_cos_at_light > 1e-6f)) return 0;
+  const std::size_t index = static_cast<std::size_t>(first) + triangle;
+  const std::size_t entry = environment_entries_ + scene_.lights.size() + index;
+  const float probability = cumulative_[entry] - (entry > 0 ? cumulative_[entry - 1] : 0);
+  return probability * distance_m * distance_m / (abs_cos_at_light * triangles_[index].area_m2);
+}
+
+}  // namespace dualpixel::simulator

@@ -1,0 +1,25 @@
+#pragma once
+#include <string>
+
+#include "simulator/scene/scene.h"
+
+namespace dualpixel::simulator {
+
+/// Reads a glTF 2.0 file (.gltf or .glb) into a Scene; the environment is left empty.
+///
+/// Taken over: the default scene's node tree; triangles (lists, strips, fans; indexed or not) with normals, two UV
+/// sets and vertex colours; sparse accessors; morph targets at their default weights; skins in the pose that the node
+/// tree gives them; metallic-roughness materials with textures, emission, alpha mask (alpha blend is taken as a mask
+/// at 0.5, with a warning); cameras; KHR_lights_punctual, KHR_texture_transform, KHR_materials_emissive_strength,
+/// KHR_materials_unlit, KHR_mesh_quantization.
+///
+/// The file is hostile until checked: accessor and view ranges, index and vertex values, finite numbers, node cycles,
+/// texture sizes; every URI must name a regular file inside the glTF file's own folder. Whatever fails, and every
+/// unknown *required* extension, throws InputError with one line that names file, field, value and what is allowed.
+Scene read_gltf(const std::string& path);
+
+/// The same from a file's bytes. `name` stands in messages; URIs of files are looked up in `folder`, none where it is
+/// empty.
+Scene read_gltf_bytes(const std::string& bytes, const std::string& name, const std::string& folder);
+
+}  // namespace dualpixel::simulator

@@ -1,0 +1,12 @@
+#pragma once
+#include "simulator/scene/gltf_files.h"
+#include "simulator/scene/scene.h"
+
+namespace dualpixel::simulator {
+
+/// The file's materials in their order, with the textures that they use decoded, then one default material (glTF's:
+/// white, metallic 1, roughness 1) at index model.materials.size(). Fills scene.materials, scene.textures and
+/// scene.warnings. Images must be PNG or JPEG of at most 16384 texels a side, 2^27 texels in all. Throws InputError.
+void read_materials(const GltfFile& file, Scene& scene);
+
+}  // namespace dualpixel::simulator

@@ -1,0 +1,100 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// A scene as plain arrays: what a glTF file becomes before Embree sees it. Everything here has been checked: indices
+/// are in range, values are finite, node transforms are applied. Lengths are metres in glTF's world axes (y up);
+/// light is photometric: radiance in nits (cd/m^2) for each of linear R, G, B (Rec. 709 primaries).
+namespace dualpixel::simulator {
+
+enum class Wrap : std::uint8_t { repeat, clamp, mirror };
+
+/// 8-bit RGBA texels, rows from top to bottom (v = 0 is the top row, as glTF has it).
+struct Texture {
+  int width = 0;
+  int height = 0;
+  bool srgb = false;  ///< RGB are sRGB encoded (alpha never is)
+  bool nearest = false;  ///< no bilinear filtering
+  Wrap wrap_u = Wrap::repeat;
+  Wrap wrap_v = Wrap::repeat;
+  std::vector<std::uint8_t> rgba;
+};
+
+/// A texture as one material slot uses it; KHR_texture_transform is folded into the affine map uv' = m * (u, v, 1).
+struct TextureSlot {
+  int texture = -1;  ///< index into Scene::textures, -1: none
+  int uv_set = 0;    ///< 0 or 1
+  std::array<float, 6> uv_from_uv = {1, 0, 0, 0, 1, 0};  ///< row-major 2x3
+};
+
+struct Material {
+  glm::vec4 base_color{1};
+  float metallic = 1;
+  float roughness = 1;
+  glm::vec3 emission_nits{0};  ///< factor times KHR_materials_emissive_strength
+  float normal_scale = 1;
+  float alpha_cutoff = 0;   ///< hits with alpha below it are passed through; 0: opaque
+  bool double_sided = false;
+  bool unlit = false;       ///< radiance is base colour times Scene::unlit_white_nits
+  TextureSlot base_color_texture;
+  TextureSlot metallic_roughness_texture;  ///< G roughness, B metallic
+  TextureSlot emissive_texture;
+  TextureSlot normal_texture;
+};
+
+/// One primitive of one node, in world space. Arrays other than positions are empty or have one entry per vertex.
+struct Mesh {
+  std::vector<glm::vec3> positions;
+  std::vector<glm::vec3> normals;   ///< unit length; empty: flat shading
+  std::vector<glm::vec2> uv0;
+  std::vector<glm::vec2> uv1;
+  std::vector<glm::vec4> colors;    ///< linear, multiplies the base colour
+  std::vector<glm::uvec3> triangles;
+  int material = 0;                 ///< index into Scene::materials
+  std::uint32_t object_id = 0;      ///< 1-based index of the glTF node
+  bool person = false;              ///< node or an ancestor has extras {"category": "person"}
+};
+
+/// KHR_lights_punctual, in world space.
+struct PunctualLight {
+  enum class Kind : std::uint8_t { point, spot, directional } kind = Kind::point;
+  glm::vec3 intensity{0};  ///< candela for point and spot, lux for directional; each of R, G, B
+  glm::vec3 position{0};
+  glm::vec3 direction{0, 0, -1};  ///< unit, the way the light travels
+  float range_m = 0;              ///< 0: unlimited
+  float cos_inner_cone = 1;
+  float cos_outer_cone = 0.70710678f;
+};
+
+/// Light from infinity: an equirectangular picture in nits. Row 0 is straight up (+y); the middle column is -z, and u
+/// grows towards +x. Empty: black.
+struct Environment {
+  int width = 0;
+  int height = 0;
+  std::vector<glm::vec3> radiance_nits;
+};
+
+/// A camera node: pose and, where the file gives it, the vertical field of view.
+struct CameraNode {
+  std::string name;
+  glm::mat4 world_from_node{1};  ///< glTF's camera looks along its own -z, y up; rigid
+  std::optional<float> vertical_fov_rad;
+};
+
+struct Scene {
+  std::vector<Texture> textures;
+  std::vector<Material> materials;  ///< at least one
+  std::vector<Mesh> meshes;
+  std::vector<PunctualLight> lights;
+  std::vector<CameraNode> cameras;
+  Environment environment;
+  float unlit_white_nits = 100;
+  std::vector<std::string> object_names;  ///< object_names[object_id - 1] is the node's name
+  std::vector<std::string> warnings;      ///< one line each: zero-area triangles left out, features ignored, ...
+};
+
+}  // namespace dualpixel::simulator

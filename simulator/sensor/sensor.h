@@ -1,0 +1,49 @@
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "capture/capture.h"
+#include "capture/image.h"
+
+/// From light to digital numbers. Each half of a photosite counts photons; the photosite's electrons are the sum of
+/// its halves, so mosaic and DP views share their shot noise as on a real sensor, and each read-out adds its own read
+/// noise. A DP pixel is the mean of the green half-photosites of its 2 x 4 block, read one by one and digitised
+/// together.
+namespace dualpixel::simulator {
+
+struct SensorOptions {
+  int width_px = 2688;   ///< even
+  int height_px = 2016;  ///< multiple of 4
+  double pixel_pitch_um = 1.4;
+  /// Electrons that 1 lx s of a neutral light on one undivided photosite frees under its R, G, B filter. At 555 nm one
+  /// lx s is 4.1e15 photons/m^2, 8000 on 1.4 um square; filter and quantum efficiency leave about half.
+  std::array<double, 3> electrons_per_lux_s = {3600, 4000, 3200};
+  double full_well_e = 6000;  ///< of the undivided photosite; the white level at ISO 100
+  double read_noise_e = 2.0;  ///< standard deviation of one read-out
+  int bits = 10;
+  double black_level_dn = 64;
+};
+
+struct ExposureOptions {
+  double time_s = 0.01;
+  double iso = 100;
+};
+
+/// Digital numbers per electron: the full well reaches the white level at ISO 100.
+double gain_dn_per_electron(const SensorOptions& sensor, double iso);
+
+/// Levels and the noise profiles that follow from shot noise, read noise and quantisation (variance 1/12 DN^2).
+Exposure describe_exposure(const SensorOptions& sensor, const ExposureOptions& exposure);
+
+/// Colour filter of a photosite (0 R, 1 G, 2 B) in an RGGB mosaic.
+constexpr int cfa_color(int x, int y) { return (x & 1) + (y & 1); }
+
+/// Mean electrons of each half-photosite under its colour filter; two channels: left, right. `left` and `right` are
+/// radiance in nits as render_views() gives it.
+Image expected_electrons(const Image& left, const Image& right, const SensorOptions& sensor,
+                         const ExposureOptions& exposure, double lux_per_nit);
+
+/// One frame's digital numbers. The same bytes for any number of threads.
+Frame expose(const Image& electrons, const SensorOptions& sensor, const ExposureOptions& exposure, std::uint64_t seed);
+
+}  // namespace dualpixel::simulator

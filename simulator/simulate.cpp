@@ -1,0 +1,305 @@
+#include "simulator/simulate.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <utility>
+
+#include "capture/error.h"
+#include "capture/json_fields.h"
+#include "simulator/render/hash.h"
+#include "simulator/render/truth.h"
+#include "simulator/scene/gltf.h"
+
+namespace dualpixel::simulator {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::string beside(const std::string& json_path, const std::string& name) {
+  return (std::filesystem::path(json_path).parent_path() / name).string();
+}
+
+glm::dvec3 to_vec(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
+
+void read_camera(Fields camera, Simulation& s) {
+  camera.text("node", s.camera_node);
+  if (camera.has("position_m") || camera.has("look_at_m") || camera.has("up")) {
+    if (camera.has("node")) camera.fail("node", "give either a camera node or position_m and look_at_m, not both");
+    CameraPose& pose = s.pose.emplace();
+    camera.required("position_m").numbers("position_m", pose.position_m.data(), 3);
+    camera.required("look_at_m").numbers("look_at_m", pose.look_at_m.data(), 3);
+    camera.numbers("up", pose.up.data(), 3);
+    const glm::dvec3 forward = to_vec(pose.look_at_m) - to_vec(pose.position_m);
+    if (!(glm::length(glm::cross(forward, to_vec(pose.up))) > 1e-9 * glm::length(forward))) {
+      camera.fail("look_at_m", "must differ from position_m, and not lie along `up` from it");
+    }
+  }
+  camera.number("focus_distance_m", s.lens.focus_distance_m, 0.001, kInfinity);
+  camera.done();
+}
+
+void read_lens(Fields lens, Simulation& s) {
+  std::string model = "thin";
+  double focal_length_mm = s.lens.focal_length_m * 1e3;
+  lens.choice("model", model, {"thin"});
+  lens.number("focal_length_mm", focal_length_mm, 0.1, 10000);
+  lens.number("f_number", s.lens.f_number, 0.1, 1000);
+  s.lens.focal_length_m = focal_length_mm * 1e-3;
+  Fields split = lens.object("split");
+  std::string kind = "ramp";
+  split.choice("model", kind, {"hard", "ramp"});
+  s.split.kind = kind == "hard" ? SplitPixel::Kind::hard : SplitPixel::Kind::ramp;
+  if (s.split.kind == SplitPixel::Kind::ramp) split.number("k", s.split.k, 1, 1e6);
+  split.done();
+  lens.done();
+}
+
+void read_sensor(Fields sensor, SensorOptions& s) {
+  sensor.integer("width_px", s.width_px, 2, 32768);
+  sensor.integer("height_px", s.height_px, 4, 32768);
+  if (s.width_px % 2 != 0)
+    sensor.fail("width_px", fmt::format("{}: must be even: the mosaic repeats every 2", s.width_px));
+  if (s.height_px % 4 != 0) {
+    sensor.fail("height_px", fmt::format("{}: must be a multiple of 4: a DP pixel is 4 photosites high", s.height_px));
+  }
+  sensor.number("pixel_pitch_um", s.pixel_pitch_um, 0.1, 100);
+  sensor.numbers("electrons_per_lux_s", s.electrons_per_lux_s.data(), 3);
+  for (double value : s.electrons_per_lux_s) {
+    if (!(value > 0 && value < 1e9)) sensor.fail("electrons_per_lux_s", fmt::format("{}: must lie in (0, 1e9)", value));
+  }
+  sensor.number("full_well_e", s.full_well_e, 1, 1e7);
+  sensor.number("read_noise_e", s.read_noise_e, 0, 1e4);
+  sensor.integer("bits", s.bits, 8, 16);
+  sensor.number("black_level_dn", s.black_level_dn, 0, std::exp2(s.bits) / 2);
+  sensor.done();
+}
+
+void read_environment_fields(Fields environment, Simulation& s, const std::string& path) {
+  environment.choice("model", s.environment_model, {"none", "constant", "sky", "file"});
+  if (s.environment_model == "constant") {
+    environment.required("nits").numbers("nits", s.environment_nits.data(), 3);
+    for (double value : s.environment_nits) {
+      if (!(value >= 0 && value <= 1e9)) environment.fail("nits", fmt::format("{}: must lie in [0, 1e9]", value));
+    }
+  } else if (s.environment_model == "sky") {
+    environment.number("sun_elevation_deg", s.sky.sun_elevation_deg, -90, 90);
+    environment.number("sun_azimuth_deg", s.sky.sun_azimuth_deg, -360, 360);
+    environment.number("zenith_nits", s.sky.zenith_nits, 0, 1e9);
+    environment.number("horizon_nits", s.sky.horizon_nits, 0, 1e9);
+    environment.number("ground_nits", s.sky.ground_nits, 0, 1e9);
+    environment.number("sun_glow_nits", s.sky.sun_glow_nits, 0, 1e9);
+    environment.number("sun_glow_width_deg", s.sky.sun_glow_width_deg, 0.5, 90);
+  } else if (s.environment_model == "file") {
+    std::string name;
+    environment.required("path").text("path", name);
+    s.environment_path = beside(path, name);
+    environment.number("nits_per_unit", s.environment_nits_per_unit, 0, 1e9);
+  }
+  environment.done();
+}
+
+void read_render(Fields render, Simulation& s) {
+  render.integer("samples_per_pixel", s.render.samples_per_pixel, 1, 65536);
+  render.integer("photograph_samples_per_pixel", s.photograph_samples_per_pixel, 1, 65536);
+  render.integer("all_in_focus_samples_per_pixel", s.all_in_focus_samples_per_pixel, 1, 65536);
+  render.integer("max_bounces", s.render.max_bounces, 0, 1000);
+  render.integer("seed", s.render.seed, 0, std::numeric_limits<std::uint64_t>::max());
+  render.done();
+}
+
+/// What simulate() holds at once for each photosite: two views, two truth pictures, the geometry, electrons, frames.
+void check_memory(Fields& sensor, const Simulation& s) {
+  const double bytes_per_photosite = 4 * (2 * 3 + 2 * 3 + 9 + 2) + 2.5 * s.burst_frames;
+  const double needed = bytes_per_photosite * s.sensor.width_px * s.sensor.height_px;
+  const double available = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  if (needed > available) {
+    sensor.fail("width_px",
+                fmt::format("{} x {} with a burst of {} needs {:.0f} GB; this machine has {:.0f} GB", s.sensor.width_px,
+                            s.sensor.height_px, s.burst_frames, needed / 1e9, available / 1e9));
+  }
+}
+
+Matrix4 row_major(const glm::mat4& m) {
+  Matrix4 result;
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) result[4 * row + column] = m[column][row];
+  }
+  return result;
+}
+
+Camera describe_camera(const Simulation& s, const CameraView& view) {
+  Camera c;
+  c.name = "simulated thin lens";
+  c.width_px = view.width_px;
+  c.height_px = view.height_px;
+  c.pixel_pitch_um = s.sensor.pixel_pitch_um;
+  c.focal_length_mm = s.lens.focal_length_m * 1e3;
+  c.f_number = s.lens.f_number;
+  c.focus_distance_m = s.lens.focus_distance_m;
+  c.principal_point_px = {view.principal_point_px.x, view.principal_point_px.y};
+  c.split = s.split.kind == SplitPixel::Kind::hard ? "hard" : "ramp";
+  c.alpha = s.split.alpha();
+  return c;
+}
+
+const CameraNode& camera_node(const Simulation& s, const Scene& scene) {
+  if (scene.cameras.empty()) {
+    throw InputError(printable(s.gltf_path) +
+                     ": /cameras: none: name a file with a camera node, or give camera.position_m and look_at_m");
+  }
+  if (s.camera_node.empty()) return scene.cameras.front();
+  std::vector<std::string> names;
+  for (const CameraNode& node : scene.cameras) {
+    if (node.name == s.camera_node) return node;
+    names.push_back(node.name);
+  }
+  throw InputError(fmt::format("{}: /nodes: no camera node is named '{}'{}", printable(s.gltf_path),
+                               printable(s.camera_node), did_you_mean(s.camera_node, names)));
+}
+
+bool gives_light(const Scene& scene) {
+  const auto shines = [](const Material& m) { return m.unlit || m.emission_nits != glm::vec3(0); };
+  return !scene.lights.empty() || !scene.environment.radiance_nits.empty() ||
+         std::any_of(scene.meshes.begin(), scene.meshes.end(),
+                     [&](const Mesh& mesh) { return shines(scene.materials[mesh.material]); });
+}
+
+void scale(Image& image, double factor) {
+  for (float& value : image.data) value = static_cast<float>(value * factor);
+}
+
+}  // namespace
+
+Simulation read_simulation(const nlohmann::json& json, const std::string& path) {
+  Simulation s;
+  s.json = json;
+  Fields root(s.json, path);
+  int version = 1;
+  root.required("version").integer("version", version, 1, 1);
+  std::string gltf;
+  root.required("gltf").text("gltf", gltf);
+  s.gltf_path = beside(path, gltf);
+  read_camera(root.object("camera"), s);
+  read_lens(root.object("lens"), s);
+  if (!(s.lens.focus_distance_m > s.lens.focal_length_m)) {
+    root.fail("camera/focus_distance_m", fmt::format("{}: must be greater than the focal length, {} m",
+                                                     s.lens.focus_distance_m, s.lens.focal_length_m));
+  }
+  Fields sensor = root.object("sensor");
+  read_sensor(sensor, s.sensor);
+  Fields exposure = root.object("exposure");
+  exposure.number("time_s", s.exposure.time_s, 1e-7, 1e4);
+  exposure.number("iso", s.exposure.iso, 1, 1e6);
+  exposure.done();
+  Fields burst = root.object("burst");
+  burst.integer("frames", s.burst_frames, 1, 1000);
+  burst.done();
+  read_environment_fields(root.object("environment"), s, path);
+  root.number("unlit_white_nits", s.unlit_white_nits, 0, 1e9);
+  if (root.has("face_px")) {
+    s.face_px.emplace();
+    root.numbers("face_px", s.face_px->data(), 4);
+    const auto& f = *s.face_px;
+    if (f[0] < 0 || f[1] < 0 || !(f[2] > 0) || !(f[3] > 0)) {
+      root.fail("face_px", "must be x, y, width, height in photosites, width and height above 0");
+    }
+  }
+  Fields truth = root.object("truth");
+  truth.number("photograph_aperture_scale", s.photograph_aperture_scale, 0, 100);
+  truth.done();
+  read_render(root.object("render"), s);
+  root.done();
+  check_memory(sensor, s);
+  return s;
+}
+
+Scene load_scene(const Simulation& s) {
+  Scene scene = read_gltf(s.gltf_path);
+  scene.unlit_white_nits = static_cast<float>(s.unlit_white_nits);
+  if (s.environment_model == "constant") {
+    const glm::vec3 nits(s.environment_nits[0], s.environment_nits[1], s.environment_nits[2]);
+    scene.environment = {2, 1, {nits, nits}};
+  } else if (s.environment_model == "sky") {
+    scene.environment = make_sky(s.sky);
+  } else if (s.environment_model == "file") {
+    scene.environment = read_environment(s.environment_path, static_cast<float>(s.environment_nits_per_unit));
+  }
+  if (!gives_light(scene)) {
+    throw InputError(printable(s.gltf_path) +
+                     ": no light: give the scene file an environment, or the glTF file lights or emissive materials");
+  }
+  return scene;
+}
+
+CameraView place_camera(const Simulation& s, const Scene& scene) {
+  CameraView view;
+  if (s.pose) {
+    const glm::dvec3 forward = glm::normalize(to_vec(s.pose->look_at_m) - to_vec(s.pose->position_m));
+    const glm::dvec3 right = glm::normalize(glm::cross(forward, to_vec(s.pose->up)));
+    const glm::dvec3 down = glm::cross(forward, right);
+    view.world_from_camera = glm::mat4(glm::dmat4(glm::dvec4(right, 0), glm::dvec4(down, 0), glm::dvec4(forward, 0),
+                                                  glm::dvec4(to_vec(s.pose->position_m), 1)));
+  } else {
+    // glTF's camera looks along -z with y up
+    view.world_from_camera =
+        camera_node(s, scene).world_from_node * glm::mat4(1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1);
+  }
+  view.lens = s.lens;
+  view.split = s.split;
+  view.width_px = s.sensor.width_px;
+  view.height_px = s.sensor.height_px;
+  view.pixel_pitch_m = s.sensor.pixel_pitch_um * 1e-6;
+  view.principal_point_px = {0.5 * view.width_px, 0.5 * view.height_px};
+  return view;
+}
+
+Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& stage) {
+  const auto report = [&](const char* name) -> ProgressCallback {
+    if (!stage) return {};
+    return [&stage, name](double fraction) { stage(name, fraction); };
+  };
+  const CameraView view = place_camera(s, scene);
+  const RenderScene world(scene);
+
+  Capture capture;
+  capture.camera = describe_camera(s, view);
+  capture.exposure = describe_exposure(s.sensor, s.exposure);
+  capture.face_px = s.face_px;
+
+  // Truth pictures in the frames' normalised signal: a neutral grey reads the same in all channels after the sensor's
+  // colour response is divided out, as white balance does.
+  const double lux_s_per_nit = s.lens.lux_per_nit() * s.exposure.time_s;
+  const double unit_per_nit = lux_s_per_nit / capture.exposure.lux_s_per_unit;
+  capture.truth = trace_truth(world, view);
+  RenderOptions options = s.render;
+  options.aperture_scale = 0;
+  options.samples_per_pixel = s.all_in_focus_samples_per_pixel;
+  options.seed = hash(s.render.seed, 1);
+  capture.truth->all_in_focus = undivided(render_views(world, view, options, report("all-in-focus image")));
+  options.aperture_scale = s.photograph_aperture_scale;
+  options.samples_per_pixel = s.photograph_samples_per_pixel;
+  options.seed = hash(s.render.seed, 2);
+  capture.truth->photograph = undivided(render_views(world, view, options, report("wide-aperture photograph")));
+  capture.truth->photograph_aperture_scale = s.photograph_aperture_scale;
+  scale(capture.truth->all_in_focus, unit_per_nit);
+  scale(capture.truth->photograph, unit_per_nit);
+
+  const Image electrons = [&] {
+    const Views views = render_views(world, view, s.render, report("left and right view"));
+    return expected_electrons(views.left, views.right, s.sensor, s.exposure, s.lens.lux_per_nit());
+  }();
+  for (int i = 0; i < s.burst_frames; ++i) {
+    capture.frames.push_back(expose(electrons, s.sensor, s.exposure, hash(s.render.seed, 3, i)));
+    capture.frames.back().camera_from_world = row_major(glm::inverse(view.world_from_camera));
+    if (stage) stage("sensor", (i + 1.0) / s.burst_frames);
+  }
+  capture.provenance["scene"] = s.json;
+  return capture;
+}
+
+}  // namespace dualpixel::simulator

@@ -1,0 +1,66 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "capture/capture.h"
+#include "simulator/lens/split_pixel.h"
+#include "simulator/lens/thin_lens.h"
+#include "simulator/render/views.h"
+#include "simulator/scene/environment.h"
+#include "simulator/scene/scene.h"
+#include "simulator/sensor/sensor.h"
+
+/// The simulator from end to end: scene + lens + sensor -> capture with truth.
+namespace dualpixel::simulator {
+
+/// A camera of the scene file's own, for glTF files without one; takes the place of the node.
+struct CameraPose {
+  std::array<double, 3> position_m{};
+  std::array<double, 3> look_at_m{};
+  std::array<double, 3> up = {0, 1, 0};
+};
+
+/// What a scene JSON file says (docs/scene.md), every field checked. Units are in the names.
+struct Simulation {
+  std::string gltf_path;    ///< resolved against the JSON file's folder
+  std::string camera_node;  ///< empty: the glTF file's first camera
+  std::optional<CameraPose> pose;
+  ThinLens lens{4.442e-3, 1.8, 1.0};
+  SplitPixel split;
+  SensorOptions sensor;
+  ExposureOptions exposure;
+  int burst_frames = 9;
+  std::string environment_model = "none";  ///< "none", "constant", "sky", "file"
+  std::array<double, 3> environment_nits{};
+  SkyOptions sky;
+  std::string environment_path;
+  double environment_nits_per_unit = 1;
+  double unlit_white_nits = 100;
+  std::optional<std::array<double, 4>> face_px;
+  double photograph_aperture_scale = 5;
+  RenderOptions render;
+  int photograph_samples_per_pixel = 48;
+  int all_in_focus_samples_per_pixel = 8;
+  nlohmann::json json;  ///< the document as it was read, overrides applied
+};
+
+/// Reads a scene JSON document that came from `path`, after overrides ("camera.focus_distance_m=0.9") were applied to
+/// it. Throws InputError for unknown fields, values out of range, focus inside the focal length, and pictures that
+/// would not fit into this machine's memory.
+Simulation read_simulation(const nlohmann::json& json, const std::string& path);
+
+/// Reads glTF and environment that `simulation` names. Throws InputError, also where nothing in them gives light.
+Scene load_scene(const Simulation& simulation);
+
+/// The camera of `simulation` as it stands in `scene`. Throws InputError where the node is missing.
+CameraView place_camera(const Simulation& simulation, const Scene& scene);
+
+/// `stage` is called with what is being done and the fraction of it that is.
+using StageCallback = std::function<void(const std::string& stage, double fraction)>;
+Capture simulate(const Simulation& simulation, const Scene& scene, const StageCallback& stage = {});
+
+}  // namespace dualpixel::simulator

@@ -1,0 +1,131 @@
+#include "capture/files.h"
+
+#include <gtest/gtest.h>
+
+#include "capture/error.h"
+#include "tests/capture/temporary_folder.h"
+
+namespace dualpixel {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string new_folder_refusal(const std::string& path) {
+  return message_of<InputError>([&] { NewFolder(path, "capture.json").commit(); });
+}
+
+TEST(NewFolder, AppearsWholeOrNotAtAll) {
+  const TemporaryFolder folder;
+  {
+    NewFolder output(folder / "out", "capture.json");
+    write_file(output.path() + "/a", "bytes");
+    EXPECT_FALSE(fs::exists(folder / "out"));
+    EXPECT_EQ(fs::path(output.path()).parent_path(), folder.path);
+  }
+  EXPECT_TRUE(folder.names().empty());
+  {
+    NewFolder output(folder / "out/", "capture.json");
+    write_file(output.path() + "/a", "bytes");
+    output.commit();
+  }
+  EXPECT_EQ(folder.names(), std::set<std::string>{"out"});
+  EXPECT_EQ(read_bytes(folder / "out/a"), "bytes");
+}
+
+TEST(NewFolder, ReplacesItsOwnKindAndEmptyFoldersOnly) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "empty");
+  fs::create_directory(folder / "ours");
+  write_bytes(folder / "ours/capture.json", "{}");
+  write_bytes(folder / "ours/old", "old");
+  for (const char* name : {"empty", "ours"}) {
+    NewFolder output(folder / name, "capture.json");
+    write_file(output.path() + "/new", "new");
+    output.commit();
+  }
+  EXPECT_EQ(folder.names(), (std::set<std::string>{"empty", "ours"}));
+  EXPECT_TRUE(fs::exists(folder / "ours/new"));
+  EXPECT_FALSE(fs::exists(folder / "ours/old"));
+
+  fs::create_directory(folder / "precious");
+  write_bytes(folder / "precious/thesis", "text");
+  write_bytes(folder / "file", "text");
+  EXPECT_NE(new_folder_refusal(folder / "precious").find("will not be overwritten"), std::string::npos);
+  EXPECT_EQ(new_folder_refusal(folder / "file"), folder / "file" + ": exists and is no folder");
+  EXPECT_EQ(read_bytes(folder / "precious/thesis"), "text");
+  EXPECT_EQ(read_bytes(folder / "file"), "text");
+}
+
+TEST(NewFolder, ChecksAgainBeforeItReplaces) {
+  const TemporaryFolder folder;
+  NewFolder output(folder / "out", "capture.json");
+  fs::create_directory(folder / "out");
+  write_bytes(folder / "out/thesis", "text");
+  EXPECT_THROW(output.commit(), InputError);
+  EXPECT_EQ(read_bytes(folder / "out/thesis"), "text");
+}
+
+TEST(NewFolder, TwoWritersAtOnceLeaveOneWholeFolder) {
+  const TemporaryFolder folder;
+  {
+    NewFolder first(folder / "out", "capture.json"), second(folder / "out", "capture.json");
+    write_file(first.path() + "/capture.json", "1");
+    write_file(second.path() + "/capture.json", "2");
+    second.commit();
+    first.commit();
+  }
+  EXPECT_EQ(folder.names(), std::set<std::string>{"out"});
+  EXPECT_EQ(read_bytes(folder / "out/capture.json"), "1");
+}
+
+TEST(NewFolder, RefusesPlacesThatCannotBeWritten) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "file", "text");
+  for (const std::string& path : {folder / "no/such/parent", folder / "file/out", std::string("/proc/dualpixel_out"),
+                                  std::string(), folder / std::string(1000, 'x')}) {
+    const std::string message = new_folder_refusal(path);
+    EXPECT_NE(message, "") << path;
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+  }
+  EXPECT_EQ(folder.names(), std::set<std::string>{"file"});
+}
+
+TEST(NewFolder, FollowsALinkToItsTarget) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "real");
+  fs::create_directory_symlink("real", folder / "link");
+  NewFolder output(folder / "link", "capture.json");
+  write_file(output.path() + "/a", "x");
+  output.commit();
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_TRUE(fs::exists(folder / "real/a"));
+}
+
+TEST(RemoveUnfinishedOutputs, LeavesNothing) {
+  const TemporaryFolder folder;
+  NewFolder output(folder / "out", "capture.json");
+  write_file(output.path() + "/a", "x");
+  remove_unfinished_outputs();
+  EXPECT_TRUE(folder.names().empty());
+}
+
+TEST(HashOf, IsXxh64) {
+  // The reference implementation's values for seed 0.
+  EXPECT_EQ(hash_of(""), "ef46db3751d8e999");
+  EXPECT_EQ(hash_of("abc"), "44bc2cf5ad770999");
+}
+
+TEST(ReplaceFile, ReplacesWholeOrNotAtAll) {
+  const TemporaryFolder folder;
+  replace_file(folder / "report.html", "one");
+  replace_file(folder / "report.html", "two");
+  EXPECT_EQ(read_bytes(folder / "report.html"), "two");
+  fs::create_directory(folder / "sub");
+  EXPECT_THROW(replace_file(folder / "sub", "x"), InputError);
+  EXPECT_THROW(replace_file(folder / "none/x", "x"), InputError);
+  EXPECT_THROW(replace_file("/dev/full", "x"), InputError);
+  EXPECT_EQ(folder.names(), (std::set<std::string>{"report.html", "sub"}));
+}
+
+}  // namespace
+}  // namespace dualpixel

@@ -1,0 +1,238 @@
+#include "capture/image_io.h"
+
+#include <OpenImageIO/deepdata.h>
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cmath>
+#include <limits>
+
+#include "capture/error.h"
+#include "tests/capture/temporary_folder.h"
+
+namespace dualpixel {
+namespace {
+
+std::string read_refusal(const std::string& path) {
+  return message_of<InputError>([&] { read_image(path); });
+}
+
+/// Distinct values in every pixel and channel.
+Image ramp(int width, int height, int channels, float scale = 1) {
+  Image image(width, height, channels);
+  for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = scale * (static_cast<float>(i) + 0.1f);
+  return image;
+}
+
+TEST(ImageIo, ExrKeepsFloatsExactly) {
+  const TemporaryFolder folder;
+  Image depth = ramp(7, 5, 1), normal = ramp(7, 5, 3, -1.7f);
+  depth.at(3, 2) = std::numeric_limits<float>::infinity();
+  ImageU32 ids(7, 5);
+  for (std::size_t i = 0; i < ids.data.size(); ++i) ids.data[i] = 4294967295u - static_cast<std::uint32_t>(i);
+  write_exr(folder / "a.exr", {{"Z", &depth}, {"N.X", &normal, 0}, {"N.Y", &normal, 1}, {"N.Z", &normal, 2}}, false,
+            &ids, {{"focus", 1.5f}});
+
+  const std::vector<Image> planes = read_exr(folder / "a.exr", {"N.Z", "Z", "N.X"});
+  ASSERT_EQ(planes.size(), 3u);
+  EXPECT_EQ(planes[1].data, depth.data);
+  for (int y = 0; y < 5; ++y) {
+    for (int x = 0; x < 7; ++x) {
+      EXPECT_EQ(planes[0].at(x, y), normal.at(x, y, 2));
+      EXPECT_EQ(planes[2].at(x, y), normal.at(x, y, 0));
+    }
+  }
+  EXPECT_EQ(read_exr_ids(folder / "a.exr").data, ids.data);
+  const PictureSize size = picture_size(folder / "a.exr");
+  EXPECT_EQ(size.format, "openexr");
+  EXPECT_EQ(size.width, 7);
+  EXPECT_EQ(size.height, 5);
+  EXPECT_EQ(std::set<std::string>(size.channels.begin(), size.channels.end()),
+            (std::set<std::string>{"Z", "N.X", "N.Y", "N.Z", "id"}));
+  EXPECT_EQ(message_of<InputError>([&] {
+              read_exr(folder / "a.exr", {"Z", "W"});
+            }).find(folder / "a.exr" + ": has no channel 'W'"),
+            0u);
+}
+
+TEST(ImageIo, ExrHeaderFollowsItsConventions) {
+  const TemporaryFolder folder;
+  const Image image = ramp(4, 4, 3);
+  write_exr(folder / "a.exr", {{"R", &image, 0}, {"G", &image, 1}, {"B", &image, 2}}, true, nullptr,
+            {{"focus", 1.5f}, {"aperture", 1.8f}, {"isoSpeed", 100.0f}, {"expTime", 0.01f}});
+  const auto input = OIIO::ImageInput::open(folder / "a.exr");
+  ASSERT_TRUE(input);
+  EXPECT_EQ(input->spec().format, OIIO::TypeDesc::HALF);
+  EXPECT_TRUE(std::string(input->spec()["compression"].get()).starts_with("zip"));
+  const std::string header = read_bytes(folder / "a.exr").substr(0, 1000);
+  for (const char* attribute : {"focus", "aperture", "isoSpeed", "expTime"}) {
+    EXPECT_NE(header.find(std::string(attribute) + '\0' + "float"), std::string::npos) << attribute;
+  }
+}
+
+TEST(ImageIo, HalfRoundsToElevenBits) {
+  const TemporaryFolder folder;
+  const Image image = ramp(16, 16, 3, 0.37f);
+  write_exr(folder / "a.exr", {{"R", &image, 0}, {"G", &image, 1}, {"B", &image, 2}}, true);
+  const Image back = read_image(folder / "a.exr");
+  ASSERT_EQ(back.channels, 3);
+  for (std::size_t i = 0; i < image.data.size(); ++i) {
+    EXPECT_NEAR(back.data[i], image.data[i], image.data[i] * std::ldexp(1.0, -11));
+  }
+}
+
+TEST(ImageIo, Png16KeepsDigitalNumbers) {
+  const TemporaryFolder folder;
+  ImageU16 image(256, 257);
+  for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = static_cast<std::uint16_t>(i);
+  write_png16(folder / "a.png", image);
+  EXPECT_EQ(read_image_u16(folder / "a.png", 1).data, image.data);
+  EXPECT_FLOAT_EQ(read_image(folder / "a.png").data[65535], 1.0f);
+  EXPECT_EQ(message_of<InputError>([&] { read_image_u16(folder / "a.png", 3); }),
+            folder / "a.png" + ": has 1 channels; 3 are needed");
+}
+
+TEST(ImageIo, Png8RoundsAndClamps) {
+  const TemporaryFolder folder;
+  Image image(4, 1, 3, 0.5f);
+  image.at(0, 0, 0) = -1;
+  image.at(1, 0, 1) = 7;
+  image.at(2, 0, 2) = 100.0f / 255;
+  write_png8(folder / "a.png", image);
+  const ImageU16 back = read_image_u16(folder / "a.png", 3);
+  EXPECT_EQ(back.at(0, 0, 0), 0);
+  EXPECT_EQ(back.at(1, 0, 1), 255);
+  EXPECT_EQ(back.at(2, 0, 2), 100);
+}
+
+TEST(ImageIo, SameBytesEachTime) {
+  const TemporaryFolder folder;
+  const Image image = ramp(64, 64, 3);
+  for (const char* name : {"a.exr", "b.exr"}) write_exr(folder / name, {{"R", &image, 0}, {"G", &image, 1}}, false);
+  EXPECT_EQ(read_bytes(folder / "a.exr"), read_bytes(folder / "b.exr"));
+}
+
+TEST(ImageIo, TheFormatIsKnownByItsBytes) {
+  const TemporaryFolder folder;
+  write_png8(folder / "a.png", Image(3, 2, 1, 1.0f));
+  std::filesystem::rename(folder / "a.png", folder / "a.exr");
+  EXPECT_EQ(read_image(folder / "a.exr").width, 3);
+  write_bytes(folder / "b.png", "P6 1 1 255 abc");
+  EXPECT_EQ(read_refusal(folder / "b.png"),
+            folder / "b.png" + ": is no picture that can be read (EXR, PNG, TIFF, JPEG or HDR)");
+}
+
+TEST(ImageIo, ReadsOtherFormats) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.tif", "a.jpg", "a.hdr"}) {
+    const auto output = OIIO::ImageOutput::create(folder / name);
+    ASSERT_TRUE(output) << name;
+    const Image image(8, 8, 3, 0.5f);
+    ASSERT_TRUE(output->open(folder / name, OIIO::ImageSpec(8, 8, 3, OIIO::TypeDesc::FLOAT)));
+    ASSERT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, image.data.data()));
+    output->close();
+    EXPECT_NEAR(read_image(folder / name).at(4, 4, 1), 0.5, 0.01) << name;
+  }
+}
+
+TEST(ImageIo, RefusesWhatIsNoRegularFile) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(read_refusal(folder / "none.png"), folder / "none.png" + ": no such file");
+  EXPECT_EQ(read_refusal(folder.path.string()), folder.path.string() + ": is a folder, not a file");
+  ASSERT_EQ(mkfifo((folder / "pipe.png").c_str(), 0600), 0);
+  EXPECT_EQ(read_refusal(folder / "pipe.png"), folder / "pipe.png" + ": is not a regular file");
+  write_bytes(folder / "empty.png", "");
+  EXPECT_NE(read_refusal(folder / "empty.png"), "");
+}
+
+TEST(ImageIo, RefusesEveryTruncation) {
+  const TemporaryFolder folder;
+  const Image image = ramp(33, 17, 3);
+  write_png8(folder / "a.png", ramp(33, 17, 3, 1e-3f));
+  write_exr(folder / "a.exr", {{"R", &image, 0}, {"G", &image, 1}, {"B", &image, 2}}, false);
+  for (const std::string name : {"a.png", "a.exr"}) {
+    const std::string bytes = read_bytes(folder / name);
+    // What is cut off at the very end may be a checksum or padding that no decoder needs.
+    for (std::size_t size = 0; size + 32 < bytes.size(); size += 1 + size / 8) {
+      write_bytes(folder / "cut", bytes.substr(0, size));
+      const std::string message = read_refusal(folder / "cut");
+      EXPECT_TRUE(message.starts_with(folder / "cut" + ": ")) << name << " cut to " << size << " of " << bytes.size();
+      EXPECT_EQ(message.find('\n'), std::string::npos);
+    }
+  }
+}
+
+/// A PNG's header alone, with the size that it claims.
+std::string png_header(std::uint32_t width, std::uint32_t height) {
+  std::string chunk = "IHDR";
+  for (const std::uint32_t side : {width, height}) {
+    for (const int shift : {24, 16, 8, 0}) chunk += static_cast<char>(side >> shift);
+  }
+  chunk += std::string("\x10\x02\0\0\0", 5);
+  std::uint32_t crc = ~0u;
+  for (const char c : chunk) {
+    crc ^= static_cast<unsigned char>(c);
+    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
+  }
+  crc = ~crc;
+  std::string file("\x89PNG\r\n\x1a\n\0\0\0\x0d", 12);
+  file += chunk;
+  for (const int shift : {24, 16, 8, 0}) file += static_cast<char>(crc >> shift);
+  return file + std::string("\0\0\0\0IDAT", 8);
+}
+
+TEST(ImageIo, RefusesClaimedSizesBeforeReading) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "wide.png", png_header(70000, 1));
+  EXPECT_NE(read_refusal(folder / "wide.png"), "");
+  write_bytes(folder / "big.png", png_header(60000, 60000));
+  EXPECT_NE(read_refusal(folder / "big.png").find("at most 65536 a side and 500000000 values"), std::string::npos);
+}
+
+TEST(ImageIo, RefusesDeepAndMultipartExr) {
+  const TemporaryFolder folder;
+  const OIIO::ImageSpec spec(4, 4, 3, OIIO::TypeDesc::FLOAT);
+  const Image image(4, 4, 3, 0.5f);
+  {
+    const auto output = OIIO::ImageOutput::create("openexr");
+    const OIIO::ImageSpec parts[2] = {spec, spec};
+    ASSERT_TRUE(output->open(folder / "parts.exr", 2, parts));
+    output->write_image(OIIO::TypeDesc::FLOAT, image.data.data());
+    ASSERT_TRUE(output->open(folder / "parts.exr", spec, OIIO::ImageOutput::AppendSubimage));
+    output->write_image(OIIO::TypeDesc::FLOAT, image.data.data());
+    output->close();
+  }
+  EXPECT_EQ(read_refusal(folder / "parts.exr"), folder / "parts.exr" + ": EXR of several parts is not supported");
+  {
+    const auto output = OIIO::ImageOutput::create("openexr");
+    OIIO::ImageSpec deep(4, 4, 1, OIIO::TypeDesc::FLOAT);
+    deep.channelnames = {"Z"};
+    deep.deep = true;
+    ASSERT_TRUE(output->open(folder / "deep.exr", deep));
+    OIIO::DeepData data(deep);
+    for (int pixel = 0; pixel < 16; ++pixel) data.set_samples(pixel, 1);
+    output->write_deep_image(data);
+    output->close();
+  }
+  EXPECT_EQ(read_refusal(folder / "deep.exr"), folder / "deep.exr" + ": deep EXR is not supported");
+}
+
+TEST(ImageIo, RefusesToWriteWhereItCannot) {
+  const Image image(2, 2, 1, 0.5f);
+  EXPECT_THROW(write_png8("/proc/no/a.png", image), InputError);
+  EXPECT_THROW(write_exr("/proc/no/a.exr", {{"Y", &image}}, false), InputError);
+  EXPECT_THROW(write_png16("/dev/full", ImageU16(64, 64)), InputError);
+}
+
+TEST(Srgb, MatchesTheStandardsTable) {
+  // IEC 61966-2-1: code values 0..255 decode to these linear values.
+  EXPECT_NEAR(srgb_from_linear(0.21586050f) * 255, 128, 0.01);
+  EXPECT_NEAR(srgb_from_linear(0.00303527f) * 255, 10, 0.01);
+  EXPECT_EQ(srgb_from_linear(-1), 0);
+  EXPECT_NEAR(srgb_from_linear(2), 1, 1e-6);
+  EXPECT_EQ(srgb_from_linear(std::nanf("")), 0);
+}
+
+}  // namespace
+}  // namespace dualpixel

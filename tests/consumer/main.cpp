@@ -1,0 +1,15 @@
+#include <capture/capture.h>
+#include <pipeline/portrait.h>
+#include <simulator/scene/gltf.h>
+
+#include <iostream>
+
+// Counts what a capture or a glTF file holds: calls into the libraries, so that linking proves them.
+int main(int argc, char** argv) try {
+  if (argc == 3) std::cout << dualpixel::simulator::read_gltf(argv[2]).meshes.size() << " meshes\n";
+  if (argc == 2) std::cout << dualpixel::read_capture(argv[1], false).frames.size() << " frames\n";
+  std::cout << dualpixel::pipeline::PortraitResult().stages.size() << " stages\n";
+} catch (const std::exception& error) {
+  std::cerr << error.what() << '\n';
+  return 2;
+}

@@ -1,0 +1,87 @@
+#include <gtest/gtest.h>
+
+#include "pipeline/burst/average.h"
+#include "pipeline/burst/demosaic.h"
+
+namespace dualpixel::pipeline {
+namespace {
+
+TEST(Average, IsTheMeanOfTheNormalisedFrames) {
+  Exposure exposure;
+  exposure.black_level_dn = 64;
+  exposure.white_level_dn = 1023;
+  std::vector<Frame> frames(3);
+  for (int i = 0; i < 3; ++i) {
+    frames[i].mosaic = ImageU16(4, 4, 1, static_cast<std::uint16_t>(100 + i));
+    frames[i].left = ImageU16(2, 1, 1, static_cast<std::uint16_t>(64));
+    frames[i].right = ImageU16(2, 1, 1, static_cast<std::uint16_t>(1023));
+  }
+  frames[1].mosaic.at(3, 2) = 401;  // others there: 100 and 102
+  const MergedBurst merged = average_burst(frames, exposure);
+  EXPECT_FLOAT_EQ(merged.mosaic.at(0, 0), (101.0f - 64) / 959);
+  EXPECT_FLOAT_EQ(merged.mosaic.at(3, 2), (201.0f - 64) / 959);
+  EXPECT_FLOAT_EQ(merged.left.at(1, 0), 0);
+  EXPECT_FLOAT_EQ(merged.right.at(1, 0), 1);
+  for (Frame& frame : frames) frame.mosaic = {};
+  EXPECT_TRUE(average_burst(frames, exposure).mosaic.empty());
+}
+
+/// A mosaic whose photosites see color(x, y, channel).
+template <typename Color>
+Image mosaic_of(int width, int height, const std::string& cfa, const Color& color) {
+  Image mosaic(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const char name = cfa[2 * (y % 2) + x % 2];
+      mosaic.at(x, y) = color(x, y, name == 'R' ? 0 : name == 'G' ? 1 : 2);
+    }
+  }
+  return mosaic;
+}
+
+class DemosaicEachPattern : public testing::TestWithParam<std::string> {};
+
+TEST_P(DemosaicEachPattern, FlatColorIsExactUpToTheBorder) {
+  const float flat[3] = {0.25f, 0.5f, 0.75f};
+  const Image rgb = demosaic(mosaic_of(12, 8, GetParam(), [&](int, int, int c) { return flat[c]; }), GetParam());
+  // The gradient correction is a Laplacian of one colour: 0 here, so no channel leaks into another.
+  for (int y = 0; y < 8; ++y) {
+    for (int x = 0; x < 12; ++x) {
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb.at(x, y, c), flat[c], 1e-6) << x << ' ' << y << ' ' << c;
+    }
+  }
+}
+
+TEST_P(DemosaicEachPattern, LinearRampIsExactInside) {
+  const auto ramp = [](int x, int y, int c) {
+    return 0.125f * static_cast<float>(c) + 0.015625f * static_cast<float>(x) - 0.0078125f * static_cast<float>(y);
+  };
+  const Image rgb = demosaic(mosaic_of(16, 12, GetParam(), ramp), GetParam());
+  for (int y = 2; y < 10; ++y) {
+    for (int x = 2; x < 14; ++x) {
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb.at(x, y, c), ramp(x, y, c), 1e-6) << x << ' ' << y << ' ' << c;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Demosaic, DemosaicEachPattern, testing::Values("RGGB", "BGGR", "GRBG", "GBRG"));
+
+TEST(Demosaic, SmallestMosaicsAreFinite) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {2, 2}, {3, 7}}) {
+    const Image rgb = demosaic(Image(width, height, 1, 0.5f), "RGGB");
+    for (const float value : rgb.data) EXPECT_NEAR(value, 0.5f, 1e-6);
+  }
+}
+
+TEST(WhiteBalance, ClipsWhereTheFirstColorClips) {
+  const Image balanced =
+      white_balanced(mosaic_of(4, 4, "RGGB", [](int, int, int) { return 1.0f; }), "RGGB", {2, 1, 1.5});
+  for (const float value : balanced.data) EXPECT_EQ(value, 1.0f);  // white stays white
+  const Image dim = white_balanced(mosaic_of(4, 4, "GRBG", [](int, int, int) { return 0.25f; }), "GRBG", {2, 1, 1.5});
+  EXPECT_EQ(dim.at(0, 0), 0.25f);
+  EXPECT_EQ(dim.at(1, 0), 0.5f);
+  EXPECT_EQ(dim.at(0, 1), 0.375f);
+}
+
+}  // namespace
+}  // namespace dualpixel::pipeline

@@ -1,0 +1,138 @@
+#include "simulator/simulate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "capture/error.h"
+#include "tests/simulator/test_scenes.h"
+
+namespace dualpixel::simulator::testing {
+namespace {
+
+using nlohmann::json;
+
+json minimal() { return {{"version", 1}, {"gltf", "scene.glb"}}; }
+
+/// The message with which reading `document` fails; empty where it does not.
+std::string refusal(const json& document) {
+  try {
+    read_simulation(document, "dir/s.json");
+    return {};
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+TEST(SceneFile, DefaultsArePhoneClass) {
+  const Simulation s = read_simulation(minimal(), "dir/s.json");
+  EXPECT_EQ(s.gltf_path, "dir/scene.glb");
+  EXPECT_EQ(s.sensor.width_px, 2688);
+  EXPECT_EQ(s.burst_frames, 9);
+  EXPECT_NEAR(s.split.alpha(), 0.21, 0.001);
+  EXPECT_NEAR(s.lens.pupil_diameter_m(), 2.468e-3, 1e-6);
+}
+
+TEST(SceneFile, FocusAtInfinityIsFine) {
+  json document = minimal();
+  document["camera"]["focus_distance_m"] = "inf";
+  const Simulation s = read_simulation(document, "s.json");
+  EXPECT_TRUE(std::isinf(s.lens.focus_distance_m));
+  EXPECT_DOUBLE_EQ(s.lens.image_distance_m(), s.lens.focal_length_m);
+}
+
+TEST(SceneFile, RefusesWhatCannotBeAndNamesIt) {
+  struct Case {
+    const char* pointer;
+    json value;
+    std::vector<std::string> named;
+  };
+  const std::vector<Case> cases = {
+      {"/camera/focus_distance_m", 0.004, {"focus_distance_m", "0.004", "focal length"}},
+      {"/lens/f_number", 0, {"/lens/f_number", "0"}},
+      {"/lens/f_number", -1.8, {"/lens/f_number", "-1.8"}},
+      {"/lens/split/k", 0.5, {"/lens/split/k", "0.5"}},
+      {"/lens/focal_lenght_mm", 4, {"focal_lenght_mm", "focal_length_mm"}},
+      {"/exposure/time_s", -0.01, {"/exposure/time_s", "-0.01"}},
+      {"/exposure/iso", 0, {"/exposure/iso", "0"}},
+      {"/sensor/width_px", 0, {"/sensor/width_px", "0"}},
+      {"/sensor/width_px", 33, {"/sensor/width_px", "33", "even"}},
+      {"/sensor/height_px", 34, {"/sensor/height_px", "34", "multiple of 4"}},
+      {"/sensor/pixel_pitch_um", -1, {"/sensor/pixel_pitch_um"}},
+      {"/sensor/bits", 7, {"/sensor/bits", "7"}},
+      {"/sensor/full_well_e", 0, {"/sensor/full_well_e"}},
+      {"/burst/frames", 0, {"/burst/frames", "0"}},
+      {"/render/samples_per_pixel", 0, {"/render/samples_per_pixel", "0"}},
+      {"/environment/model", "moon", {"/environment/model", "moon", "sky"}},
+      {"/version", 2, {"/version", "2"}},
+      {"/focus", 1, {"/focus"}},
+  };
+  for (const Case& c : cases) {
+    json document = minimal();
+    document[json::json_pointer(c.pointer)] = c.value;
+    const std::string message = refusal(document);
+    EXPECT_FALSE(message.empty()) << c.pointer << " = " << c.value;
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+    EXPECT_NE(message.find("dir/s.json"), std::string::npos) << message;
+    for (const std::string& word : c.named) EXPECT_NE(message.find(word), std::string::npos) << message;
+  }
+}
+
+TEST(SceneFile, RefusesPicturesBeyondMemory) {
+  json document = minimal();
+  document["sensor"] = {{"width_px", 32768}, {"height_px", 32768}};
+  document["burst"]["frames"] = 1000;
+  EXPECT_NE(refusal(document).find("GB"), std::string::npos);
+}
+
+TEST(PlaceCamera, NamesTheNearestCamera) {
+  Scene scene;
+  scene.cameras = {{"main", glm::mat4(1), {}}};
+  json document = minimal();
+  document["camera"]["node"] = "mainn";
+  const Simulation s = read_simulation(document, "s.json");
+  try {
+    place_camera(s, scene);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("'main'"), std::string::npos) << error.what();
+  }
+  scene.cameras.clear();
+  EXPECT_THROW(place_camera(s, scene), InputError);
+}
+
+// A wall of known radiance, all the way: the mean digital number is what photometry says, the truth pictures agree
+// with the frames, and frames of a burst differ in noise alone.
+TEST(Simulate, DigitalNumbersFollowFromNits) {
+  json document = minimal();
+  document["sensor"] = {{"width_px", 64}, {"height_px", 64}};
+  document["burst"]["frames"] = 2;
+  document["exposure"]["time_s"] = 0.004;
+  document["truth"]["photograph_aperture_scale"] = 3;
+  const Simulation s = read_simulation(document, "s.json");
+  Scene scene;
+  scene.materials = {glowing(500)};
+  scene.meshes = {make_quad({-5, -5, -1}, {10, 0, 0}, {0, 10, 0}, 0)};
+  scene.cameras = {{"camera", glm::mat4(1), {}}};
+  const Capture capture = simulate(s, scene);
+
+  const double lux = 500 * M_PI / 4 * std::pow(s.lens.pupil_diameter_m() / s.lens.image_distance_m(), 2);
+  const double green_e = lux * 0.004 * 4000;
+  const double green_dn = green_e * (1023 - 64) / 6000.0;
+  double sum = 0;
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      if (cfa_color(x, y) == 1) sum += capture.frames[0].mosaic.at(x, y) - 64.0;
+    }
+  }
+  const double deviation = std::sqrt(capture.exposure.mosaic_noise.shot_dn * green_dn);
+  EXPECT_NEAR(sum / 2048, green_dn, 4 * deviation / std::sqrt(2048));
+  EXPECT_NEAR(capture.truth->all_in_focus.at(9, 9, 1), green_dn / (1023 - 64), 1e-4);
+  EXPECT_NEAR(capture.truth->photograph.at(9, 9, 0), green_dn / (1023 - 64), 1e-4);
+  EXPECT_NE(capture.frames[0].mosaic.data, capture.frames[1].mosaic.data);
+  EXPECT_NEAR(capture.camera.alpha, 1 / (4 * 1.19), 1e-12);
+  EXPECT_NEAR(capture.truth->depth_m.at(5, 5), 1, 1e-6);  // glTF's -z is forward
+}
+
+}  // namespace
+}  // namespace dualpixel::simulator::testing

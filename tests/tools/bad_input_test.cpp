@@ -1,0 +1,164 @@
+// What a user can get wrong, given to the program as a user would: status 2, one line that names the fault, no output.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "capture/json_fields.h"
+#include "tests/simulator/scene/gltf_builder.h"
+#include "tests/tools/run_program.h"
+
+namespace dualpixel {
+namespace {
+
+using nlohmann::json;
+using simulator::GltfBuilder;
+
+/// A triangle in front of a camera, with a scene file beside it.
+class BadInput : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    gltf.add_accessor<float>({-1, -1, -1, 1, -1, -1, 0, 1, -1}, "VEC3");
+    gltf.add_accessor<std::uint16_t>({0, 1, 2}, "SCALAR");
+    gltf.root["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", 0}}}, {"indices", 1}}}}}};
+    gltf.root["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.6}, {"znear", 0.1}}}}};
+    gltf.root["nodes"] = {{{"mesh", 0}}, {{"camera", 0}, {"name", "camera"}}};
+    gltf.root["scenes"] = {{{"nodes", {0, 1}}}};
+    scene = {{"version", 1},
+             {"gltf", "scene.glb"},
+             {"sensor", {{"width_px", 32}, {"height_px", 32}}},
+             {"environment", {{"model", "constant"}, {"nits", {100, 100, 100}}}}};
+  }
+
+  Outcome simulate(const std::string& options = "", const std::string& output = "out") {
+    if (glb.empty()) glb = gltf.glb();
+    write_bytes(folder / "scene.glb", glb);
+    write_bytes(folder / "scene.json", scene.dump());
+    return run_program("simulate '" + (folder / "scene.json") + "' -o '" + (folder / output) + "' " + options);
+  }
+
+  void expect_refusal(const std::vector<std::string>& words, const std::string& options = "",
+                      const std::string& output = "out") {
+    const Outcome outcome = simulate(options, output);
+    expect_one_line_refusal(outcome);
+    for (const std::string& word : words) EXPECT_NE(outcome.err.find(word), std::string::npos) << outcome.err;
+    EXPECT_EQ(folder.names(), (std::set<std::string>{"scene.glb", "scene.json"}));
+  }
+
+  TemporaryFolder folder;
+  GltfBuilder gltf;
+  json scene;
+  std::string glb;  ///< in place of gltf's own bytes, where not empty
+};
+
+TEST_F(BadInput, TheSceneItselfIsFine) {
+  const Outcome outcome = simulate();
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "out" + "/capture.json"));
+}
+
+TEST_F(BadInput, TruncatedGlb) {
+  glb = gltf.glb();
+  glb.resize(glb.size() - 20);
+  expect_refusal({"scene.glb"});
+}
+
+TEST_F(BadInput, AccessorOutOfRange) {
+  gltf.root["accessors"][0]["count"] = 1000000;
+  expect_refusal({"scene.glb", "/accessors/0", "1000000"});
+}
+
+TEST_F(BadInput, IndexBeyondTheVertexCount) {
+  GltfBuilder broken = gltf;
+  broken.root["accessors"][1]["bufferView"] = broken.add_view(std::vector<std::uint16_t>{0, 1, 7}.data(), 6);
+  gltf = broken;
+  expect_refusal({"scene.glb", "7"});
+}
+
+TEST_F(BadInput, NanVertex) {
+  const std::vector<float> positions = {-1, -1, -1, NAN, -1, -1, 0, 1, -1};
+  gltf.root["accessors"][0]["bufferView"] = gltf.add_view(positions.data(), 36);
+  expect_refusal({"scene.glb", "nan"});
+}
+
+TEST_F(BadInput, CyclicNodes) {
+  gltf.node(0)["children"] = {1};
+  gltf.node(1)["children"] = {0};
+  expect_refusal({"scene.glb", "/nodes"});
+}
+
+TEST_F(BadInput, MissingBuffer) {
+  gltf.root["buffers"] = {{{"byteLength", 100}, {"uri", "nowhere.bin"}}};
+  expect_refusal({"nowhere.bin"});
+}
+
+TEST_F(BadInput, MissingTexture) {
+  gltf.root["images"] = {{{"uri", "nowhere.png"}}};
+  gltf.root["textures"] = {{{"source", 0}}};
+  gltf.root["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+  gltf.primitive()["material"] = 0;
+  expect_refusal({"nowhere.png"});
+}
+
+TEST_F(BadInput, PathThatClimbsOut) {
+  gltf.root["buffers"] = {{{"byteLength", 100}, {"uri", "../../../../etc/passwd"}}};
+  expect_refusal({"etc/passwd"});
+}
+
+TEST_F(BadInput, MissingGltf) {
+  scene["gltf"] = "another.glb";
+  expect_refusal({"another.glb"});
+}
+
+TEST_F(BadInput, NoLight) {
+  scene.erase("environment");
+  expect_refusal({"no light"});
+}
+
+TEST_F(BadInput, NoCamera) {
+  gltf.root["nodes"] = {{{"mesh", 0}}};
+  gltf.root["scenes"] = {{{"nodes", {0}}}};
+  gltf.root.erase("cameras");
+  expect_refusal({"camera"});
+}
+
+TEST_F(BadInput, FocusInsideTheFocalLength) {
+  expect_refusal({"focus_distance_m", "0.004", "focal length"}, "--set camera.focus_distance_m=0.004");
+}
+
+TEST_F(BadInput, ZeroAperture) { expect_refusal({"/lens/f_number", "0"}, "--set lens.f_number=0"); }
+
+TEST_F(BadInput, NegativeExposure) { expect_refusal({"/exposure/time_s", "-1"}, "--set exposure.time_s=-1"); }
+
+TEST_F(BadInput, UnknownFieldNamesTheNearest) {
+  expect_refusal({"focus_distnce_m", "'focus_distance_m'"}, "--set camera.focus_distnce_m=1");
+}
+
+TEST_F(BadInput, ImageBeyondMemory) {
+  expect_refusal({"/sensor", "GB"}, "--set sensor.width_px=32768 --set sensor.height_px=32768 --set burst.frames=1000");
+}
+
+TEST_F(BadInput, OutputIntoAMissingFolder) { expect_refusal({"missing/out"}, "", "missing/out"); }
+
+TEST_F(BadInput, OutputThatIsAFile) {
+  const Outcome outcome = simulate("", "scene.json");
+  expect_one_line_refusal(outcome);
+  EXPECT_NE(outcome.err.find("scene.json"), std::string::npos);
+  EXPECT_EQ(read_bytes(folder / "scene.json"), scene.dump());
+}
+
+TEST_F(BadInput, OutputFolderThatIsNotOurs) {
+  std::filesystem::create_directory(folder / "precious");
+  write_bytes(folder / "precious" + "/thesis.txt", "words");
+  const Outcome outcome = simulate("", "precious");
+  expect_one_line_refusal(outcome);
+  EXPECT_EQ(read_bytes(folder / "precious" + "/thesis.txt"), "words");
+}
+
+TEST_F(BadInput, OutputIntoAReadOnlyFolder) {
+  if (geteuid() == 0) GTEST_SKIP() << "root may write into read-only folders";
+  std::filesystem::create_directory(folder / "locked");
+  std::filesystem::permissions(folder / "locked", std::filesystem::perms::owner_read);
+  expect_one_line_refusal(simulate("", "locked/out"));
+}
+
+}  // namespace
+}  // namespace dualpixel

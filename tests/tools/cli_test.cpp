@@ -1,0 +1,111 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "capture/capture.h"
+#include "capture/image_io.h"
+#include "tests/capture/temporary_folder.h"
+#include "tests/tools/run_program.h"
+
+namespace dualpixel {
+namespace {
+
+TEST(Cli, EachSubcommandHasHelpWithAnExample) {
+  const Outcome program = run_program("--help");
+  EXPECT_EQ(program.status, 0);
+  for (const std::string name : {"simulate", "portrait", "score", "report", "info", "bench"}) {
+    EXPECT_NE(program.out.find("\n  " + name), std::string::npos) << program.out;
+    const Outcome command = run_program(name + " --help");
+    EXPECT_EQ(command.status, 0) << name;
+    EXPECT_NE(command.out.find("dualpixel " + name + " "), std::string::npos) << command.out;
+    EXPECT_NE(command.out.find("Example"), std::string::npos) << command.out;
+    EXPECT_EQ(command.err, "");
+  }
+}
+
+TEST(Cli, SaysItsVersion) {
+  const Outcome outcome = run_program("--version");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.out, "dualpixel " DUALPIXEL_VERSION "\n");
+}
+
+TEST(Cli, BadUsageIsOneLineAndStatus2) {
+  for (const char* arguments : {"", "frobnicate", "info", "info --frobnicate x", "info $'x\\n--y'"}) {
+    SCOPED_TRACE(arguments);
+    expect_one_line_refusal(run_program(arguments));
+  }
+}
+
+TEST(CliInfo, DescribesACapture) {
+  const TemporaryFolder folder;
+  Capture capture;
+  capture.camera = {.name = "toy",
+                    .width_px = 16,
+                    .height_px = 8,
+                    .pixel_pitch_um = 1.4,
+                    .focal_length_mm = 4.4,
+                    .f_number = 1.8,
+                    .focus_distance_m = 1.25};
+  capture.exposure = {.bits = 10, .black_level_dn = 64, .white_level_dn = 1023};
+  capture.frames.push_back({.left = ImageU16(8, 2, 1, 100), .right = ImageU16(8, 2, 1, 100)});
+  write_capture(capture, folder / "capture");
+
+  const Outcome text = run_program("info '" + (folder / "capture") + "'");
+  EXPECT_EQ(text.status, 0) << text.err;
+  EXPECT_NE(text.out.find("toy"), std::string::npos);
+  const Outcome as_json = run_program("info --json '" + (folder / "capture") + "'");
+  EXPECT_EQ(as_json.status, 0);
+  const auto description = nlohmann::json::parse(as_json.out);
+  EXPECT_EQ(description["kind"], "capture");
+  EXPECT_EQ(description["camera"]["focus_distance_m"], 1.25);
+  EXPECT_EQ(description["frames"]["count"], 1);
+  EXPECT_EQ(description["frames"]["dp_width_px"], 8);
+  EXPECT_EQ(description["truth"], false);
+  EXPECT_EQ(description["manifest"], "verified");
+
+  write_bytes(folder / "capture/frames/000_left.png", "x");
+  expect_one_line_refusal(run_program("info '" + (folder / "capture") + "'"));
+}
+
+TEST(CliInfo, DescribesPicturesScenesAndGltf) {
+  const TemporaryFolder folder;
+  write_png8(folder / "a.png", Image(5, 3, 3, 0.5f));
+  const auto picture = nlohmann::json::parse(run_program("info --json '" + (folder / "a.png") + "'").out);
+  EXPECT_EQ(picture["kind"], "picture");
+  EXPECT_EQ(picture["width_px"], 5);
+  EXPECT_EQ(picture["height_px"], 3);
+  EXPECT_EQ(picture["channels"], nlohmann::json({"R", "G", "B"}));
+
+  const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  write_bytes(folder / "a.bin", std::string(reinterpret_cast<const char*>(positions), sizeof(positions)));
+  write_bytes(folder / "a.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+    "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                   "min": [0, 0, 0], "max": [1, 1, 0]}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"uri": "a.bin", "byteLength": 36}]})");
+  const Outcome gltf = run_program("info --json '" + (folder / "a.gltf") + "'");
+  ASSERT_EQ(gltf.status, 0) << gltf.err;
+  EXPECT_EQ(nlohmann::json::parse(gltf.out)["triangles"], 1);
+}
+
+TEST(CliInfo, RefusesWhatItDoesNotKnow) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "a.txt", "hello");
+  write_bytes(folder / "a.json", "{\"a\": 1, \"a\": 2}");
+  write_bytes(folder / "a.glb", "glTF");
+  for (const char* name : {"none", "", "a.txt", "a.json", "a.glb", "new\nline", "\xff"}) {
+    SCOPED_TRACE(name);
+    expect_one_line_refusal(run_program("info '" + (folder / name) + "'"));
+  }
+}
+
+TEST(Cli, AFullDiskOnStandardOutputIsNoSuccess) {
+  const TemporaryFolder folder;
+  write_png8(folder / "a.png", Image(5, 3, 3, 0.5f));
+  const std::string command = "'" DUALPIXEL_PROGRAM "' info '" + (folder / "a.png") + "' >/dev/full 2>/dev/null";
+  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
+}
+
+}  // namespace
+}  // namespace dualpixel

@@ -1,0 +1,29 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/capture/temporary_folder.h"
+#include "tests/tools/synthetic.h"
+#include "tools/commands.h"
+
+namespace dualpixel::tools {
+namespace {
+
+TEST(ScoreCommand, WritesItsFiguresBesideTheResult) {
+  const TemporaryFolder folder;
+  const Capture capture = synthetic_capture();
+  write_capture(capture, folder / "c");
+  write_result(synthetic_result(capture), {{"mode", "dp"}}, folder / "r");
+  CLI::App program;
+  add_score(program);
+  testing::internal::CaptureStdout();
+  program.parse(std::vector<std::string>{"--json", folder / "r", folder / "c", "score"});  // CLI11 takes them reversed
+  const std::string printed = testing::internal::GetCapturedStdout();
+  EXPECT_EQ(printed, read_bytes(folder / "r/score.json"));
+  const nlohmann::json score = nlohmann::json::parse(printed);
+  EXPECT_NEAR(score["disparity"]["confident"]["rmse_affine_px"].get<double>(), 0, 1e-6);
+  EXPECT_EQ(score["stages"]["merge"]["ms"], 12.5);
+}
+
+}  // namespace
+}  // namespace dualpixel::tools

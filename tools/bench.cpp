@@ -1,0 +1,117 @@
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <chrono>
+#include <cstring>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "capture/json_fields.h"
+#include "pipeline/portrait.h"
+#include "simulator/render/raw_trace.h"
+#include "simulator/simulate.h"
+#include "tools/commands.h"
+
+namespace dualpixel::tools {
+namespace {
+
+struct BenchOptions {
+  std::string scene = "scenes/portrait.json";
+  bool json = false;
+};
+
+template <typename Work>
+double seconds(const Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// The renderer at 1344 x 1008, 64 samples, against raw Embree on the same rays: one thread each, turn by turn, so
+/// that a busy machine slows both.
+nlohmann::json bench_render(const simulator::Simulation& s, const simulator::Scene& scene) {
+  const simulator::RenderScene world(scene);
+  simulator::CameraView camera = simulator::place_camera(s, scene);
+  const double shrink = camera.width_px / 1344.0;
+  camera.width_px = 1344;
+  camera.height_px = 1008;
+  camera.pixel_pitch_m *= shrink;
+  camera.principal_point_px = {672, 504};
+  constexpr int kSamples = 64;
+  const double samples = 1344.0 * 1008.0 * kSamples;
+
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  double ours_s = 1e30, raw_s = 1e30;
+  for (int repeat = 0; repeat < 2; ++repeat) {
+    ours_s = std::min(ours_s, seconds([&] { simulator::render_views(world, camera, {kSamples, 0, 1, 1}); }));
+    raw_s =
+        std::min(raw_s, seconds([&] { simulator::trace_raw(world, camera, kSamples, glm::vec3(0.36f, 0.8f, 0.48f)); }));
+  }
+  return {{"samples_per_core_s", samples / ours_s},
+          {"raw_embree_samples_per_core_s", samples / raw_s},
+          {"ratio_to_raw_embree", raw_s / ours_s}};
+}
+
+/// The pipeline on a capture of this scene, all cores, against copying its nine frames in memory once.
+nlohmann::json bench_pipeline(simulator::Simulation s, const simulator::Scene& scene) {
+  s.render.samples_per_pixel = s.photograph_samples_per_pixel = s.all_in_focus_samples_per_pixel = 1;
+  Capture capture = simulator::simulate(s, scene);
+  capture.truth.reset();
+  double best_s = 1e30;
+  nlohmann::json stages;
+  for (int repeat = 0; repeat < 3; ++repeat) {
+    pipeline::PortraitResult result;
+    const double time_s = seconds([&] { result = pipeline::run_portrait(capture, {}); });
+    if (time_s >= best_s) continue;
+    best_s = time_s;
+    stages = nlohmann::json::object();
+    for (const pipeline::StageTime& stage : result.stages) stages[stage.name] = stage.ms;
+  }
+  std::vector<ImageU16> copies(capture.frames.size());
+  for (std::size_t i = 0; i < copies.size(); ++i) copies[i] = capture.frames[i].mosaic;  // touch the pages
+  const double copy_s = seconds([&] {
+    for (std::size_t i = 0; i < copies.size(); ++i) {
+      std::memcpy(copies[i].data.data(), capture.frames[i].mosaic.data.data(), copies[i].data.size() * 2);
+    }
+  });
+  return {{"dp_ms", best_s * 1e3},
+          {"burst_copy_ms", copy_s * 1e3},
+          {"ratio_to_copy", best_s / copy_s},
+          {"stages_ms", stages}};
+}
+
+void run(const BenchOptions& options) {
+  const simulator::Simulation s = simulator::read_simulation(read_json_file(options.scene), options.scene);
+  const simulator::Scene scene = simulator::load_scene(s);
+  const nlohmann::json render = bench_render(s, scene);
+  const nlohmann::json pipeline = bench_pipeline(s, scene);
+  if (options.json) {
+    std::cout << nlohmann::json{{"render", render}, {"pipeline", pipeline}}.dump(2) << '\n';
+    return;
+  }
+  std::cout << fmt::format(
+      "render    {:6.2f} M camera samples/s for each core; raw Embree {:6.2f} M; ratio {:.2f}\n"
+      "pipeline  {:6.0f} ms (dp); copying the burst {:6.1f} ms; ratio {:.0f}\n",
+      render["samples_per_core_s"].get<double>() / 1e6, render["raw_embree_samples_per_core_s"].get<double>() / 1e6,
+      render["ratio_to_raw_embree"].get<double>(), pipeline["dp_ms"].get<double>(),
+      pipeline["burst_copy_ms"].get<double>(), pipeline["ratio_to_copy"].get<double>());
+  for (const auto& [name, ms] : pipeline["stages_ms"].items()) {
+    std::cout << fmt::format("  {:<12}{:8.0f} ms\n", name, ms.get<double>());
+  }
+}
+
+}  // namespace
+
+void add_bench(CLI::App& program) {
+  auto options = std::make_shared<BenchOptions>();
+  CLI::App* command =
+      program.add_subcommand("bench", "Time the renderer against raw Embree, the pipeline against a copy");
+  command->add_option("scene", options->scene, "Scene JSON file (default: scenes/portrait.json)")
+      ->type_name("SCENE.json");
+  command->add_flag("--json", options->json, "Print JSON");
+  command->footer("Example:\n  dualpixel bench scenes/portrait.json");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace dualpixel::tools

@@ -1,0 +1,36 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+/// The subcommands of `dualpixel`. Each function adds one to the program; what it does runs as the subcommand's
+/// callback. Callbacks throw InputError for whatever the user can mend (exit status 2), anything else is a fault of
+/// ours (1). Data goes to stdout, progress and messages to stderr.
+namespace dualpixel::tools {
+
+/// --threads N (0: all cores), for the subcommands that compute. Limits oneTBB for the life of the process.
+void add_threads_option(CLI::App& command);
+
+void add_simulate(CLI::App& program);
+void add_portrait(CLI::App& program);
+void add_score(CLI::App& program);
+void add_report(CLI::App& program);
+void add_info(CLI::App& program);
+void add_bench(CLI::App& program);
+
+/// A bar with time left, on stderr, only where stderr is a terminal. Call with the fraction done; 1 ends the line.
+class Progress {
+ public:
+  explicit Progress(std::string label);
+  ~Progress();
+  void operator()(double fraction);
+
+ private:
+  std::string label_;
+  double started_s_ = 0;
+  double shown_s_ = 0;
+  bool terminal_ = false;
+  bool ended_ = false;
+};
+
+}  // namespace dualpixel::tools

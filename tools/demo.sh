@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# The main job from end to end: simulate a burst, run the portrait, score it, write the report.
+#   tools/demo.sh [OUTPUT_DIR]        (default: demo-output)
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+out=${1:-demo-output}
+
+cmake --preset release -DDUALPIXEL_TESTS=OFF >/dev/null
+cmake --build --preset release >&2
+dualpixel=build/release/tools/dualpixel
+
+mkdir -p "$out"
+"$dualpixel" simulate scenes/portrait.json -o "$out/capture"
+for mode in dp dp+seg; do
+  mask=(); [ "$mode" = dp ] || mask=(--true-mask)
+  "$dualpixel" portrait "$out/capture" -o "$out/$mode" --mode "$mode" "${mask[@]}"
+  echo "== $mode"
+  "$dualpixel" score "$out/capture" "$out/$mode"
+done
+"$dualpixel" report "$out/dp" "$out/dp+seg" -o "$out/report.html"
+echo "Open $out/report.html in a browser."

@@ -1,0 +1,85 @@
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <thread>
+
+#include "capture/error.h"
+#include "capture/files.h"
+#include "tools/commands.h"
+
+namespace {
+
+constexpr int kOurFault = 1;
+constexpr int kBadInput = 2;
+
+#if defined(__x86_64__) && defined(__AVX2__)
+/// Runs before any static initialiser, which may already hold an instruction that an older processor lacks.
+[[gnu::constructor(101)]] void require_avx2() {
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx2")) return;
+  std::fputs("dualpixel: this build needs a processor with AVX2; build with -DDUALPIXEL_ARCH=x86-64 instead\n", stderr);
+  _exit(kOurFault);
+}
+#endif
+
+/// SIGINT and SIGTERM are taken by a thread of their own, which removes half-written output and ends the process.
+/// Call before any other thread starts: they inherit the mask.
+void end_cleanly_on_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::thread([signals] {
+    int signal_number = 0;
+    sigwait(&signals, &signal_number);
+    dualpixel::remove_unfinished_outputs();
+    _exit(128 + signal_number);
+  }).detach();
+}
+
+int report(int status, const std::string& message) {
+  std::cout.flush();
+  std::cerr << "dualpixel: " << message << '\n';
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  end_cleanly_on_signals();
+
+  CLI::App program("Dual-pixel camera simulator and portrait pipeline.", "dualpixel");
+  program.set_version_flag("--version", "dualpixel " DUALPIXEL_VERSION);
+  program.require_subcommand(1);
+  program.footer(
+      "Example:\n  dualpixel simulate scenes/portrait.json -o out/capture\n  dualpixel portrait out/capture -o out/dp");
+  dualpixel::tools::add_simulate(program);
+  dualpixel::tools::add_portrait(program);
+  dualpixel::tools::add_score(program);
+  dualpixel::tools::add_report(program);
+  dualpixel::tools::add_info(program);
+  dualpixel::tools::add_bench(program);
+
+  try {
+    program.parse(argc, argv);
+    if (!std::cout.flush()) return report(kOurFault, "standard output cannot be written");
+    return 0;
+  } catch (const CLI::RuntimeError& status) {
+    return status.get_exit_code();
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
+    const auto chosen = program.get_subcommands();
+    return report(kBadInput, fmt::format("{} (see 'dualpixel {}--help')", dualpixel::printable(error.what()),
+                                         chosen.empty() ? "" : chosen.front()->get_name() + " "));
+  } catch (const dualpixel::InputError& error) {
+    return report(kBadInput, error.what());
+  } catch (const std::exception& error) {
+    return report(kOurFault, dualpixel::printable(error.what()));
+  }
+}

@@ -1,0 +1,102 @@
+#include "pipeline/portrait.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "capture/capture.h"
+#include "capture/error.h"
+#include "capture/files.h"
+#include "capture/image_io.h"
+#include "tools/commands.h"
+#include "tools/result_io.h"
+
+namespace dualpixel::tools {
+namespace {
+
+const std::map<std::string, pipeline::Mode> kModes = {
+    {"dp", pipeline::Mode::dp}, {"dp+seg", pipeline::Mode::dp_seg}, {"seg", pipeline::Mode::seg}};
+
+struct PortraitCommand {
+  std::string capture;
+  std::string output;
+  std::string mode = "dp";
+  std::string mask;
+  bool true_mask = false;
+  std::uint64_t seed = pipeline::PortraitOptions().seed;
+};
+
+/// The first channel of a picture, as a mask.
+Image read_mask(const std::string& path) {
+  const Image picture = read_image(path);
+  Image mask(picture.width, picture.height);
+  for (std::size_t i = 0; i < mask.data.size(); ++i) {
+    mask.data[i] = picture.data[i * picture.channels];
+    if (mask.data[i] >= 0 && mask.data[i] <= 1) continue;
+    throw InputError(fmt::format("{}: pixel ({}, {}): {}: a mask's values must lie in [0, 1]", printable(path),
+                                 i % mask.width, i / mask.width, mask.data[i]));
+  }
+  return mask;
+}
+
+void run(const PortraitCommand& command) {
+  pipeline::PortraitOptions options;
+  options.mode = kModes.at(command.mode);
+  options.seed = command.seed;
+  const bool needs_mask = options.mode != pipeline::Mode::dp;
+  if (needs_mask && command.mask.empty() && !command.true_mask) {
+    throw InputError(fmt::format("--mode {}: needs a person mask; give --mask FILE or --true-mask", command.mode));
+  }
+  if (!needs_mask && (!command.mask.empty() || command.true_mask)) {
+    throw InputError("--mode dp: uses no person mask; leave out --mask and --true-mask, or choose dp+seg or seg");
+  }
+  { const NewFolder writable(command.output, "result.json"); }  // before the work, not after it
+
+  Capture capture = read_capture(command.capture, command.true_mask);
+  std::optional<Image> mask;
+  if (command.true_mask) {
+    if (!capture.truth) throw InputError(printable(command.capture) + ": --true-mask: this capture has no truth");
+    mask = std::move(capture.truth->person_mask);
+    capture.truth.reset();
+  } else if (!command.mask.empty()) {
+    mask = read_mask(command.mask);
+  }
+
+  Progress bar("portrait");
+  const pipeline::PortraitResult result =
+      pipeline::run_portrait(capture, options, mask, [&](const std::string&, double fraction) { bar(fraction); });
+
+  nlohmann::ordered_json provenance = {
+      {"program", "dualpixel " DUALPIXEL_VERSION},
+      {"capture", std::filesystem::absolute(command.capture).lexically_normal().string()},
+      {"mode", command.mode},
+      {"seed", command.seed}};
+  if (needs_mask) provenance["mask"] = command.true_mask ? "truth" : command.mask;
+  write_result(result, provenance, command.output);
+}
+
+}  // namespace
+
+void add_portrait(CLI::App& program) {
+  auto command = std::make_shared<PortraitCommand>();
+  CLI::App* sub =
+      program.add_subcommand("portrait", "Turn a dual-pixel capture into a portrait with shallow depth of field");
+  sub->add_option("capture", command->capture, "Capture folder")->required()->type_name("CAPTURE_DIR");
+  sub->add_option("-o,--output", command->output, "Result folder to write")->required()->type_name("DIR");
+  sub->add_option("--mode", command->mode, "dp: disparity alone; dp+seg: with a person mask; seg: mask alone")
+      ->check(CLI::IsMember({"dp", "dp+seg", "seg"}))
+      ->capture_default_str();
+  CLI::Option* mask =
+      sub->add_option("--mask", command->mask, "Person mask: a picture, white on the person, of any size")
+          ->type_name("FILE");
+  sub->add_flag("--true-mask", command->true_mask, "Take the capture's true person mask")->excludes(mask);
+  sub->add_option("--seed", command->seed, "Seed of the synthetic noise")->type_name("N")->capture_default_str();
+  add_threads_option(*sub);
+  sub->footer("Example:\n  dualpixel portrait out/capture -o out/portrait --mode dp+seg --true-mask");
+  sub->callback([command] { run(*command); });
+}
+
+}  // namespace dualpixel::tools

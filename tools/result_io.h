@@ -1,0 +1,29 @@
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "pipeline/portrait.h"
+
+/// A portrait result on disk. A folder, written to a temporary sibling and renamed:
+///   result.json              format, version, provenance, focus_disparity_dp_px, stages [{name, ms, peak_rss_mb}]
+///   input.exr portrait.exr   linear RGB (half float)
+///   portrait.png             8-bit sRGB
+///   maps.exr                 full size, float: those of disparity_dp_px, confidence, mask, blur_radius_px that exist
+///   matched.exr              DP size, float: disparity_dp_px, confidence; absent in mode seg
+namespace dualpixel::tools {
+
+struct StoredResult {
+  pipeline::PortraitResult result;
+  nlohmann::json json;  ///< result.json as it stands
+};
+
+inline constexpr int kResultFormatVersion = 1;
+
+/// `provenance` says how the result came about: "mode" ("dp", "dp+seg", "seg"), "capture" (the capture's folder), all
+/// options. Throws InputError where `path` exists and is no result, or cannot be written.
+void write_result(const pipeline::PortraitResult& result, const nlohmann::json& provenance, const std::string& path);
+
+/// Reads a result and checks that the pictures and maps of full size agree in size. Throws InputError.
+StoredResult read_result(const std::string& path);
+
+}  // namespace dualpixel::tools

@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Installs what is missing on Debian 12 and builds the project: sourced by demo.sh and test.sh.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+packages=(
+  g++ cmake ninja-build pkg-config
+  libembree-dev libopenimageio-dev libopenexr-dev libtinygltf-dev libglm-dev libtbb-dev
+  nlohmann-json3-dev libfmt-dev libcli11-dev libxxhash-dev libeigen3-dev libgtest-dev
+  "$@"
+)
+missing=()
+for package in "${packages[@]}"; do
+  dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+done
+if [ ${#missing[@]} -gt 0 ]; then
+  echo "Installing: ${missing[*]}" >&2
+  as_root=()
+  if [ "$(id -u)" -ne 0 ]; then as_root=(sudo); fi
+  "${as_root[@]}" apt-get update -q >&2
+  DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -q --no-install-recommends "${missing[@]}" >&2
+fi

@@ -1,0 +1,71 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <memory>
+
+#include "capture/capture.h"
+#include "capture/files.h"
+#include "capture/json_fields.h"
+#include "simulator/simulate.h"
+#include "tools/commands.h"
+
+namespace dualpixel::tools {
+namespace {
+
+struct SimulateOptions {
+  std::string scene;
+  std::string output;
+  std::vector<std::string> overrides;
+  std::optional<std::uint64_t> seed;
+  bool dry_run = false;
+};
+
+void run(const SimulateOptions& options) {
+  nlohmann::json json = read_json_file(options.scene);
+  for (const std::string& assignment : options.overrides) apply_override(json, assignment);
+  if (options.seed) apply_override(json, fmt::format("render.seed={}", *options.seed));
+  const simulator::Simulation simulation = simulator::read_simulation(json, options.scene);
+  const simulator::Scene scene = simulator::load_scene(simulation);
+  simulator::place_camera(simulation, scene);                    // refuses a missing camera before anything is rendered
+  { const NewFolder writable(options.output, "capture.json"); }  // and a folder that could not be written in the end
+  for (const std::string& warning : scene.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
+  if (options.dry_run) {
+    std::cout << fmt::format("{}: {} x {} photosites, {} samples each, a burst of {}: can be simulated\n",
+                             options.scene, simulation.sensor.width_px, simulation.sensor.height_px,
+                             simulation.render.samples_per_pixel, simulation.burst_frames);
+    return;
+  }
+
+  std::map<std::string, Progress> bars;
+  Capture capture = simulator::simulate(simulation, scene, [&](const std::string& stage, double fraction) {
+    bars.try_emplace(stage, stage).first->second(fraction);
+  });
+  capture.provenance["program"] = "dualpixel " DUALPIXEL_VERSION;
+  capture.provenance["scene_file"] = std::filesystem::path(options.scene).filename().string();
+  capture.provenance["gltf_xxh64"] = file_hash(simulation.gltf_path);
+  write_capture(capture, options.output);
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& program) {
+  auto options = std::make_shared<SimulateOptions>();
+  CLI::App* command = program.add_subcommand("simulate", "Render a scene into a dual-pixel capture with its truth");
+  command->add_option("scene", options->scene, "Scene JSON file")->required()->type_name("SCENE.json");
+  command->add_option("-o,--output", options->output, "Capture folder to write")->required()->type_name("DIR");
+  command->add_option("--set", options->overrides, "Override a field of the scene, e.g. camera.focus_distance_m=0.9")
+      ->type_name("FIELD=VALUE")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
+  command->add_option("--seed", options->seed, "Seed of rendering and noise (render.seed)")->type_name("N");
+  command->add_flag("--dry-run", options->dry_run, "Check scene and options, render nothing");
+  add_threads_option(*command);
+  command->footer(
+      "Example:\n  dualpixel simulate scenes/portrait.json -o out/capture --set camera.focus_distance_m=0.9 --seed 7");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace dualpixel::tools

@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# Installs, builds with warnings as errors, and runs everything that must hold: format, lint, unit tests, end to end.
+#   tools/test.sh [--fast]            (--fast: the tests labelled fast only, no lint)
+fast=false
+if [ "${1:-}" = --fast ]; then fast=true; fi
+set --
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" clang-format clang-tidy
+
+sources() { git ls-files '*.h' '*.cpp'; }
+sources | xargs clang-format --dry-run --Werror
+
+cmake --preset release -DDUALPIXEL_TESTS=ON >/dev/null
+cmake --build --preset release
+
+if ! $fast; then
+  # Lint what changed since the main branch last landed; everything where that is unknown.
+  base=$(git merge-base HEAD origin/main 2>/dev/null || true)
+  if [ -n "$base" ] && [ "$base" != "$(git rev-parse HEAD)" ]; then
+    changed=$(git diff --name-only --diff-filter=d "$base" -- '*.cpp')
+  else
+    changed=$(git diff-tree --root --no-commit-id --name-only --diff-filter=d -r HEAD -- '*.cpp')
+  fi
+  if [ -n "$changed" ]; then
+    echo "$changed" | xargs -P "$(nproc)" -n 4 clang-tidy -p build/release --quiet --warnings-as-errors='*'
+  fi
+fi
+
+label=()
+if $fast; then label=(-L fast); fi
+ctest --test-dir build/release --output-on-failure -j "$(nproc)" "${label[@]}"
