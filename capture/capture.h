@@ -25,18 +25,18 @@ inline constexpr Matrix4 kIdentity4 = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0,
 
 struct Camera {
   std::string name = "unnamed";
-  int width_px = 0;               ///< photosites of the full sensor; even
-  int height_px = 0;              ///< multiple of 4
-  double pixel_pitch_um = 0;      ///< of one photosite
-  std::string cfa = "RGGB";       ///< colours of the top-left 2x2 photosites, row by row
-  int dp_downsample_x = 2;        ///< photosites per DP pixel, horizontally
-  int dp_downsample_y = 4;        ///< ... and vertically; green photosites only
+  int width_px = 0;           ///< photosites of the full sensor; even
+  int height_px = 0;          ///< multiple of 4
+  double pixel_pitch_um = 0;  ///< of one photosite
+  std::string cfa = "RGGB";   ///< colours of the top-left 2x2 photosites, row by row
+  int dp_downsample_x = 2;    ///< photosites per DP pixel, horizontally
+  int dp_downsample_y = 4;    ///< ... and vertically; green photosites only
   double focal_length_mm = 0;
   double f_number = 0;
-  double focus_distance_m = 0;    ///< z, from the entrance pupil; infinity is allowed
+  double focus_distance_m = 0;                 ///< z, from the entrance pupil; infinity is allowed
   std::array<double, 2> principal_point_px{};  ///< continuous full-sensor coordinates
-  std::string split = "unknown";  ///< "hard", "ramp" or "unknown"
-  double alpha = 0;               ///< centroid disparity over signed blur diameter, both in DP px; 0: unknown
+  std::string split = "unknown";               ///< "hard", "ramp" or "unknown"
+  double alpha = 0;  ///< centroid disparity over signed blur diameter, both in DP px; 0: unknown
 
   int bayer_plane_width() const { return width_px / 2; }
   int bayer_plane_height() const { return height_px / 2; }
@@ -71,24 +71,24 @@ struct Frame {
   ImageU16 mosaic;  ///< width_px x height_px; may be empty in a capture of DP views alone
   ImageU16 left;    ///< dp_width x dp_height
   ImageU16 right;
-  std::uint64_t seed = 0;                      ///< of this frame's noise
-  Matrix4 camera_from_world = kIdentity4;      ///< pose, metres
+  std::uint64_t seed = 0;                  ///< of this frame's noise
+  Matrix4 camera_from_world = kIdentity4;  ///< pose, metres
 };
 
 /// What the simulator knows and a phone does not. All images have the full sensor's size; geometry is that of the
 /// pinhole ray through the pixel's centre, unfiltered. Pictures are linear RGB in the frames' normalised signal after
-/// white balance (1.0 = green's white level), noiseless and unclipped. Where `valid` is 0 (nothing was hit), depth is infinity and blur and
-/// disparity are those of an infinitely distant point.
+/// white balance (1.0 = green's white level), noiseless and unclipped. Where `valid` is 0 (nothing was hit), depth is
+/// infinity and blur and disparity are those of an infinitely distant point.
 struct Truth {
-  Image depth_m;           ///< planar depth D
-  Image blur_px;           ///< signed blur diameter on the sensor, photosites
-  Image disparity_dp_px;   ///< centroid disparity alpha * b, DP pixels
-  Image normal;            ///< 3 channels, camera axes, unit length, towards the camera; 0 where not valid
-  ImageU32 object_id;      ///< 1-based index of the glTF node; 0 where not valid
-  Image person_mask;       ///< 1 on a person, 0 elsewhere
-  Image valid;             ///< 1 where the ray hit geometry
-  Image all_in_focus;      ///< RGB through a pinhole
-  Image photograph;        ///< RGB through the wider aperture
+  Image depth_m;          ///< planar depth D
+  Image blur_px;          ///< signed blur diameter on the sensor, photosites
+  Image disparity_dp_px;  ///< centroid disparity alpha * b, DP pixels
+  Image normal;           ///< 3 channels, camera axes, unit length, towards the camera; 0 where not valid
+  ImageU32 object_id;     ///< 1-based index of the glTF node; 0 where not valid
+  Image person_mask;      ///< 1 on a person, 0 elsewhere
+  Image valid;            ///< 1 where the ray hit geometry
+  Image all_in_focus;     ///< RGB through a pinhole
+  Image photograph;       ///< RGB through the wider aperture
   double photograph_aperture_scale = 0;  ///< its pupil diameter over the capture's
 };
 
@@ -97,7 +97,7 @@ struct Capture {
   Exposure exposure;
   std::vector<Frame> frames;
   std::optional<Truth> truth;
-  std::optional<std::array<double, 4>> face_px;  ///< x, y, width, height in full-sensor pixels, where known
+  std::optional<std::array<double, 4>> face_px;          ///< x, y, width, height in full-sensor pixels, where known
   nlohmann::json provenance = nlohmann::json::object();  ///< program version, scene hash, seed, all options
 };
 

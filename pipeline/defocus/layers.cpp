@@ -15,8 +15,9 @@ Band make_band(double low, double high, bool in_focus, double overlap) {
 }  // namespace
 
 float Band::alpha(float disparity_dp_px) const {
-  const double inside = std::min(disparity_dp_px - low_dp_px, high_dp_px - disparity_dp_px);
-  return static_cast<float>(std::clamp(1 + inside / taper_dp_px, 0.0, 1.0));
+  const auto low = static_cast<float>(low_dp_px), high = static_cast<float>(high_dp_px);
+  const float inside = std::min(disparity_dp_px - low, high - disparity_dp_px);
+  return std::clamp(1 + inside / static_cast<float>(taper_dp_px), 0.0f, 1.0f);
 }
 
 std::vector<Band> make_bands(double low_dp_px, double high_dp_px, const BlurMapping& mapping,

@@ -84,18 +84,27 @@ NoiseLevel merged_noise(const Exposure& exposure, int frames) {
 }
 
 void add_noise(Image& rgb, const Image& blurred, const std::vector<NoisePatch>& patches, const NoiseLevel& level) {
-  for_rows(rgb.height, [&](int y) {
-    for (int x = 0; x < rgb.width; ++x) {
-      const float amount = blurred.row(y)[x];
-      if (amount == 0) continue;
+  const int width = rgb.width;
+  tbb::parallel_for(tbb::blocked_range<int>(0, rgb.height, 32), [&](const tbb::blocked_range<int>& rows) {
+    std::vector<float> noise(static_cast<std::size_t>(width) * 3);
+    for (int y = rows.begin(); y < rows.end(); ++y) {
+      std::fill(noise.begin(), noise.end(), 0.0f);
+      for (const NoisePatch& patch : patches) {
+        const float* from = patch.row(y % patch.height);
+        for (int x0 = 0; x0 < width; x0 += patch.width) {
+          const int values = 3 * std::min(patch.width, width - x0);
+          for (int i = 0; i < values; ++i) noise[3 * x0 + i] += from[i];
+        }
+      }
+      const float* amount = blurred.row(y);
+      float* row = rgb.row(y);
       for (int c = 0; c < 3; ++c) {
-        float noise = 0;
-        for (const NoisePatch& patch : patches) noise += patch.at(x % patch.width, y % patch.height, c);
-        float& value = rgb.row(y)[3 * x + c];
-        const auto gain = static_cast<float>(level.gains[c]);
-        const float variance =
-            gain * (static_cast<float>(level.shot) * std::max(value, 0.0f) + gain * static_cast<float>(level.read));
-        value += std::sqrt(variance) * amount * noise;
+        const auto shot = static_cast<float>(level.gains[c] * level.shot);
+        const auto read = static_cast<float>(level.gains[c] * level.gains[c] * level.read);
+        for (int x = 0; x < width; ++x) {
+          const float value = row[3 * x + c];
+          row[3 * x + c] = value + std::sqrt(shot * std::max(value, 0.0f) + read) * amount[x] * noise[3 * x + c];
+        }
       }
     }
   });

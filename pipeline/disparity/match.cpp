@@ -80,7 +80,7 @@ float agreement(const TileDisparity& tiles, int x, int y, const MatchOptions& op
       total += weight;
     }
   }
-  return std::min(2 * supported / total, 1.0f);
+  return supported / total;
 }
 
 }  // namespace

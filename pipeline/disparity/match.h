@@ -9,9 +9,9 @@ struct MatchOptions {
   int range_px = 3;  ///< shifts from -range to range are tried, DP pixels (section 4.1: 3)
 
   // Confidence: the paper names the four heuristics but no formula. These are ours; the views have unit local variance.
-  float ssd_scale = 0.5f;        ///< mean squared difference at which confidence falls to 1/e; 2: unrelated views
+  float ssd_scale = 0.2f;        ///< mean squared difference at which confidence falls to 1/e; 2: unrelated views
   float ssd_floor = 0.01f;       ///< mean squared difference that even a perfect match is taken to have
-  float deviation_dp_px = 0.1f;  ///< expected error, DP px, at which confidence halves
+  float deviation_dp_px = 0.3f;  ///< expected error, DP px, at which confidence halves
   float second_minimum = 0.8f;   ///< best cost over the second best at which confidence begins to fall
   float agreement_dp_px = 0.3f;  ///< difference from a neighbouring tile at which its support falls to 1/e, DP px
 };
@@ -32,7 +32,7 @@ struct TileDisparity {
 ///   - 1 / (1 + v / deviation^2), v = (q + ssd_floor) / (pixels * g2) the variance of a least-squares shift estimate,
 ///     g2 the mean squared horizontal gradient less the share q / 4 that noise has in it;
 ///   - ((1 - q/q2) / (1 - second_minimum))^2, at most 1, q2 the least cost more than one pixel away;
-///   - twice the share (at most 1) of the neighbours' confidence that agrees, each by exp(-(difference / agreement)^2).
+///   - the share of the eight neighbours' confidence that agrees, each by exp(-(difference / agreement)^2).
 TileDisparity match_tiles(const Image& left, const Image& right, const MatchOptions& options = {});
 
 }  // namespace dualpixel::pipeline

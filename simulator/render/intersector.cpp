@@ -96,6 +96,8 @@ Intersector::Intersector(const Scene& scene) {
     rtcAttachGeometryByID(embree_scene_.get(), geometry, static_cast<unsigned>(i));
     rtcReleaseGeometry(geometry);
   }
+  // spatial splits: hair and leaves are long, thin and aslant, and rendering is far longer than building
+  rtcSetSceneBuildQuality(embree_scene_.get(), RTC_BUILD_QUALITY_HIGH);
   rtcCommitScene(embree_scene_.get());
   check(device_.get(), "building the acceleration structure failed");
 }

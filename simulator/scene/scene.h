@@ -17,7 +17,7 @@ enum class Wrap : std::uint8_t { repeat, clamp, mirror };
 struct Texture {
   int width = 0;
   int height = 0;
-  bool srgb = false;  ///< RGB are sRGB encoded (alpha never is)
+  bool srgb = false;     ///< RGB are sRGB encoded (alpha never is)
   bool nearest = false;  ///< no bilinear filtering
   Wrap wrap_u = Wrap::repeat;
   Wrap wrap_v = Wrap::repeat;
@@ -26,8 +26,8 @@ struct Texture {
 
 /// A texture as one material slot uses it; KHR_texture_transform is folded into the affine map uv' = m * (u, v, 1).
 struct TextureSlot {
-  int texture = -1;  ///< index into Scene::textures, -1: none
-  int uv_set = 0;    ///< 0 or 1
+  int texture = -1;                                      ///< index into Scene::textures, -1: none
+  int uv_set = 0;                                        ///< 0 or 1
   std::array<float, 6> uv_from_uv = {1, 0, 0, 0, 1, 0};  ///< row-major 2x3
 };
 
@@ -37,9 +37,9 @@ struct Material {
   float roughness = 1;
   glm::vec3 emission_nits{0};  ///< factor times KHR_materials_emissive_strength
   float normal_scale = 1;
-  float alpha_cutoff = 0;   ///< hits with alpha below it are passed through; 0: opaque
+  float alpha_cutoff = 0;  ///< hits with alpha below it are passed through; 0: opaque
   bool double_sided = false;
-  bool unlit = false;       ///< radiance is base colour times Scene::unlit_white_nits
+  bool unlit = false;  ///< radiance is base colour times Scene::unlit_white_nits
   TextureSlot base_color_texture;
   TextureSlot metallic_roughness_texture;  ///< G roughness, B metallic
   TextureSlot emissive_texture;
@@ -49,14 +49,14 @@ struct Material {
 /// One primitive of one node, in world space. Arrays other than positions are empty or have one entry per vertex.
 struct Mesh {
   std::vector<glm::vec3> positions;
-  std::vector<glm::vec3> normals;   ///< unit length; empty: flat shading
+  std::vector<glm::vec3> normals;  ///< unit length; empty: flat shading
   std::vector<glm::vec2> uv0;
   std::vector<glm::vec2> uv1;
-  std::vector<glm::vec4> colors;    ///< linear, multiplies the base colour
+  std::vector<glm::vec4> colors;  ///< linear, multiplies the base colour
   std::vector<glm::uvec3> triangles;
-  int material = 0;                 ///< index into Scene::materials
-  std::uint32_t object_id = 0;      ///< 1-based index of the glTF node
-  bool person = false;              ///< node or an ancestor has extras {"category": "person"}
+  int material = 0;             ///< index into Scene::materials
+  std::uint32_t object_id = 0;  ///< 1-based index of the glTF node
+  bool person = false;          ///< node or an ancestor has extras {"category": "person"}
 };
 
 /// KHR_lights_punctual, in world space.

@@ -85,6 +85,24 @@ TEST(Layers, BandsGoWhereTheDisparitiesAre) {
   EXPECT_TRUE(mostly_front[1].in_focus);
 }
 
+TEST(Layers, BlocksAreMeansAlsoAtOddBorders) {
+  Image rgb(3, 5, 3, 0.5f), disparity(3, 5, 1, 0.0f), radius(3, 5, 1, 4.0f);
+  const Band band{-1, 1, 0.5, false};
+  disparity.at(0, 0) = 1.25f;  // alpha 1/2
+  radius.at(0, 0) = 11;
+  const Layer layer = make_layer(rgb, disparity, radius, band);
+  ASSERT_EQ(layer.rgba.width, 2);
+  ASSERT_EQ(layer.rgba.height, 3);
+  for (const auto& [x, y] : {std::pair{1, 0}, {0, 2}, {1, 2}}) {
+    EXPECT_FLOAT_EQ(layer.rgba.at(x, y, 3), 1);
+    EXPECT_FLOAT_EQ(layer.rgba.at(x, y, 0), 0.5f);
+    EXPECT_FLOAT_EQ(layer.radius_px.at(x, y), 2);  // half, at half resolution
+  }
+  EXPECT_FLOAT_EQ(layer.rgba.at(0, 0, 3), 3.5f / 4);
+  EXPECT_FLOAT_EQ(layer.rgba.at(0, 0, 1), 0.5f * 3.5f / 4);
+  EXPECT_FLOAT_EQ(layer.radius_px.at(0, 0), 0.5f * (0.5f * 11 + 3 * 4) / 3.5f);
+}
+
 Layer random_layer(int width, int height, unsigned seed, float largest_radius_px) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> uniform(0, 1);
@@ -288,7 +306,7 @@ TEST(Noise, FollowsTheProfileWhereBlurred) {
   Exposure exposure;
   exposure.black_level_dn = 64;
   exposure.white_level_dn = 1023;
-  exposure.mosaic_noise = {0.16, 4};
+  exposure.mosaic_noise = {0.16, 40};
   exposure.white_balance = {2, 1, 1.5};
   const NoiseLevel level = merged_noise(exposure, 9);
   const float signal = 0.3f;
@@ -301,7 +319,7 @@ TEST(Noise, FollowsTheProfileWhereBlurred) {
     for (int c = 0; c < 3; ++c) variance[c] += std::pow(rgb.data[3 * i + c] - signal, 2) / (400 * 150);
   }
   const auto expected = [&](double gain) {
-    return gain * gain * (0.16 * (signal / gain) * 959 + 4) / (959.0 * 959 * 9);
+    return gain * gain * (0.16 * (signal / gain) * 959 + 40) / (959.0 * 959 * 9);
   };
   // Patches repeat, so they count as about 12 000 correlated samples: 1.3 % and more.
   EXPECT_NEAR(variance[1] / (expected(1) * 0.78125), 1, 0.07);

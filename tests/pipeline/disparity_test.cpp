@@ -122,6 +122,19 @@ TEST(Match, NothingBeyondTheRangeIsBelieved) {
   }
 }
 
+TEST(Match, LeastCostAtTheEndOfTheRangeIsNoMinimum) {
+  Image left(kWidth, kHeight), right(kWidth, kHeight);  // the cost of shift s is (s - 3.8)^2 in every tile
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      left.at(x, y) = static_cast<float>(x);
+      right.at(x, y) = static_cast<float>(x) - 3.8f;
+    }
+  }
+  const TileDisparity tiles = match_tiles(left, right);
+  for (const float d : tiles.disparity_dp_px.data) EXPECT_EQ(d, 3);
+  for (const float confidence : tiles.confidence.data) EXPECT_EQ(confidence, 0);
+}
+
 TEST(Match, VerticalContrastAloneIsNotBelieved) {
   Image rows(kWidth, kHeight);  // the aperture problem: nothing changes along x
   for (int y = 0; y < kHeight; ++y) std::fill_n(rows.row(y), kWidth, y % 5 < 2 ? 0.3f : 0.6f);

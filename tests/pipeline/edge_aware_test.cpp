@@ -226,6 +226,12 @@ TEST(Erode, EqualsTheMinimumOverTheWindow) {
   }
 }
 
+TEST(Erode, ReachesFromEndToEnd) {
+  Image image(23, 9, 1, 1.0f);
+  image.at(22, 8) = 0;
+  for (const float value : erode(image, 101).data) EXPECT_EQ(value, 0);
+}
+
 TEST(GaussianBlur, KeepsConstantsAndHasItsVariance) {
   for (const float value : gaussian_blur(Image(9, 5, 1, 0.3f), 2).data) EXPECT_NEAR(value, 0.3f, 1e-6);
   Image point(41, 41);

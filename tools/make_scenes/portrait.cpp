@@ -24,11 +24,13 @@ float skull(vec3 p) { return ellipsoid(p, {0, 0.035f, -0.012f}, {0.077f, 0.1f, 0
 float head(vec3 p) {
   const vec3 s(std::abs(p.x), p.y, p.z);  // the face is symmetric, near enough
   float d = skull(p);
-  d = smooth_union(d, ellipsoid(p, {0, -0.045f, 0.02f}, {0.056f, 0.062f, 0.066f}), 0.05f);               // jaw
-  d = smooth_union(d, ellipsoid(s, {0.04f, -0.018f, 0.056f}, {0.027f, 0.025f, 0.024f}), 0.03f);          // cheeks
-  d = smooth_union(d, ellipsoid(s, {0.024f, 0.036f, 0.077f}, {0.027f, 0.008f, 0.013f}), 0.02f);          // brows
-  d = smooth_subtract(d, ellipsoid(s, {0.031f, 0.016f, 0.098f}, {0.020f, 0.013f, 0.02f}), 0.016f);       // sockets
-  d = smooth_union(d, ellipsoid(s, {0.031f, 0.016f, 0.0685f}, {0.0155f, 0.0125f, 0.0125f}), 0.004f);     // lids
+  d = smooth_union(d, ellipsoid(p, {0, -0.045f, 0.02f}, {0.056f, 0.062f, 0.066f}), 0.05f);          // jaw
+  d = smooth_union(d, ellipsoid(s, {0.04f, -0.018f, 0.056f}, {0.027f, 0.025f, 0.024f}), 0.03f);     // cheeks
+  d = smooth_union(d, ellipsoid(s, {0.024f, 0.036f, 0.077f}, {0.027f, 0.008f, 0.013f}), 0.02f);     // brows
+  d = smooth_subtract(d, ellipsoid(s, {0.031f, 0.016f, 0.098f}, {0.020f, 0.013f, 0.02f}), 0.016f);  // sockets
+  const float eye = glm::length(s - vec3(0.031f, 0.0148f, 0.0715f)) - 0.0134f;
+  const float upper_lid = std::max(eye, 0.0035f - (p.y - 0.0148f)), lower_lid = std::max(eye, p.y - 0.0148f + 0.0055f);
+  d = smooth_union(d, std::min(upper_lid, lower_lid), 0.004f);                                           // lids
   d = smooth_union(d, capsule(p, {0, 0.022f, 0.078f}, {0, -0.018f, 0.098f}, 0.0075f, 0.0105f), 0.012f);  // nose
   d = smooth_union(d, ellipsoid(s, {0.0115f, -0.0235f, 0.088f}, {0.0085f, 0.007f, 0.0095f}), 0.006f);    // wings
   d = smooth_subtract(d, ellipsoid(s, {0.0065f, -0.0305f, 0.09f}, {0.0034f, 0.003f, 0.005f}), 0.003f);   // nostrils
@@ -75,7 +77,7 @@ float hand(vec3 p, float curl) {
   return d + 0.0008f * (value_noise(91, p * 190.0f) - 0.5f);
 }
 
-/// How far hair may grow at a point of the scalp: 0 on the face and under the ears' height.
+/// Where hair grows: not on the face, not under the ears' height.
 bool on_scalp(vec3 p) {
   const float hairline = 0.078f + 0.006f * std::sin(p.x * 60);
   if (p.z > 0.03f) return p.y > hairline - 0.9f * (0.078f - p.z) * (std::abs(p.x) > 0.045f ? 1 : 0);
@@ -96,12 +98,14 @@ Mesh hair_strands(int count) {
     const vec3 outward(r * std::cos(phi), z, r * std::sin(phi));
     vec3 p = vec3(0, 0.035f, -0.012f) + outward * vec3(0.081f, 0.104f, 0.1f);
     if (!on_scalp(p)) continue;
-    const bool stray = hash01(103, i) < 0.05f;
-    // combed away from a parting on the left
-    vec3 direction = glm::normalize(outward * 0.5f + vec3(p.x > -0.025f ? 0.7f : -0.7f, 0.15f, -0.25f) +
-                                    0.5f * (vec3(hash01(104, i), hash01(105, i), hash01(106, i)) - 0.5f));
-    const float length = (stray ? 0.05f : 0.075f) * (0.6f + 0.8f * hash01(107, i));
-    constexpr int kSegments = 9;
+    const bool stray = hash01(103, i) < 0.015f;
+    // combed away from a parting on the left, close to the head
+    const vec3 comb = vec3(p.x > -0.025f ? 0.8f : -0.8f, -0.1f, p.z > 0.02f ? 0.25f : -0.35f) +
+                      0.5f * (vec3(hash01(104, i), hash01(105, i), hash01(106, i)) - 0.5f);
+    vec3 direction = glm::normalize(comb + (stray ? 0.6f : 0.25f) * outward);
+    const float length = (stray ? 0.03f : 0.06f) * (0.6f + 0.8f * hash01(107, i));
+    const float lift = 0.009f + 0.008f * hash01(113, i);
+    constexpr int kSegments = 6;
     const float width = 0.00022f + 0.00025f * hash01(108, i);
     const auto first = static_cast<unsigned>(mesh.positions.size());
     const float shade = hash01(109, i);
@@ -122,8 +126,8 @@ Mesh hair_strands(int count) {
                         value_noise(112, p * 45.0f) - 0.5f);
       direction = glm::normalize(direction + (stray ? vec3(0, 0.02f, 0) : vec3(0, -0.3f, 0)) + 0.5f * wander);
       p += direction * (length / kSegments);
-      const float depth = (stray ? 0.0f : 0.003f + 0.006f * hash01(113, i)) - skull(p);
-      if (depth > 0) p += depth * glm::normalize(p - vec3(0, 0.035f, -0.012f));  // stay on the outside
+      const float above = skull(p) - lift * (0.4f + 0.6f * t);
+      if (above < 0 || !stray) p -= (above < 0 ? 1.0f : 0.6f) * above * glm::normalize(p - vec3(0, 0.035f, -0.012f));
     }
   }
   return mesh;
@@ -246,8 +250,8 @@ void add_person(Glb& glb) {
     return color;
   });
   const int skin_texture = glb.add_texture(skin);
-  const int skin_material = glb.add_material(skin_texture, vec3(1), false, 0.5f);
-  glb.add_node("head", placed(mesh_sdf(head, {-0.1f, -0.21f, -0.125f}, {0.1f, 0.15f, 0.125f}, 0.0014f, 0.11f), to_head),
+  const int skin_material = glb.add_material(skin_texture, vec3(1), false, 0.6f);
+  glb.add_node("head", placed(mesh_sdf(head, {-0.1f, -0.21f, -0.125f}, {0.1f, 0.15f, 0.125f}, 0.002f, 0.11f), to_head),
                skin_material, true);
   const Texture iris = noise_texture(203, 512, 8, 128, 0.8f, [](float n, float u, float v) {
     const float r = 2 * std::hypot(u - 0.5f, v - 0.5f);
@@ -272,10 +276,10 @@ void add_person(Glb& glb) {
                lip_material, true);
 
   const Texture brown = two_tone(205, {0.012f, 0.007f, 0.004f}, {0.15f, 0.085f, 0.045f}, 4, 512, 0.9f);
-  const int hair_material = glb.add_material(glb.add_texture(brown), vec3(1), false, 0.45f);
-  glb.add_node("scalp", placed(mesh_sdf(scalp, {-0.1f, -0.08f, -0.13f}, {0.1f, 0.16f, 0.12f}, 0.002f, 0.05f), to_head),
+  const int hair_material = glb.add_material(glb.add_texture(brown), vec3(1), false, 0.7f);
+  glb.add_node("scalp", placed(mesh_sdf(scalp, {-0.1f, -0.08f, -0.13f}, {0.1f, 0.16f, 0.12f}, 0.003f, 0.05f), to_head),
                hair_material, true);
-  Mesh strands = hair_strands(26000);
+  Mesh strands = hair_strands(9000);
   glb.add_node("hair", placed(strands, to_head * glm::translate(glm::mat4(1), -kHead)), hair_material, true);
   Mesh brows;
   for (int i = 0; i < 700; ++i) {
@@ -303,12 +307,12 @@ void add_person(Glb& glb) {
                   : glm::mix(vec3(0.012f, 0.03f, 0.065f), vec3(0.08f, 0.16f, 0.27f), std::clamp(thread, 0.0f, 1.0f));
   });
   glb.add_node("jumper",
-               placed(mesh_sdf(clothes, {-0.32f, -0.6f, -0.18f}, {0.32f, -0.1f, 0.2f}, 0.0032f, 0.1f), to_body),
+               placed(mesh_sdf(clothes, {-0.32f, -0.6f, -0.18f}, {0.32f, -0.1f, 0.2f}, 0.0045f, 0.1f), to_body),
                glb.add_material(glb.add_texture(wool), vec3(1), false), true);
 
   const auto add_hand = [&](const char* name, vec3 at, float lean, float turn, bool left, float curl) {
     Mesh mesh = mesh_sdf([&](vec3 p) { return hand(left ? mirrored(p) : p, curl); }, {-0.085f, -0.13f, -0.06f},
-                         {0.085f, 0.12f, 0.075f}, 0.0013f, 0.11f);
+                         {0.085f, 0.12f, 0.075f}, 0.002f, 0.11f);
     const glm::mat4 turned =
         glm::rotate(glm::rotate(to_body * glm::translate(glm::mat4(1), at), lean, vec3(0, 0, 1)), turn, vec3(0, 1, 0));
     glb.add_node(name, placed(mesh, turned), skin_material, true);
@@ -373,14 +377,14 @@ void add_garden(Glb& glb) {
   const int leaf_red = plain(two_tone(373, {0.10f, 0.02f, 0.01f}, {0.55f, 0.22f, 0.07f}, 4, 256, 0.85f));
   Mesh hedge, shrubs, autumn;
   for (int i = 0; i < 7; ++i)
-    add_bush(hedge, 500 + 40 * i, 3200, {-0.2f + 0.62f * i, -0.45f + 0.16f * hash01(499, i), -3.6f - 0.15f * i},
-             {0.5f, 0.62f, 0.4f}, 0.07f);
-  add_bush(shrubs, 800, 2600, {-0.95f, -0.62f, -2.0f}, {0.42f, 0.55f, 0.35f}, 0.06f);
-  add_bush(shrubs, 840, 1500, {0.62f, -0.62f, -1.55f}, {0.3f, 0.4f, 0.25f}, 0.05f);
-  add_bush(hedge, 880, 4200, {-1.8f, 2.6f, -6.4f}, {1.6f, 1.3f, 1.2f}, 0.12f);
-  add_bush(hedge, 920, 4200, {3.0f, 2.9f, -9.5f}, {2.2f, 1.6f, 1.6f}, 0.16f);
-  add_bush(shrubs, 960, 4200, {0.5f, 2.6f, -12.0f}, {2.6f, 1.6f, 1.5f}, 0.2f);
-  add_bush(shrubs, 1000, 5200, {-1.5f, 0.2f, -13.5f}, {7.0f, 1.9f, 0.8f}, 0.25f);
+    add_bush(hedge, 500 + 40 * i, 1300, {-0.2f + 0.62f * i, -0.45f + 0.16f * hash01(499, i), -3.6f - 0.15f * i},
+             {0.5f, 0.62f, 0.4f}, 0.11f);
+  add_bush(shrubs, 800, 1100, {-0.95f, -0.62f, -2.0f}, {0.42f, 0.55f, 0.35f}, 0.075f);
+  add_bush(shrubs, 840, 700, {0.62f, -0.62f, -1.55f}, {0.3f, 0.4f, 0.25f}, 0.065f);
+  add_bush(hedge, 880, 1200, {-1.8f, 2.6f, -6.4f}, {1.6f, 1.3f, 1.2f}, 0.2f);
+  add_bush(hedge, 920, 1200, {3.0f, 2.9f, -9.5f}, {2.2f, 1.6f, 1.6f}, 0.28f);
+  add_bush(shrubs, 960, 1200, {0.5f, 2.6f, -12.0f}, {2.6f, 1.6f, 1.5f}, 0.34f);
+  add_bush(shrubs, 1000, 1600, {-1.5f, 0.2f, -13.5f}, {7.0f, 1.9f, 0.8f}, 0.42f);
   add_bush(autumn, 1040, 420, {0.35f, 0.6f, -2.45f}, {0.5f, 0.22f, 0.25f}, 0.055f);
   for (int i = 0; i < 90; ++i) {  // leaves on the twigs
     const vec3 base(-0.65f + 1.5f * hash01(1081, i), 0.15f + 0.45f * hash01(1082, i), -1.5f - 0.4f * hash01(1083, i));
@@ -389,8 +393,8 @@ void add_garden(Glb& glb) {
              0.035f);
   }
   // the plant on the table, nearer than the focus plane
-  add_bush(shrubs, 1120, 130, {-0.29f, -0.1f, -0.52f}, {0.06f, 0.08f, 0.05f}, 0.045f);
-  add_bush(hedge, 1160, 60, {-0.25f, -0.15f, -0.47f}, {0.05f, 0.05f, 0.04f}, 0.03f);
+  add_bush(shrubs, 1120, 70, {-0.29f, -0.1f, -0.52f}, {0.06f, 0.08f, 0.05f}, 0.045f);
+  add_bush(hedge, 1136, 60, {-0.25f, -0.15f, -0.47f}, {0.05f, 0.05f, 0.04f}, 0.03f);
   glb.add_node("hedge", hedge, leaf_green);
   glb.add_node("shrubs", shrubs, leaf_olive);
   glb.add_node("autumn leaves", autumn, leaf_red);
