@@ -52,9 +52,9 @@ float clothes(vec3 p) {
   d = smooth_union(d, capsule(s, {0.165f, -0.25f, -0.04f}, {0.235f, -0.47f, 0.0f}, 0.058f, 0.047f), 0.03f);
   d = smooth_union(d, capsule(p, {0.225f, -0.44f, 0.03f}, {0.128f, -0.318f, 0.125f}, 0.042f, 0.033f), 0.03f);
   d = smooth_union(d, capsule(p, {-0.225f, -0.44f, 0.03f}, {-0.06f, -0.405f, 0.125f}, 0.042f, 0.033f), 0.03f);
-  const float collar = std::abs(capsule(p, {0, -0.13f, -0.03f}, {0, -0.19f, -0.036f}, 0.064f, 0.074f)) - 0.0045f;
+  const float collar = std::abs(capsule(p, {0, -0.13f, -0.03f}, {0, -0.19f, -0.036f}, 0.068f, 0.079f)) - 0.008f;
   d = smooth_union(d, std::max(collar, std::abs(p.y + 0.165f + 0.25f * p.z) - 0.024f), 0.012f);
-  d = smooth_subtract(d, capsule(p, {0, -0.05f, -0.03f}, {0, -0.19f, -0.035f}, 0.058f, 0.066f), 0.008f);
+  d = smooth_subtract(d, capsule(p, {0, -0.05f, -0.03f}, {0, -0.172f, -0.034f}, 0.058f, 0.064f), 0.008f);
   const float folds = value_noise(81, vec3(p.x * 16 + 3 * value_noise(83, p * 9.0f), p.y * 7, p.z * 10));
   return d + 0.009f * (folds - 0.5f) + 0.003f * (value_noise(82, p * 40.0f) - 0.5f);
 }
@@ -156,8 +156,8 @@ Mesh ball(vec3 centre, float radius, vec3 pole) {
   for (unsigned i = 0; i < kRows; ++i) {
     for (unsigned j = 0; j < kColumns; ++j) {
       const unsigned a = i * (kColumns + 1) + j, b = a + kColumns + 1;
-      mesh.triangles.push_back({a, b, b + 1});
-      mesh.triangles.push_back({a, b + 1, a + 1});
+      if (i + 1 < kRows) mesh.triangles.push_back({a, b, b + 1});
+      if (i > 0) mesh.triangles.push_back({a, b + 1, a + 1});
     }
   }
   return mesh;
