@@ -172,6 +172,8 @@ void write_exr(const std::string& path, const std::vector<NamedPlane>& planes, b
   }
   spec["compression"] = "zip:2";  // a little larger than by the default level 4, and faster
   for (const auto& [name, value] : attributes) spec.attribute(name, value);
+  // OpenImageIO would put in the current time: the same picture must be the same bytes.
+  spec.attribute("DateTime", "1970:01:01 00:00:00");
 
   // Interleave: each channel in its own type.
   const std::size_t pixel_bytes = spec.pixel_bytes(true);
