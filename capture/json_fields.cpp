@@ -267,6 +267,29 @@ Fields& Fields::numbers(const std::string& key, double* values, std::size_t coun
   return *this;
 }
 
+Fields& Fields::list(const std::string& key, std::vector<double>& values, double low, double high, std::size_t most) {
+  if (const json* found = find(key)) {
+    if (!found->is_array() || found->size() > most || !std::all_of(found->begin(), found->end(), [&](const json& v) {
+          return v.is_number() && v.get<double>() >= low && v.get<double>() <= high;
+        })) {
+      fail(key, fmt::format("{}: must be up to {} numbers in [{:g}, {:g}]", dump(*found), most, low, high));
+    }
+    values = found->get<std::vector<double>>();
+  }
+  return *this;
+}
+
+std::vector<Fields> Fields::objects(const std::string& key) {
+  std::vector<Fields> result;
+  if (const json* found = find(key)) {
+    if (!found->is_array()) fail(key, dump(*found) + ": must be an array of objects");
+    for (std::size_t i = 0; i < found->size(); ++i) {
+      result.emplace_back((*found)[i], file_, fmt::format("{}{}/{}", pointer_, pointer_step(key), i));
+    }
+  }
+  return result;
+}
+
 Fields Fields::object(const std::string& key) {
   const json* found = find(key);
   return Fields(found ? *found : kEmptyObject, file_, pointer_ + pointer_step(key));

@@ -40,6 +40,11 @@ class Fields {
   /// Exactly `count` finite numbers.
   Fields& numbers(const std::string& key, double* values, std::size_t count);
 
+  /// Any count up to `most` of numbers in a closed range.
+  Fields& list(const std::string& key, std::vector<double>& values, double low, double high, std::size_t most);
+
+  /// The objects of the array under `key`, none where absent.
+  std::vector<Fields> objects(const std::string& key);
   /// The object under `key`, an empty one where absent.
   Fields object(const std::string& key);
   /// The value under `key` as it stands; null where absent.

@@ -11,6 +11,7 @@
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
+#include "simulator/lens/lens_file.h"
 #include "simulator/render/hash.h"
 #include "simulator/render/truth.h"
 #include "simulator/scene/gltf.h"
@@ -26,7 +27,7 @@ std::string beside(const std::string& json_path, const std::string& name) {
 
 glm::dvec3 to_vec(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
-void read_camera(Fields camera, Simulation& s) {
+void read_camera(Fields camera, Simulation& s, double& focus_distance_m) {
   camera.text("node", s.camera_node);
   if (camera.has("position_m") || camera.has("look_at_m") || camera.has("up")) {
     if (camera.has("node")) camera.fail("node", "give either a camera node or position_m and look_at_m, not both");
@@ -39,24 +40,8 @@ void read_camera(Fields camera, Simulation& s) {
       camera.fail("look_at_m", "must differ from position_m, and not lie along `up` from it");
     }
   }
-  camera.number("focus_distance_m", s.lens.focus_distance_m, 0.001, kInfinity);
+  camera.number("focus_distance_m", focus_distance_m, 0.001, kInfinity);
   camera.done();
-}
-
-void read_lens(Fields lens, Simulation& s) {
-  std::string model = "thin";
-  double focal_length_mm = s.lens.focal_length_m * 1e3;
-  lens.choice("model", model, {"thin"});
-  lens.number("focal_length_mm", focal_length_mm, 0.1, 10000);
-  lens.number("f_number", s.lens.f_number, 0.1, 1000);
-  s.lens.focal_length_m = focal_length_mm * 1e-3;
-  Fields split = lens.object("split");
-  std::string kind = "ramp";
-  split.choice("model", kind, {"hard", "ramp"});
-  s.split.kind = kind == "hard" ? SplitPixel::Kind::hard : SplitPixel::Kind::ramp;
-  if (s.split.kind == SplitPixel::Kind::ramp) split.number("k", s.split.k, 1, 1e6);
-  split.done();
-  lens.done();
 }
 
 void read_sensor(Fields sensor, SensorOptions& s) {
@@ -134,16 +119,19 @@ Matrix4 row_major(const glm::mat4& m) {
 
 Camera describe_camera(const Simulation& s, const CameraView& view) {
   Camera c;
-  c.name = "simulated thin lens";
-  c.width_px = view.width_px;
-  c.height_px = view.height_px;
+  c.name = "simulated " + s.lens.name;
+  c.width_px = s.sensor.width_px;
+  c.height_px = s.sensor.height_px;
   c.pixel_pitch_um = s.sensor.pixel_pitch_um;
-  c.focal_length_mm = s.lens.focal_length_m * 1e3;
-  c.f_number = s.lens.f_number;
-  c.focus_distance_m = s.lens.focus_distance_m;
-  c.principal_point_px = {view.principal_point_px.x, view.principal_point_px.y};
-  c.split = s.split.kind == SplitPixel::Kind::hard ? "hard" : "ramp";
-  c.alpha = s.split.alpha();
+  const ThinLens& thin = s.lens.thin;
+  c.focal_length_mm = thin.focal_length_m * 1e3;
+  c.f_number = thin.f_number;
+  c.focus_distance_m = thin.focus_distance_m;
+  const glm::dvec2 centre = view.lens.sensor().principal_point_px;
+  c.principal_point_px = {centre.x, centre.y};
+  constexpr const char* kSplitNames[] = {"hard", "ramp", "microlens", "table"};
+  c.split = kSplitNames[static_cast<int>(s.lens.split.kind)];
+  c.alpha = s.lens.split.alpha(thin.rim_slope());
   return c;
 }
 
@@ -184,12 +172,9 @@ Simulation read_simulation(const nlohmann::json& json, const std::string& path) 
   std::string gltf;
   root.required("gltf").text("gltf", gltf);
   s.gltf_path = beside(path, gltf);
-  read_camera(root.object("camera"), s);
-  read_lens(root.object("lens"), s);
-  if (!(s.lens.focus_distance_m > s.lens.focal_length_m)) {
-    root.fail("camera/focus_distance_m", fmt::format("{}: must be greater than the focal length, {} m",
-                                                     s.lens.focus_distance_m, s.lens.focal_length_m));
-  }
+  double focus_distance_m = 1;
+  read_camera(root.object("camera"), s, focus_distance_m);
+  s.lens = read_lens(root.has("lens") ? root.raw("lens") : nlohmann::json::object(), path, "/lens", focus_distance_m);
   Fields sensor = root.object("sensor");
   read_sensor(sensor, s.sensor);
   Fields exposure = root.object("exposure");
@@ -236,26 +221,27 @@ Scene load_scene(const Simulation& s) {
   return scene;
 }
 
+SensorGrid sensor_grid(const Simulation& s) {
+  return {s.sensor.width_px,
+          s.sensor.height_px,
+          s.sensor.pixel_pitch_um * 1e-6,
+          {0.5 * s.sensor.width_px, 0.5 * s.sensor.height_px}};
+}
+
 CameraView place_camera(const Simulation& s, const Scene& scene) {
-  CameraView view;
+  glm::mat4 world_from_camera;
   if (s.pose) {
     const glm::dvec3 forward = glm::normalize(to_vec(s.pose->look_at_m) - to_vec(s.pose->position_m));
     const glm::dvec3 right = glm::normalize(glm::cross(forward, to_vec(s.pose->up)));
     const glm::dvec3 down = glm::cross(forward, right);
-    view.world_from_camera = glm::mat4(glm::dmat4(glm::dvec4(right, 0), glm::dvec4(down, 0), glm::dvec4(forward, 0),
-                                                  glm::dvec4(to_vec(s.pose->position_m), 1)));
+    world_from_camera = glm::mat4(glm::dmat4(glm::dvec4(right, 0), glm::dvec4(down, 0), glm::dvec4(forward, 0),
+                                             glm::dvec4(to_vec(s.pose->position_m), 1)));
   } else {
     // glTF's camera looks along -z with y up
-    view.world_from_camera =
+    world_from_camera =
         camera_node(s, scene).world_from_node * glm::mat4(1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1);
   }
-  view.lens = s.lens;
-  view.split = s.split;
-  view.width_px = s.sensor.width_px;
-  view.height_px = s.sensor.height_px;
-  view.pixel_pitch_m = s.sensor.pixel_pitch_um * 1e-6;
-  view.principal_point_px = {0.5 * view.width_px, 0.5 * view.height_px};
-  return view;
+  return {world_from_camera, LensSampler(s.lens, sensor_grid(s))};
 }
 
 Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& stage) {
@@ -273,15 +259,15 @@ Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& s
 
   // Truth pictures in the frames' normalised signal: a neutral grey reads the same in all channels after the sensor's
   // colour response is divided out, as white balance does.
-  const double lux_s_per_nit = s.lens.lux_per_nit() * s.exposure.time_s;
+  const double lux_s_per_nit = view.lens.lux_per_nit() * s.exposure.time_s;
   const double unit_per_nit = lux_s_per_nit / capture.exposure.lux_s_per_unit;
   capture.truth = trace_truth(world, view);
   RenderOptions options = s.render;
-  options.aperture_scale = 0;
+  options.ideal_aperture_scale = 0;
   options.samples_per_pixel = s.all_in_focus_samples_per_pixel;
   options.seed = hash(s.render.seed, 1);
   capture.truth->all_in_focus = undivided(render_views(world, view, options, report("all-in-focus image")));
-  options.aperture_scale = s.photograph_aperture_scale;
+  options.ideal_aperture_scale = s.photograph_aperture_scale;
   options.samples_per_pixel = s.photograph_samples_per_pixel;
   options.seed = hash(s.render.seed, 2);
   capture.truth->photograph = undivided(render_views(world, view, options, report("wide-aperture photograph")));
@@ -291,7 +277,7 @@ Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& s
 
   const Image electrons = [&] {
     const Views views = render_views(world, view, s.render, report("left and right view"));
-    return expected_electrons(views.left, views.right, s.sensor, s.exposure, s.lens.lux_per_nit());
+    return expected_electrons(views.left, views.right, s.sensor, s.exposure, view.lens.lux_per_nit());
   }();
   for (int i = 0; i < s.burst_frames; ++i) {
     capture.frames.push_back(expose(electrons, s.sensor, s.exposure, hash(s.render.seed, 3, i)));

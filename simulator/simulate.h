@@ -7,8 +7,7 @@
 #include <string>
 
 #include "capture/capture.h"
-#include "simulator/lens/split_pixel.h"
-#include "simulator/lens/thin_lens.h"
+#include "simulator/lens/lens.h"
 #include "simulator/render/views.h"
 #include "simulator/scene/environment.h"
 #include "simulator/scene/scene.h"
@@ -29,8 +28,7 @@ struct Simulation {
   std::string gltf_path;    ///< resolved against the JSON file's folder
   std::string camera_node;  ///< empty: the glTF file's first camera
   std::optional<CameraPose> pose;
-  ThinLens lens{4.442e-3, 1.8, 1.0};
-  SplitPixel split;
+  Lens lens;  ///< focused
   SensorOptions sensor;
   ExposureOptions exposure;
   int burst_frames = 9;
@@ -56,7 +54,11 @@ Simulation read_simulation(const nlohmann::json& json, const std::string& path);
 /// Reads glTF and environment that `simulation` names. Throws InputError, also where nothing in them gives light.
 Scene load_scene(const Simulation& simulation);
 
-/// The camera of `simulation` as it stands in `scene`. Throws InputError where the node is missing.
+/// Its photosites, the axis in the middle.
+SensorGrid sensor_grid(const Simulation& simulation);
+
+/// The camera of `simulation` as it stands in `scene`, its lens made ready (up to a second for a prescription). Throws
+/// InputError where the node is missing.
 CameraView place_camera(const Simulation& simulation, const Scene& scene);
 
 /// `stage` is called with what is being done and the fraction of it that is.

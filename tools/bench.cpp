@@ -32,19 +32,16 @@ double seconds(const Work& work) {
 /// that a busy machine slows both.
 nlohmann::json bench_render(const simulator::Simulation& s, const simulator::Scene& scene) {
   const simulator::RenderScene world(scene);
-  simulator::CameraView camera = simulator::place_camera(s, scene);
-  const double shrink = camera.width_px / 1344.0;
-  camera.width_px = 1344;
-  camera.height_px = 1008;
-  camera.pixel_pitch_m *= shrink;
-  camera.principal_point_px = {672, 504};
+  simulator::SensorGrid sensor = simulator::sensor_grid(s);
+  sensor = {1344, 1008, sensor.pixel_pitch_m * sensor.width_px / 1344.0, {672, 504}};
+  const simulator::CameraView camera{simulator::place_camera(s, scene).world_from_camera, {s.lens, sensor}};
   constexpr int kSamples = 64;
   const double samples = 1344.0 * 1008.0 * kSamples;
 
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   double ours_s = 1e30, raw_s = 1e30;
   for (int repeat = 0; repeat < 2; ++repeat) {
-    ours_s = std::min(ours_s, seconds([&] { simulator::render_views(world, camera, {kSamples, 0, 1, 1}); }));
+    ours_s = std::min(ours_s, seconds([&] { simulator::render_views(world, camera, {kSamples, 0, 1}); }));
     raw_s =
         std::min(raw_s, seconds([&] { simulator::trace_raw(world, camera, kSamples, glm::vec3(0.36f, 0.8f, 0.48f)); }));
   }

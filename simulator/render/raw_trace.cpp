@@ -2,26 +2,27 @@
 
 #include <limits>
 
-#include "simulator/render/lens_rays.h"
+#include "simulator/render/camera_rays.h"
+#include "simulator/render/sobol.h"
 
 namespace dualpixel::simulator {
 
 std::size_t trace_raw(const RenderScene& world, const CameraView& camera, int samples_per_pixel, glm::vec3 to_light) {
-  const LensRays lens_rays(camera, 1);
   alignas(64) float joint[4][kPacket];
-  alignas(64) float pupil[2][kPacket];
+  LensPacket packet;
   alignas(64) RTCRayHit16 rays;
   alignas(64) RTCRay16 shadow;
   alignas(64) int all[kPacket];
   alignas(64) int hit[kPacket];
   for (int& lane : all) lane = -1;
   std::size_t lit = 0;
-  for (int y = 0; y < camera.height_px; ++y) {
-    for (int x = 0; x < camera.width_px; ++x) {
+  for (int y = 0; y < camera.lens.sensor().height_px; ++y) {
+    for (int x = 0; x < camera.lens.sensor().width_px; ++x) {
       const std::uint64_t key = hash(1, static_cast<std::uint64_t>(y) << 32 | static_cast<unsigned>(x));
       for (int first = 0; first < samples_per_pixel; first += kPacket) {
         joint_samples(first, key, joint);
-        lens_rays.make(x, y, joint, pupil, rays);
+        camera.lens.sample(x, y, 1, joint, packet);
+        to_world(packet, camera.world_from_camera, rays);
         world.intersector.intersect(all, rays, true);
         for (int i = 0; i < kPacket; ++i) {
           hit[i] = rays.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID ? 0 : -1;

@@ -2,14 +2,13 @@
 #include <array>
 #include <cstdint>
 
+#include "simulator/lens/packet.h"
 #include "simulator/render/hash.h"
 
 /// Owen-scrambled Sobol points, sixteen at a time. The first four dimensions are one joint net for pixel position and
 /// pupil position: for a smooth picture under blur its error falls far faster than that of two padded planar nets.
 /// Directions: Joe & Kuo 2008. Scrambling: Laine & Karras 2011 with Vegdahl's constants (2021), on reversed bits.
 namespace dualpixel::simulator {
-
-inline constexpr int kPacket = 16;  ///< lanes of a packet: samples of one pixel
 
 /// Reverses the order of 32 bits.
 constexpr std::uint32_t reverse_bits(std::uint32_t x) {

@@ -4,13 +4,15 @@
 
 #include <limits>
 
+#include "simulator/render/disparity_field.h"
 #include "simulator/render/surface.h"
 
 namespace dualpixel::simulator {
 
 Truth trace_truth(const RenderScene& world, const CameraView& camera) {
-  const int width = camera.width_px;
-  const int height = camera.height_px;
+  const SensorGrid& sensor = camera.lens.sensor();
+  const int width = sensor.width_px;
+  const int height = sensor.height_px;
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Truth truth;
   truth.depth_m = Image(width, height, 1, kInfinity);
@@ -21,15 +23,14 @@ Truth trace_truth(const RenderScene& world, const CameraView& camera) {
   truth.person_mask = Image(width, height);
   truth.valid = Image(width, height);
 
-  const double x_per_px = camera.pixel_pitch_m / camera.lens.image_distance_m();
+  const DisparityField field(camera.lens);
   const glm::mat3 rotation(camera.world_from_camera);
   const glm::vec3 origin(camera.world_from_camera[3]);
-  constexpr int kPhotositesPerDpPixel = 2;  // horizontally
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
-      const glm::vec3 direction =
-          rotation * glm::vec3((x + 0.5 - camera.principal_point_px.x) * x_per_px,
-                               (y + 0.5 - camera.principal_point_px.y) * x_per_px, 1);  // so that t is planar depth
+      const glm::dvec2 slope = camera.lens.chief_slope((x + 0.5 - sensor.principal_point_px.x) * sensor.pixel_pitch_m,
+                                                       (y + 0.5 - sensor.principal_point_px.y) * sensor.pixel_pitch_m);
+      const glm::vec3 direction = rotation * glm::vec3(slope, 1);  // so that t is planar depth
       RTCRayHit ray{};
       ray.ray.org_x = origin.x, ray.ray.org_y = origin.y, ray.ray.org_z = origin.z;
       ray.ray.dir_x = direction.x, ray.ray.dir_y = direction.y, ray.ray.dir_z = direction.z;
@@ -48,9 +49,10 @@ Truth trace_truth(const RenderScene& world, const CameraView& camera) {
         truth.valid.at(x, y) = 1;
         for (int c = 0; c < 3; ++c) truth.normal.at(x, y, c) = normal[c];
       }
-      const double blur_px = camera.lens.blur_diameter_m(truth.depth_m.at(x, y)) / camera.pixel_pitch_m;
-      truth.blur_px.at(x, y) = static_cast<float>(blur_px);
-      truth.disparity_dp_px.at(x, y) = static_cast<float>(camera.split.alpha() * blur_px / kPhotositesPerDpPixel);
+      const DisparityCoefficients c = field.at(x + 0.5, y + 0.5);
+      const double inverse_depth = 1 / static_cast<double>(truth.depth_m.at(x, y));
+      truth.blur_px.at(x, y) = static_cast<float>(c.blur_slope_px_m * inverse_depth + c.blur_intercept_px);
+      truth.disparity_dp_px.at(x, y) = static_cast<float>(c.slope_dp_px_m * inverse_depth + c.intercept_dp_px);
     }
   });
   return truth;

@@ -13,9 +13,10 @@
 #include <mutex>
 
 #include "simulator/render/bsdf.h"
-#include "simulator/render/lens_rays.h"
+#include "simulator/render/camera_rays.h"
 #include "simulator/render/sobol.h"
 #include "simulator/render/surface.h"
+#include "simulator/sensor/cfa.h"
 
 namespace dualpixel::simulator {
 namespace {
@@ -140,22 +141,28 @@ void advance(const RenderScene& world, RTCRayHit16& rays, Paths& paths, const Pa
 }
 
 /// All samples of one pixel: sums of radiance over the left and the right half.
-void render_pixel(const RenderScene& world, const LensRays& lens_rays, const SplitPixel& split,
-                  const RenderOptions& options, int x, int y, std::uint64_t pixel_key, float* left, float* right) {
+void render_pixel(const RenderScene& world, const CameraView& camera, const RenderOptions& options, int x, int y,
+                  std::uint64_t pixel_key, float* left, float* right) {
   const auto samples = static_cast<std::uint32_t>(options.samples_per_pixel);
   const std::uint32_t index_mask = std::bit_ceil(std::max(samples, 16u)) - 1;
   alignas(64) float joint[4][kPacket];
-  alignas(64) float pupil[2][kPacket];
+  LensPacket packet;
   alignas(64) RTCRayHit16 rays;
   alignas(64) Paths paths;
   alignas(64) Padded light, reflection;
+  const int color = camera.lens.has_color() ? cfa_color(x, y) : 1;
   glm::vec3 left_sum(0), right_sum(0);
   for (std::uint32_t first = 0; first < samples; first += kPacket) {
     const int lanes = static_cast<int>(std::min<std::uint32_t>(kPacket, samples - first));
     joint_samples(first, pixel_key, joint);
-    lens_rays.make(x, y, joint, pupil, rays);
+    if (options.ideal_aperture_scale) {
+      camera.lens.sample_ideal(x, y, joint, static_cast<float>(*options.ideal_aperture_scale), packet);
+    } else {
+      camera.lens.sample(x, y, color, joint, packet);
+    }
+    to_world(packet, camera.world_from_camera, rays);
     for (int i = 0; i < kPacket; ++i) {
-      paths.active[i] = i < lanes ? -1 : 0;
+      paths.active[i] = i < lanes && packet.left[i] + packet.right[i] > 0 ? -1 : 0;
       paths.throughput[i] = glm::vec3(1);
       paths.radiance[i] = glm::vec3(0);
       paths.pdf[i] = kInfinity;
@@ -164,14 +171,13 @@ void render_pixel(const RenderScene& world, const LensRays& lens_rays, const Spl
       const bool last = bounce == options.max_bounces;
       padded_samples(first, index_mask, pixel_key, 2 * bounce, light.u, light.v);
       if (!last) padded_samples(first, index_mask, pixel_key, 2 * bounce + 1, reflection.u, reflection.v);
-      if (bounce > 0) LensRays::reset(rays);
+      if (bounce > 0) reset(rays);
       advance(world, rays, paths, light, last ? nullptr : &reflection, bounce == 0);
       if (last || std::all_of(paths.active, paths.active + kPacket, [](int a) { return a == 0; })) break;
     }
     for (int i = 0; i < lanes; ++i) {
-      const float w = split.right_weight(pupil[0][i]);
-      right_sum += w * paths.radiance[i];
-      left_sum += (1 - w) * paths.radiance[i];
+      right_sum += packet.right[i] * paths.radiance[i];
+      left_sum += packet.left[i] * paths.radiance[i];
     }
   }
   for (int c = 0; c < 3; ++c) {
@@ -184,13 +190,13 @@ void render_pixel(const RenderScene& world, const LensRays& lens_rays, const Spl
 
 Views render_views(const RenderScene& world, const CameraView& camera, const RenderOptions& options,
                    const ProgressCallback& progress) {
-  Views views{Image(camera.width_px, camera.height_px, 3), Image(camera.width_px, camera.height_px, 3)};
-  const LensRays lens_rays(camera, options.aperture_scale);
+  const int width = camera.lens.sensor().width_px, height = camera.lens.sensor().height_px;
+  Views views{Image(width, height, 3), Image(width, height, 3)};
   std::atomic<std::size_t> pixels_done = 0;
   std::mutex progress_mutex;
   constexpr int kTile = 16;  // pixels a side: neighbours share the part of the scene that caches hold
   tbb::parallel_for(
-      tbb::blocked_range2d<int>(0, camera.height_px, kTile, 0, camera.width_px, kTile),
+      tbb::blocked_range2d<int>(0, height, kTile, 0, width, kTile),
       [&](const tbb::blocked_range2d<int>& tile) {
         // Embree's advice: denormals cost time and carry no light.
         _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
@@ -199,8 +205,7 @@ Views render_views(const RenderScene& world, const CameraView& camera, const Ren
           for (int x = tile.cols().begin(); x < tile.cols().end(); ++x) {
             const std::uint64_t key =
                 hash(options.seed, static_cast<std::uint64_t>(y) << 32 | static_cast<unsigned>(x));
-            render_pixel(world, lens_rays, camera.split, options, x, y, key, &views.left.at(x, y),
-                         &views.right.at(x, y));
+            render_pixel(world, camera, options, x, y, key, &views.left.at(x, y), &views.right.at(x, y));
           }
         }
         pixels_done += tile.rows().size() * tile.cols().size();

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "capture/image.h"
 #include "simulator/render/camera_view.h"
@@ -16,11 +17,15 @@ struct RenderOptions {
   int samples_per_pixel = 16;  ///< 1 .. 65536; powers of two sample best
   int max_bounces = 0;         ///< 0: emitted and direct light; n: n further reflections
   std::uint64_t seed = 1;
-  double aperture_scale = 1;  ///< pupil diameter over the lens's own; 0 is a pinhole. Radiance, not light, is averaged
+  /// Set: instead of the lens the ideal one with its chief rays is looked through, its pupil this much wider; 0 is a
+  /// pinhole.
+  std::optional<double> ideal_aperture_scale;
 };
 
 /// Both halves of every photosite, full sensor size, linear RGB. left + right is the radiance in nits that the
-/// photosite sees, averaged over its area and the pupil; the sensor turns it into light by ThinLens::lux_per_nit().
+/// photosite sees, averaged over its area and the pupil and weighed by the lens's shading and the split's losses; the
+/// sensor turns it into light by LensSampler::lux_per_nit(). Through a lens with colour, light is traced at the
+/// wavelength of the photosite's own filter, so only that channel is right there.
 struct Views {
   Image left;
   Image right;

@@ -4,6 +4,7 @@
 
 #include "capture/capture.h"
 #include "capture/image.h"
+#include "simulator/sensor/cfa.h"
 
 /// From light to digital numbers. Each half of a photosite counts photons; the photosite's electrons are the sum of
 /// its halves, so mosaic and DP views share their shot noise as on a real sensor, and each read-out adds its own read
@@ -34,9 +35,6 @@ double gain_dn_per_electron(const SensorOptions& sensor, double iso);
 
 /// Levels and the noise profiles that follow from shot noise, read noise and quantisation (variance 1/12 DN^2).
 Exposure describe_exposure(const SensorOptions& sensor, const ExposureOptions& exposure);
-
-/// Colour filter of a photosite (0 R, 1 G, 2 B) in an RGGB mosaic.
-constexpr int cfa_color(int x, int y) { return (x & 1) + (y & 1); }
 
 /// Mean electrons of each half-photosite under its colour filter; two channels: left, right. `left` and `right` are
 /// radiance in nits as render_views() gives it.

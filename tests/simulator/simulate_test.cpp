@@ -29,16 +29,16 @@ TEST(SceneFile, DefaultsArePhoneClass) {
   EXPECT_EQ(s.gltf_path, "dir/scene.glb");
   EXPECT_EQ(s.sensor.width_px, 2688);
   EXPECT_EQ(s.burst_frames, 9);
-  EXPECT_NEAR(s.split.alpha(), 0.21, 0.001);
-  EXPECT_NEAR(s.lens.pupil_diameter_m(), 2.468e-3, 1e-6);
+  EXPECT_NEAR(s.lens.split.alpha(), 0.21, 0.001);
+  EXPECT_NEAR(s.lens.thin.pupil_diameter_m(), 2.468e-3, 1e-6);
 }
 
 TEST(SceneFile, FocusAtInfinityIsFine) {
   json document = minimal();
   document["camera"]["focus_distance_m"] = "inf";
   const Simulation s = read_simulation(document, "s.json");
-  EXPECT_TRUE(std::isinf(s.lens.focus_distance_m));
-  EXPECT_DOUBLE_EQ(s.lens.image_distance_m(), s.lens.focal_length_m);
+  EXPECT_TRUE(std::isinf(s.lens.thin.focus_distance_m));
+  EXPECT_DOUBLE_EQ(s.lens.thin.image_distance_m(), s.lens.thin.focal_length_m);
 }
 
 TEST(SceneFile, RefusesWhatCannotBeAndNamesIt) {
@@ -116,7 +116,7 @@ TEST(Simulate, DigitalNumbersFollowFromNits) {
   scene.cameras = {{"camera", glm::mat4(1), {}}};
   const Capture capture = simulate(s, scene);
 
-  const double lux = 500 * M_PI / 4 * std::pow(s.lens.pupil_diameter_m() / s.lens.image_distance_m(), 2);
+  const double lux = 500 * M_PI / 4 * std::pow(s.lens.thin.pupil_diameter_m() / s.lens.thin.image_distance_m(), 2);
   const double green_e = lux * 0.004 * 4000;
   const double green_dn = green_e * (1023 - 64) / 6000.0;
   double sum = 0;

@@ -35,16 +35,20 @@ inline Material diffuse(float albedo) {
   return m;
 }
 
-/// A phone's main camera at the origin, looking along the world's +z with the world's axes its own.
-inline CameraView phone_camera(double focus_distance_m, int width_px, int height_px) {
-  CameraView camera;
-  camera.lens = {4.442e-3, 1.8, focus_distance_m};
-  camera.width_px = width_px;
-  camera.height_px = height_px;
-  camera.pixel_pitch_m = 1.4e-6;
-  camera.principal_point_px = {0.5 * width_px, 0.5 * height_px};
-  return camera;
+inline SensorGrid phone_sensor(int width_px, int height_px, double pixel_pitch_m = 1.4e-6) {
+  return {width_px, height_px, pixel_pitch_m, {0.5 * width_px, 0.5 * height_px}};
 }
+
+/// A phone's main camera at the origin, looking along the world's +z with the world's axes its own.
+inline CameraView phone_camera(double focus_distance_m, int width_px, int height_px, const SplitPixel& split = {},
+                               double pixel_pitch_m = 1.4e-6) {
+  Lens lens;
+  lens.thin = {4.442e-3, 1.8, focus_distance_m};
+  lens.split = split;
+  return {glm::mat4(1), LensSampler(lens, phone_sensor(width_px, height_px, pixel_pitch_m))};
+}
+
+inline const ThinLens& thin(const CameraView& camera) { return camera.lens.lens().thin; }
 
 /// Zeroth, first and second central moments of a picture's first channel.
 struct Moments {

@@ -22,7 +22,7 @@ Result run(int threads, std::uint64_t seed) {
   scene.environment = {2, 1, {glm::vec3(100), glm::vec3(900)}};
   const CameraView camera = phone_camera(0.8, 96, 64);
   Result result;
-  result.views = render_views(RenderScene(scene), camera, {16, 1, seed, 1});
+  result.views = render_views(RenderScene(scene), camera, {16, 1, seed});
   SensorOptions sensor;
   sensor.width_px = 96;
   sensor.height_px = 64;

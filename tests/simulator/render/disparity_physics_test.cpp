@@ -15,11 +15,12 @@ constexpr double kTargetPx = 22;  // the square's side on the sensor
 
 /// A glowing square, centred on the axis at the depth where the signed blur diameter is `blur_px`.
 Scene square_with_blur(const CameraView& camera, double blur_px) {
-  const ThinLens& lens = camera.lens;
+  const ThinLens& lens = thin(camera);
+  const double pitch_m = camera.lens.sensor().pixel_pitch_m;
   const double inverse_depth =
-      1 / lens.focus_distance_m - blur_px * camera.pixel_pitch_m / (lens.pupil_diameter_m() * lens.image_distance_m());
+      1 / lens.focus_distance_m - blur_px * pitch_m / (lens.pupil_diameter_m() * lens.image_distance_m());
   const double depth = 1 / inverse_depth;
-  const auto side = static_cast<float>(kTargetPx * camera.pixel_pitch_m / lens.image_distance_m() * depth);
+  const auto side = static_cast<float>(kTargetPx * pitch_m / lens.image_distance_m() * depth);
   Scene scene;
   scene.materials = {glowing(100)};
   scene.meshes = {make_quad({-side / 2, -side / 2, static_cast<float>(depth)}, {side, 0, 0}, {0, side, 0}, 0)};
@@ -28,7 +29,7 @@ Scene square_with_blur(const CameraView& camera, double blur_px) {
 
 Views render_square(const CameraView& camera, double blur_px, int samples = 512) {
   const Scene scene = square_with_blur(camera, blur_px);
-  return render_views(RenderScene(scene), camera, {samples, 0, 7, 1});
+  return render_views(RenderScene(scene), camera, {samples, 0, 7});
 }
 
 class Splits : public ::testing::TestWithParam<SplitPixel> {};
@@ -37,12 +38,11 @@ class Splits : public ::testing::TestWithParam<SplitPixel> {};
 // a view would err by about (b/4) / sqrt(22^2 * 512) = 0.016 px at b = 32 px (0.008 DP px); the stratified net cuts
 // that by more than four, so 0.01 DP px leaves over three standard errors.
 TEST_P(Splits, CentroidDisparityIsAlphaTimesBlur) {
-  CameraView camera = phone_camera(0.2, kSize, kSize);
-  camera.split = GetParam();
+  const CameraView camera = phone_camera(0.2, kSize, kSize, GetParam());
   for (double blur_dp_px : {-16.0, -9.0, -4.0, -1.0, 0.0, 0.5, 2.0, 6.0, 12.0, 16.0}) {
     const Views views = render_square(camera, 2 * blur_dp_px);
     const double measured_dp_px = (moments(views.right).x - moments(views.left).x) / 2;
-    EXPECT_NEAR(measured_dp_px, camera.split.alpha() * blur_dp_px, 0.01) << "blur " << blur_dp_px << " DP px";
+    EXPECT_NEAR(measured_dp_px, GetParam().alpha() * blur_dp_px, 0.01) << "blur " << blur_dp_px << " DP px";
   }
 }
 
@@ -84,8 +84,8 @@ TEST(ViewSign, PictureIsUpright) {
   const CameraView camera = phone_camera(0.2, kSize, kSize);
   Scene scene = square_with_blur(camera, 0);
   for (glm::vec3& p : scene.meshes[0].positions) p += glm::vec3(4e-4f, 8e-4f, 0);
-  const Moments m = moments(undivided(render_views(RenderScene(scene), camera, {64, 0, 1, 1})));
-  const double px_per_m = camera.lens.image_distance_m() / camera.pixel_pitch_m / 0.2;
+  const Moments m = moments(undivided(render_views(RenderScene(scene), camera, {64, 0, 1})));
+  const double px_per_m = thin(camera).image_distance_m() / camera.lens.sensor().pixel_pitch_m / 0.2;
   EXPECT_NEAR(m.x - kSize / 2, 4e-4 * px_per_m, 0.02);
   EXPECT_NEAR(m.y - kSize / 2, 8e-4 * px_per_m, 0.02);
 }
@@ -93,13 +93,11 @@ TEST(ViewSign, PictureIsUpright) {
 // The same samples under another split differ only in how each is shared: left + right never changes. A ramp with a
 // huge k halves every sample exactly, which is the undivided pixel. Tolerance: one rounding per sum of 64 terms.
 TEST(SplitPixel, LeftPlusRightIsTheUndividedPixel) {
-  CameraView camera = phone_camera(0.2, kSize, kSize);
-  camera.split = {SplitPixel::Kind::ramp, 1e6};
-  const Image whole = undivided(render_square(camera, 13, 64));
+  const SplitPixel halving{SplitPixel::Kind::ramp, 1e6};
+  const Image whole = undivided(render_square(phone_camera(0.2, kSize, kSize, halving), 13, 64));
   for (const SplitPixel& split : {SplitPixel{SplitPixel::Kind::hard, 1}, SplitPixel{SplitPixel::Kind::ramp, 1},
                                   SplitPixel{SplitPixel::Kind::ramp, 1.19}, SplitPixel{SplitPixel::Kind::ramp, 5}}) {
-    camera.split = split;
-    const Image sum = undivided(render_square(camera, 13, 64));
+    const Image sum = undivided(render_square(phone_camera(0.2, kSize, kSize, split), 13, 64));
     for (std::size_t i = 0; i < sum.data.size(); ++i) {
       ASSERT_NEAR(sum.data[i], whole.data[i], 64 * 0x1p-23 * 100);
     }
@@ -112,7 +110,7 @@ TEST(SplitPixel, AnEvenWallIsSharedInHalves) {
   Scene scene;
   scene.materials = {glowing(250)};
   scene.meshes = {make_quad({-5, -5, 1}, {10, 0, 0}, {0, 10, 0}, 0)};
-  const Views views = render_views(RenderScene(scene), camera, {1024, 0, 3, 1});
+  const Views views = render_views(RenderScene(scene), camera, {1024, 0, 3});
   for (int y = 0; y < 16; ++y) {
     for (int x = 0; x < 16; ++x) {
       EXPECT_NEAR(views.left.at(x, y) + views.right.at(x, y), 250, 250 * 1e-4);

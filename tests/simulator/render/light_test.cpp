@@ -37,7 +37,7 @@ TEST_P(Furnace, ReturnsTheGeometricSeries) {
   scene.materials = {glowing(10)};
   scene.materials[0].base_color = {albedo, albedo, albedo, 1};
   scene.meshes = {box(1, 0)};
-  const Image image = undivided(render_views(RenderScene(scene), phone_camera(0.7, 16, 16), {64, 60, 5, 1}));
+  const Image image = undivided(render_views(RenderScene(scene), phone_camera(0.7, 16, 16), {64, 60, 5}));
   EXPECT_NEAR(mean(image), 10 / (1 - albedo), 0.005 * 10 / (1 - albedo));
 }
 
@@ -49,7 +49,7 @@ TEST(DirectLight, EvenSkyOnAWall) {
   scene.materials = {diffuse(0.5f)};
   scene.meshes = {make_quad({-5, -5, 1}, {10, 0, 0}, {0, 10, 0}, 0)};
   scene.environment = {2, 1, {glm::vec3(1000), glm::vec3(1000)}};
-  const Image image = undivided(render_views(RenderScene(scene), phone_camera(1, 16, 16), {256, 0, 5, 1}));
+  const Image image = undivided(render_views(RenderScene(scene), phone_camera(1, 16, 16), {256, 0, 5}));
   EXPECT_NEAR(mean(image), 500, 500 * 0.005);
 }
 
@@ -63,7 +63,7 @@ TEST(DirectLight, DirectionalLightFollowsLambert) {
   light.intensity = glm::vec3(10000);
   light.direction = {std::sin(M_PI / 3), 0, std::cos(M_PI / 3)};
   scene.lights = {light};
-  const Image image = undivided(render_views(RenderScene(scene), phone_camera(1, 8, 8), {16, 0, 5, 1}));
+  const Image image = undivided(render_views(RenderScene(scene), phone_camera(1, 8, 8), {16, 0, 5}));
   EXPECT_NEAR(mean(image), 0.5 * 10000 * 0.5 / M_PI, 0.01);
 }
 
@@ -75,7 +75,7 @@ TEST(DirectLight, PointLightFollowsInverseSquare) {
   PunctualLight light;
   light.intensity = glm::vec3(80);
   scene.lights = {light};
-  const Image image = undivided(render_views(RenderScene(scene), phone_camera(2, 4, 4), {16, 0, 5, 1}));
+  const Image image = undivided(render_views(RenderScene(scene), phone_camera(2, 4, 4), {16, 0, 5}));
   EXPECT_NEAR(mean(image), 80.0 / 4 / M_PI, 1e-3);
 }
 
@@ -94,7 +94,7 @@ TEST(DirectLight, AreaLightMatchesItsFormFactor) {
                                        glm::vec4(forward, 0), glm::vec4(-1.5f, 0, 1.5f, 1));
   const double a = 0.5 / std::sqrt(1.25);
   const double form_factor = 4 * (2 * a * std::atan(a)) / (2 * M_PI);
-  const Image image = undivided(render_views(RenderScene(scene), camera, {1024, 0, 5, 1}));
+  const Image image = undivided(render_views(RenderScene(scene), camera, {1024, 0, 5}));
   EXPECT_NEAR(mean(image), 100 * form_factor, 100 * form_factor * 0.005);
 }
 

@@ -16,12 +16,11 @@ TEST(Truth, PlanarDepthBlurAndDisparityOfASlantedPlane) {
   scene.meshes = {make_quad({-1, -1, 0.5f}, {2, 0, 1}, {0, 2, 0}, 0)};
   scene.meshes[0].object_id = 7;
   scene.meshes[0].person = true;
-  CameraView camera = phone_camera(0.9, 64, 32);
-  camera.pixel_pitch_m = 20e-6;  // a wide field on few pixels
+  const CameraView camera = phone_camera(0.9, 64, 32, {}, 20e-6);  // a wide field on few pixels
   const Truth truth = trace_truth(RenderScene(scene), camera);
   for (int y = 0; y < 32; y += 5) {
     for (int x = 0; x < 64; x += 7) {
-      const double slope = (x + 0.5 - 32) * 20e-6 / camera.lens.image_distance_m();
+      const double slope = (x + 0.5 - 32) * 20e-6 / thin(camera).image_distance_m();
       const double depth = 1 / (1 - 0.5 * slope);
       EXPECT_NEAR(truth.depth_m.at(x, y), depth, 2e-6);
       const double f = 4.442e-3, z = 0.9;
@@ -46,7 +45,7 @@ TEST(Truth, NothingHitIsInfinitelyFarAndNotValid) {
   EXPECT_EQ(truth.valid.at(3, 3), 0);
   EXPECT_TRUE(std::isinf(truth.depth_m.at(3, 3)));
   EXPECT_EQ(truth.object_id.at(3, 3), 0u);
-  const double far_blur = camera.lens.pupil_diameter_m() * camera.lens.image_distance_m() / 0.9 / 1.4e-6;
+  const double far_blur = thin(camera).pupil_diameter_m() * thin(camera).image_distance_m() / 0.9 / 1.4e-6;
   EXPECT_NEAR(truth.blur_px.at(3, 3), far_blur, 1e-4);
 }
 

@@ -1,0 +1,138 @@
+#include "simulator/render/disparity_field.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+
+#include "simulator/render/sobol.h"
+
+namespace dualpixel::simulator {
+namespace {
+
+constexpr int kPhotositesPerDpPixel = 2;  // horizontally
+
+/// Sums over rays with one view's weight.
+struct Sums {
+  double light = 0;
+  glm::dvec2 origin{0}, slope{0};
+  void add(double weight, glm::dvec2 o, glm::dvec2 m) {
+    light += weight;
+    origin += weight * o;
+    slope += weight * m;
+  }
+};
+
+bool same_everywhere(const Lens& lens) {
+  return lens.model == Lens::Model::thin && lens.split.microlens.design_exit_pupil_mm == 0;
+}
+
+DisparityCoefficients closed_form(const LensSampler& lens) {
+  const ThinLens& thin = lens.lens().thin;
+  const double per_px = 1 / lens.sensor().pixel_pitch_m;
+  const double alpha = lens.lens().split.alpha(thin.rim_slope());
+  DisparityCoefficients c;
+  c.blur_intercept_px = thin.blur_diameter_m(std::numeric_limits<double>::infinity()) * per_px;
+  c.blur_slope_px_m = -thin.pupil_diameter_m() * thin.image_distance_m() * per_px;
+  c.intercept_dp_px = alpha * c.blur_intercept_px / kPhotositesPerDpPixel;
+  c.slope_dp_px_m = alpha * c.blur_slope_px_m / kPhotositesPerDpPixel;
+  return c;
+}
+
+}  // namespace
+
+DisparityCoefficients trace_disparity(const LensSampler& lens, int x, int y, int samples) {
+  Sums left, right;
+  std::vector<glm::dvec2> origins, slopes;
+  std::vector<double> weights;
+  alignas(64) float s[4][kPacket];
+  LensPacket packet;
+  for (int first = 0; first < samples; first += kPacket) {
+    joint_samples(first, 0, s);
+    std::fill(&s[0][0], &s[2][0], 0.5f);
+    lens.sample(x, y, 1, s, packet);
+    for (int i = 0; i < kPacket; ++i) {
+      const glm::dvec2 o(packet.origin_x[i], packet.origin_y[i]), m(packet.slope_x[i], packet.slope_y[i]);
+      left.add(packet.left[i], o, m);
+      right.add(packet.right[i], o, m);
+      origins.push_back(o);
+      slopes.push_back(m);
+      weights.push_back(static_cast<double>(packet.left[i]) + packet.right[i]);
+    }
+  }
+  DisparityCoefficients c;
+  c.left_light = left.light / samples;
+  c.right_light = right.light / samples;
+  if (left.light == 0 || right.light == 0) return c;
+
+  const SensorGrid& sensor = lens.sensor();
+  const double step_m = sensor.pixel_pitch_m;
+  const glm::dvec2 at((x + 0.5 - sensor.principal_point_px.x) * step_m,
+                      (y + 0.5 - sensor.principal_point_px.y) * step_m);
+  const glm::dmat2 slope_per_m(
+      (lens.chief_slope(at.x + step_m, at.y) - lens.chief_slope(at.x - step_m, at.y)) / (2 * step_m),
+      (lens.chief_slope(at.x, at.y + step_m) - lens.chief_slope(at.x, at.y - step_m)) / (2 * step_m));
+  const glm::dmat2 px_per_slope = glm::inverse(slope_per_m) / sensor.pixel_pitch_m;
+  const glm::dvec2 origin_gap = right.origin / right.light - left.origin / left.light;
+  const glm::dvec2 slope_gap = right.slope / right.light - left.slope / left.light;
+  c.slope_dp_px_m = -(px_per_slope * origin_gap).x / kPhotositesPerDpPixel;
+  c.intercept_dp_px = -(px_per_slope * slope_gap).x / kPhotositesPerDpPixel;
+
+  // the disc of the whole pupil that fits the rays' misses best
+  const double light = left.light + right.light;
+  const glm::dvec2 mean_origin = (left.origin + right.origin) / light;
+  const glm::dvec2 mean_slope = (left.slope + right.slope) / light;
+  double square = 0, from_origin = 0, from_slope = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const glm::dvec2 o = origins[i] - mean_origin;
+    square += weights[i] * glm::dot(o, o);
+    from_origin += weights[i] * glm::dot(px_per_slope * o, o);
+    from_slope += weights[i] * glm::dot(px_per_slope * (slopes[i] - mean_slope), o);
+  }
+  const double diameter = lens.lens().thin.pupil_diameter_m();
+  c.blur_slope_px_m = -diameter * from_origin / square;
+  c.blur_intercept_px = -diameter * from_slope / square;
+  return c;
+}
+
+DisparityField::DisparityField(const LensSampler& lens) {
+  if (same_everywhere(lens.lens())) {
+    nodes_ = {closed_form(lens)};
+    return;
+  }
+  const SensorGrid& sensor = lens.sensor();
+  columns_ = std::min(65, sensor.width_px);
+  rows_ = std::min(49, sensor.height_px);
+  per_px_x_ = columns_ > 1 ? (columns_ - 1.0) / (sensor.width_px - 1) : 0;
+  per_px_y_ = rows_ > 1 ? (rows_ - 1.0) / (sensor.height_px - 1) : 0;
+  nodes_.resize(static_cast<std::size_t>(columns_) * rows_);
+  tbb::parallel_for(0, columns_ * rows_, [&](int i) {
+    const int column = i % columns_, row = i / columns_;
+    const int x = columns_ > 1 ? static_cast<int>(std::lround(column / per_px_x_)) : 0;
+    const int y = rows_ > 1 ? static_cast<int>(std::lround(row / per_px_y_)) : 0;
+    nodes_[i] = trace_disparity(lens, x, y, 2048);
+  });
+}
+
+DisparityCoefficients DisparityField::at(double x_px, double y_px) const {
+  if (nodes_.size() == 1) return nodes_.front();
+  const double u = std::clamp((x_px - 0.5) * per_px_x_, 0.0, columns_ - 1.0);
+  const double v = std::clamp((y_px - 0.5) * per_px_y_, 0.0, rows_ - 1.0);
+  const int i = std::max(std::min(static_cast<int>(u), columns_ - 2), 0),
+            j = std::max(std::min(static_cast<int>(v), rows_ - 2), 0);
+  const int right = std::min(i + 1, columns_ - 1), below = std::min(j + 1, rows_ - 1);
+  const double a = u - i, b = v - j;
+  const DisparityCoefficients &n00 = nodes_[j * columns_ + i], &n10 = nodes_[j * columns_ + right],
+                              &n01 = nodes_[below * columns_ + i], &n11 = nodes_[below * columns_ + right];
+  DisparityCoefficients c;
+  for (double DisparityCoefficients::*field :
+       {&DisparityCoefficients::slope_dp_px_m, &DisparityCoefficients::intercept_dp_px,
+        &DisparityCoefficients::blur_slope_px_m, &DisparityCoefficients::blur_intercept_px,
+        &DisparityCoefficients::left_light, &DisparityCoefficients::right_light}) {
+    c.*field = (1 - b) * ((1 - a) * (n00.*field) + a * (n10.*field)) + b * ((1 - a) * (n01.*field) + a * (n11.*field));
+  }
+  return c;
+}
+
+}  // namespace dualpixel::simulator

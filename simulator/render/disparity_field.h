@@ -1,0 +1,35 @@
+#pragma once
+#include <vector>
+
+#include "simulator/lens/lens_sampler.h"
+
+/// What a calibration of this camera should find: at every place x of the sensor a point at planar depth D has, to
+/// first order exactly,
+///     centroid disparity = slope_dp_px_m(x) / D + intercept_dp_px(x)        S_z and I_z of Wadhwa et al. 2018,
+///     sec. 4.2 signed blur        = blur_slope_px_m(x) / D + blur_intercept_px(x)
+/// because a ray that reaches x from the pupil point o with slope m sees depth D at o + D m: what it misses the chief
+/// ray by, turned into sensor length, is linear in 1/D. Each view's centroid is the mean over its rays.
+namespace dualpixel::simulator {
+
+struct DisparityCoefficients {
+  double slope_dp_px_m = 0, intercept_dp_px = 0;
+  double blur_slope_px_m = 0, blur_intercept_px = 0;
+  double left_light = 0, right_light = 0;  ///< illumination of each view over that of the whole axis
+};
+
+/// By `samples` rays (a multiple of 16) of photosite (x, y)'s centre.
+DisparityCoefficients trace_disparity(const LensSampler& lens, int x, int y, int samples = 4096);
+
+/// The same over the whole sensor: a grid of traced places, bilinear in between; a thin lens needs one.
+class DisparityField {
+ public:
+  explicit DisparityField(const LensSampler& lens);
+  DisparityCoefficients at(double x_px, double y_px) const;
+
+ private:
+  int columns_ = 1, rows_ = 1;
+  double per_px_x_ = 0, per_px_y_ = 0;
+  std::vector<DisparityCoefficients> nodes_;
+};
+
+}  // namespace dualpixel::simulator
