@@ -3,21 +3,26 @@
 #include <vector>
 
 #include "simulator/lens/field_map.h"
+#include "simulator/lens/thin_lens.h"
 
 namespace dualpixel::simulator {
 
 /// Independent knobs on an ideal lens, each with a closed form (lens_models/README.md). All zero, it is the thin lens.
 /// The ray that meets the sensor at X after crossing the pupil at p (in radii; p_t along X, p_s across it) is the ideal
 /// lens's ray for X / (1 + distortion) - delta, where delta(X, p) is the sum of the transverse aberrations below.
-/// R is the pupil radius, z_i the image distance, h = |X| / image_radius.
+/// R is the pupil radius, z_i the image distance, h = |X| / field_radius_m(), a measure of the chief ray's angle, on
+/// which aberrations depend while the lens moves; beyond h = 1 all but the distortion stay as they are there.
 struct Aberrations {
-  double image_radius_mm = 3.528;
+  double image_radius_mm = 3.528;  ///< of the picture of infinity
 
   double focus_um = 0;                 ///< focus surface minus sensor on the axis, + behind: delta = -R p dz / z_i
   EvenPolynomial tangential_focus_um;  ///< ... and over the field, for p along X
   EvenPolynomial sagittal_focus_um;    ///< ... for p across X
-  std::vector<double> spherical_um;    ///< c3, c5, ...: delta = (c3 rho^3 + c5 rho^5 + ...) p / rho, rho = |p|
-  EvenPolynomial distortion;           ///< (|X| - ideal) / ideal
+  /// The same three for each dioptre (1/m) of focus: a lens made for infinity errs more as it focuses nearer.
+  double focus_um_per_diopter = 0;
+  EvenPolynomial tangential_focus_um_per_diopter, sagittal_focus_um_per_diopter;
+  std::vector<double> spherical_um;  ///< c3, c5, ...: delta = (c3 rho^3 + c5 rho^5 + ...) p / rho, rho = |p|
+  EvenPolynomial distortion;         ///< (|X| - ideal) / ideal
   std::array<double, 2> longitudinal_color_um{};  ///< focus of R and of B minus that of G
   std::array<double, 2> lateral_color{};          ///< picture size of R and of B over that of G, minus 1
   EvenPolynomial tangential_pupil;                ///< growth of the entrance pupil over the field, along X ...
@@ -31,10 +36,16 @@ struct Aberrations {
   };
   std::vector<Rim> rims;
 
-  /// cos4: of the chief ray; disc: of each ray, which adds up to the exact law of the disc (physics of a flat pupil).
+  /// cos4: of the chief ray in front of the lens, times the growth of the pupil and the scene's solid angle that a
+  /// photosite sees; disc: of each ray behind an ideal lens, which adds up to the exact law of the disc.
   enum class Falloff { none, cos4, disc } falloff = Falloff::none;
   FieldMap split_offset;                 ///< where the halves meet, in pupil radii: + gives the left view more light
   FieldMap left_gain{1}, right_gain{1};  ///< lens shading of each view, 0 ... 1
+
+  /// Where h = 1 lies on the sensor of the focused lens.
+  double field_radius_m(const ThinLens& thin) const {
+    return image_radius_mm * 1e-3 * thin.image_distance_m() / thin.focal_length_m;
+  }
 };
 
 }  // namespace dualpixel::simulator

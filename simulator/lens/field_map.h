@@ -4,7 +4,7 @@
 
 namespace dualpixel::simulator {
 
-/// A function of the distance from the axis: sum of c_i h^(2 i + 2), with h = 1 at the lens's image radius.
+/// A function of the distance from the axis: sum of c_i h^(2 i + 2).
 struct EvenPolynomial {
   std::vector<double> c;
   double operator()(double h2) const {
@@ -14,8 +14,8 @@ struct EvenPolynomial {
   }
 };
 
-/// A quantity over the sensor: constant + gradient . (x, y) / image radius + map, the map bilinear between the centres
-/// of its cells, which cover the square |x|, |y| <= image radius row by row from the top left.
+/// A quantity over the sensor: constant + gradient . (x, y) + map, the map bilinear between the centres of its cells,
+/// which cover the square |x|, |y| <= 1 row by row from the top left.
 struct FieldMap {
   double constant = 0;
   double gradient_x = 0, gradient_y = 0;
@@ -23,7 +23,7 @@ struct FieldMap {
   std::vector<float> cells{};
 
   bool is_constant() const { return gradient_x == 0 && gradient_y == 0 && cells.empty(); }
-  /// x, y in image radii.
+  /// x, y in field radii (Aberrations::field_radius_m).
   double operator()(double x, double y) const {
     double value = constant + gradient_x * x + gradient_y * y;
     if (!cells.empty()) {

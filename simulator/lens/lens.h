@@ -23,4 +23,7 @@ struct Lens {
   SplitPixel split;
 };
 
+/// The lens focused on another distance. Throws std::invalid_argument where it cannot be.
+Lens refocused(Lens lens, double focus_distance_m);
+
 }  // namespace dualpixel::simulator

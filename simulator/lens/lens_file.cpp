@@ -101,17 +101,20 @@ Aberrations read_aberrations(Fields& lens, const std::string& file) {
   const auto polynomial = [&](const char* key, EvenPolynomial& p, double bound) {
     lens.list(key, p.c, -bound, bound, kMostCoefficients);
   };
-  polynomial("tangential_focus_um", a.tangential_focus_um, 1e6);
-  polynomial("sagittal_focus_um", a.sagittal_focus_um, 1e6);
+  polynomial("tangential_focus_um", a.tangential_focus_um, 1e9);
+  polynomial("sagittal_focus_um", a.sagittal_focus_um, 1e9);
+  lens.number("focus_um_per_diopter", a.focus_um_per_diopter, -1e5, 1e5);
+  polynomial("tangential_focus_um_per_diopter", a.tangential_focus_um_per_diopter, 1e9);
+  polynomial("sagittal_focus_um_per_diopter", a.sagittal_focus_um_per_diopter, 1e9);
   lens.list("spherical_um", a.spherical_um, -1e4, 1e4, kMostCoefficients);
-  polynomial("distortion", a.distortion, 10);
+  polynomial("distortion", a.distortion, 1e4);
   lens.numbers("longitudinal_color_um", a.longitudinal_color_um.data(), 2);
   lens.numbers("lateral_color", a.lateral_color.data(), 2);
   for (double value : a.lateral_color) {
     if (!(std::abs(value) < 0.5)) lens.fail("lateral_color", fmt::format("{}: must lie in (-0.5, 0.5)", value));
   }
-  polynomial("tangential_pupil", a.tangential_pupil, 10);
-  polynomial("sagittal_pupil", a.sagittal_pupil, 10);
+  polynomial("tangential_pupil", a.tangential_pupil, 1e4);
+  polynomial("sagittal_pupil", a.sagittal_pupil, 1e4);
   for (Fields& fields : lens.objects("rims")) {
     Aberrations::Rim& rim = a.rims.emplace_back();
     fields.number("radius", rim.radius, 0.01, 100);
@@ -131,7 +134,7 @@ Aberrations read_aberrations(Fields& lens, const std::string& file) {
                               : key == std::string("tangential_pupil") ? a.tangential_pupil
                                                                        : a.sagittal_pupil;
     for (int i = 0; i <= 100; ++i) {
-      const double h = 1.25 * i / 100;
+      const double h = (key == std::string("distortion") ? 1.25 : 1.0) * i / 100;
       const double value = 1 + p(h * h);
       if (!(value > 0.05 && value < 20)) {
         lens.fail(key, fmt::format("reaches {:.3g} at h = {:.2f}: 1 + it must lie in (0.05, 20)", value - 1, h));
@@ -271,17 +274,12 @@ void read_prescribed(Fields& lens, double focus_distance_m, Lens& result) {
     lens.fail("surfaces", fmt::format("focus distance {} m: must be above twice the focal length, {:.4g} m",
                                       focus_distance_m, nearest_m));
   }
+  result.prescription = std::make_shared<const Prescription>(std::move(p));
   try {
-    p = focused(p, focus_distance_m * 1e3);
+    result = refocused(std::move(result), focus_distance_m);
   } catch (const std::invalid_argument& error) {
     lens.fail("focus_gap", error.what());
   }
-  const Paraxial now = paraxial(p);
-  result.thin.focal_length_m = now.focal_length * 1e-3;
-  result.thin.f_number = now.f_number();
-  result.thin.focus_distance_m = focus_distance_m;
-  result.thin.pupil_magnification = now.focal_length / (now.entrance_pupil_z - now.front_focus);
-  result.prescription = std::make_shared<const Prescription>(std::move(p));
 }
 
 Lens read_fields(Fields lens, const std::string& file, double focus_distance_m) {
@@ -347,6 +345,9 @@ nlohmann::ordered_json aberrated_lens_json(const Lens& lens) {
   j["focus_um"] = a.focus_um;
   j["tangential_focus_um"] = a.tangential_focus_um.c;
   j["sagittal_focus_um"] = a.sagittal_focus_um.c;
+  j["focus_um_per_diopter"] = a.focus_um_per_diopter;
+  j["tangential_focus_um_per_diopter"] = a.tangential_focus_um_per_diopter.c;
+  j["sagittal_focus_um_per_diopter"] = a.sagittal_focus_um_per_diopter.c;
   j["spherical_um"] = a.spherical_um;
   j["distortion"] = a.distortion.c;
   j["longitudinal_color_um"] = a.longitudinal_color_um;

@@ -13,7 +13,7 @@ struct LensSampler::PixelFrame {
   float pitch_m;
   float radial_x, radial_y;  ///< unit vector from the axis to it; (0, 1) on the axis
   float radius_m;
-  float h2;  ///< squared, in image radii (aberrated)
+  float h2;  ///< squared, in field radii (aberrated)
 };
 
 namespace {
@@ -125,6 +125,7 @@ LensSampler::LensSampler(const Lens& lens, const SensorGrid& sensor) : lens_(len
   image_distance_m_ = static_cast<float>(thin.image_distance_m());
   inverse_focus_ = static_cast<float>(1 / thin.focus_distance_m);
   lux_per_nit_ = thin.lux_per_nit();
+  field_radius_m_ = lens_.aberrations.field_radius_m(thin);
 
   const SplitPixel& split = lens_.split;
   if (split.kind == SplitPixel::Kind::microlens || split.kind == SplitPixel::Kind::table) {
@@ -181,7 +182,7 @@ LensSampler::PixelFrame LensSampler::frame(int x, int y) const {
   f.radial_x = r > 0 ? static_cast<float>(x_m / r) : 0.0f;
   f.radial_y = r > 0 ? static_cast<float>(y_m / r) : 1.0f;
   f.radius_m = static_cast<float>(r);
-  const double h = r / (lens_.aberrations.image_radius_mm * 1e-3);
+  const double h = r / field_radius_m_;
   f.h2 = static_cast<float>(h * h);
   return f;
 }
@@ -196,7 +197,7 @@ glm::dvec2 LensSampler::chief_slope(double x_m, double y_m) const {
   }
   double ideal = 1;
   if (lens_.model == Lens::Model::aberrated) {
-    const double h = r / (lens_.aberrations.image_radius_mm * 1e-3);
+    const double h = r / field_radius_m_;
     ideal = 1 / (1 + lens_.aberrations.distortion(h * h));
   }
   return at * (ideal / lens_.thin.image_distance_m());
@@ -209,7 +210,7 @@ void LensSampler::split(const PixelFrame& f, const float p[kPacket], const float
   float offset = 0, left_gain = 1, right_gain = 1;
   if (lens_.model == Lens::Model::aberrated) {
     const Aberrations& a = lens_.aberrations;
-    const double scale = 1e3 / a.image_radius_mm;
+    const double scale = 1 / field_radius_m_;
     offset = static_cast<float>(a.split_offset(f.x_m * scale, f.y_m * scale));
     left_gain = static_cast<float>(std::clamp(a.left_gain(f.x_m * scale, f.y_m * scale), 0.0, 1.0));
     right_gain = static_cast<float>(std::clamp(a.right_gain(f.x_m * scale, f.y_m * scale), 0.0, 1.0));
@@ -283,20 +284,24 @@ void LensSampler::sample_aberrated(const PixelFrame& f, int color, const float s
   const Aberrations& a = lens_.aberrations;
   alignas(64) float p[2][kPacket], t[kPacket], weight[kPacket], along[kPacket], across[kPacket];
   concentric_disc(s[2], s[3], p[0], p[1]);
-  const double h2 = f.h2;
+  const double h2 = std::min(f.h2, 1.0f);  // beyond the image radius the knobs stay what they are there
   const float per_m = 1 / image_distance_m_;
   const float rim = radius_m_ * per_m;
   const double color_um = color == 0 ? a.longitudinal_color_um[0] : color == 2 ? a.longitudinal_color_um[1] : 0;
   const double color_size = 1 + (color == 0 ? a.lateral_color[0] : color == 2 ? a.lateral_color[1] : 0);
   // transverse shifts of the rim's ray, metres on the sensor
-  const auto defocus_t = static_cast<float>(-1e-6 * (a.focus_um + a.tangential_focus_um(h2) + color_um) * rim);
-  const auto defocus_s = static_cast<float>(-1e-6 * (a.focus_um + a.sagittal_focus_um(h2) + color_um) * rim);
+  const double diopters = 1 / lens_.thin.focus_distance_m;
+  const double focus_um = a.focus_um + a.focus_um_per_diopter * diopters + color_um;
+  const double tangential_um = a.tangential_focus_um(h2) + a.tangential_focus_um_per_diopter(h2) * diopters;
+  const double sagittal_um = a.sagittal_focus_um(h2) + a.sagittal_focus_um_per_diopter(h2) * diopters;
+  const auto defocus_t = static_cast<float>(-1e-6 * (focus_um + tangential_um) * rim);
+  const auto defocus_s = static_cast<float>(-1e-6 * (focus_um + sagittal_um) * rim);
   const auto pupil_t = static_cast<float>(1 + a.tangential_pupil(h2));
   const auto pupil_s = static_cast<float>(1 + a.sagittal_pupil(h2));
   // the ideal picture's place and its change within the photosite
-  const double stretch = 1 / ((1 + a.distortion(h2)) * color_size);
+  const double stretch = 1 / ((1 + a.distortion(f.h2)) * color_size);
   const double step = 1e-3;
-  const double h = std::sqrt(h2);
+  const double h = std::sqrt(f.h2);
   const double ahead = (h + step) / (1 + a.distortion((h + step) * (h + step)));
   const double behind = (h - step) / (1 + a.distortion((h - step) * (h - step)));
   const auto stretch_r = static_cast<float>((ahead - behind) / (2 * step) / color_size);
@@ -322,8 +327,10 @@ void LensSampler::sample_aberrated(const PixelFrame& f, int color, const float s
     out.slope_y[i] = slope_r * ry + slope_a * rx;
     t[i] = p[0][i] * rim;
   }
-  const float chief2 = f.radius_m * per_m * f.radius_m * per_m;
-  const float cos4 = 1 / ((1 + chief2) * (1 + chief2));
+  // Etendue: light from the pupil's area and the scene's solid angle that one photosite sees.
+  const float chief = f.radius_m * stretch_a * per_m;
+  const float cos2 = 1 / (1 + chief * chief);
+  const float cos4 = cos2 * cos2 * pupil_t * pupil_s * stretch_r * stretch_a;
   for (int i = 0; i < kPacket; ++i) {
     weight[i] = a.falloff == Aberrations::Falloff::cos4 ? cos4 : 1.0f;
     if (a.falloff == Aberrations::Falloff::disc) {

@@ -61,7 +61,8 @@ class LensSampler {
   bool has_color_ = false;
   float radius_m_ = 0;  ///< of the entrance pupil
   float image_distance_m_ = 0;
-  float inverse_focus_ = 0;  ///< 1 / focus distance
+  float inverse_focus_ = 0;    ///< 1 / focus distance
+  double field_radius_m_ = 0;  ///< of an aberrated lens: h = 1
 
   /// The split as a table over p or t, where it is neither hard nor a ramp.
   struct SplitTable {

@@ -150,9 +150,11 @@ Prescription stopped_down(Prescription lens, double f_number) {
 }
 
 Prescription focused(Prescription lens, double focus_distance_mm) {
-  if (std::isinf(focus_distance_mm)) return lens;
   const auto gap = lens.focus_gap < 0 ? lens.surfaces.size() - 1 : static_cast<std::size_t>(lens.focus_gap);
   double& thickness = lens.surfaces[gap].thickness_mm;
+  thickness -= lens.focus_shift_mm;
+  lens.focus_shift_mm = 0;
+  if (std::isinf(focus_distance_mm)) return lens;
   const double at_infinity = thickness;
   const double miss_at_infinity =
       lens.surfaces.back().thickness_mm - paraxial_image_distance(lens, -std::numeric_limits<double>::infinity());
@@ -176,6 +178,7 @@ Prescription focused(Prescription lens, double focus_distance_mm) {
     throw std::invalid_argument(
         fmt::format("focusing at {:.6g} mm: surface {}'s gap cannot do it", focus_distance_mm, gap));
   }
+  lens.focus_shift_mm = b;
   return lens;
 }
 

@@ -27,7 +27,8 @@ struct Prescription {
   double image_radius_mm = 0;              ///< of the sensor's circle that the lens was made for
   double reference_nm = 587.5618;          ///< of paraxial figures, of focusing and of the middle (green) ray
   std::array<double, 3> wavelengths_nm{};  ///< of R, G, B; equal: no colour
-  int focus_gap = -1;  ///< the surface whose thickness focuses; the last one, or -1: the whole lens moves
+  int focus_gap = -1;         ///< the surface whose thickness focuses; the last one, or -1: the whole lens moves
+  double focus_shift_mm = 0;  ///< by how much it is longer than in the design, which is focused on infinity
 
   int stop_index() const;
   bool has_color() const { return wavelengths_nm[0] != wavelengths_nm[1] || wavelengths_nm[1] != wavelengths_nm[2]; }

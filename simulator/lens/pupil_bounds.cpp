@@ -10,17 +10,6 @@ namespace dualpixel::simulator {
 namespace {
 
 constexpr int kLanes = 16;
-using Batch = RayBatch<double, kLanes>;
-
-void set_ray(Batch& rays, int i, double r, double l, double m) {
-  rays.x[i] = 0;
-  rays.y[i] = r;
-  rays.l[i] = l;
-  rays.m[i] = m;
-  rays.n[i] = -std::sqrt(std::max(1 - l * l - m * m, 1e-12));
-  rays.end[i] = 0;
-}
-
 /// The cells of a grid of directions that pass: rows in M, columns in L >= 0 (the lens is symmetric about M's axis).
 struct Grid {
   int columns, rows;
@@ -30,17 +19,20 @@ struct Grid {
   double m(int j) const { return m_low + (j + 0.5) * m_step; }
 };
 
-Grid trace_grid(const TracedLens<double>& lens, double r, double centre_m, double half_m, double half_l, int columns,
+/// In single precision: where exactly a rim lies is settled by the rays themselves.
+Grid trace_grid(const TracedLens<float>& lens, double r, double centre_m, double half_m, double half_l, int columns,
                 int rows) {
   Grid grid{columns, rows, centre_m - half_m, 2 * half_m / rows, half_l / columns, std::vector<char>(columns * rows)};
-  Batch rays;
+  RayBatch<float, kLanes> rays;
   for (int first = 0; first < columns * rows; first += kLanes) {
     for (int i = 0; i < kLanes; ++i) {
       const int cell = std::min(first + i, columns * rows - 1);
-      const double l = grid.l(cell % columns), m = grid.m(cell / columns);
-      rays.z[i] = lens.sensor_z_mm();
-      set_ray(rays, i, r, l, m);
-      if (l * l + m * m > 0.9999) rays.end[i] = static_cast<double>(RayEnd::missed);
+      const auto l = static_cast<float>(grid.l(cell % columns)), m = static_cast<float>(grid.m(cell / columns));
+      rays.x[i] = 0, rays.y[i] = static_cast<float>(r), rays.z[i] = static_cast<float>(lens.sensor_z_mm());
+      rays.l[i] = l;
+      rays.m[i] = m;
+      rays.n[i] = -std::sqrt(std::max(1 - l * l - m * m, 1e-4f));
+      rays.end[i] = l * l + m * m > 0.9999f ? static_cast<float>(RayEnd::missed) : 0.0f;
     }
     lens.trace(rays);
     for (int i = 0; i < kLanes && first + i < columns * rows; ++i) grid.passes[first + i] = rays.end[i] == 0;
@@ -141,7 +133,7 @@ double pass_area(const Grid& grid) {
 }
 
 /// The pass region at r, from a first guess of its extent.
-PupilEllipse find_region(const TracedLens<double>& lens, double r, double chief_m, double half, int fine) {
+PupilEllipse find_region(const TracedLens<float>& lens, double r, double chief_m, double half, int fine) {
   double half_l = half, centre = chief_m, half_m = half;
   PupilEllipse found;
   for (int attempt = 0; attempt < 6; ++attempt) {
@@ -179,12 +171,15 @@ PupilEllipse find_region(const TracedLens<double>& lens, double r, double chief_
 
 double chief_cosine(const TracedLens<double>& unclipped, double r_mm, double guess) {
   double low = guess - 0.08, high = guess + 0.08;
-  Batch rays;
+  RayBatch<double, kLanes> rays;
   for (int round = 0; round < 9; ++round) {
     const double step = (high - low) / (kLanes - 1);
     for (int i = 0; i < kLanes; ++i) {
-      rays.z[i] = unclipped.sensor_z_mm();
-      set_ray(rays, i, r_mm, 0, low + i * step);
+      rays.x[i] = 0, rays.y[i] = r_mm, rays.z[i] = unclipped.sensor_z_mm();
+      rays.l[i] = 0;
+      rays.m[i] = low + i * step;
+      rays.n[i] = -std::sqrt(std::max(1 - rays.m[i] * rays.m[i], 1e-12));
+      rays.end[i] = 0;
     }
     unclipped.trace(rays);
     int bracket = -1;
@@ -232,7 +227,7 @@ PupilEllipse PupilBounds::at(double r_mm) const {
 }
 
 PupilBounds find_pupil(const Prescription& lens, double wavelength_nm, double image_radius_mm) {
-  const TracedLens<double> clipped(lens, wavelength_nm);
+  const TracedLens<float> clipped(lens, wavelength_nm);
   const TracedLens<double> unclipped(lens, wavelength_nm, false);
   PupilBounds bounds;
   bounds.image_radius_mm = image_radius_mm;

@@ -1,0 +1,251 @@
+#include "simulator/lens/aberrated_twin.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+
+#include "simulator/render/disparity_field.h"
+
+namespace dualpixel::simulator {
+namespace {
+
+constexpr int kNodes = 33;  ///< distances from the axis at which the lens is traced
+constexpr int kSamples = 2048;
+
+/// Least squares of values at h by sum c_i h^(2 i + 2).
+EvenPolynomial fit_even(const std::vector<double>& h, const std::vector<double>& values, int terms) {
+  Eigen::MatrixXd a(h.size(), terms);
+  Eigen::VectorXd b(h.size());
+  for (std::size_t row = 0; row < h.size(); ++row) {
+    for (int i = 0; i < terms; ++i) a(row, i) = std::pow(h[row], 2 * i + 2);
+    b[row] = values[row];
+  }
+  const Eigen::VectorXd c = a.colPivHouseholderQr().solve(b);
+  return {{c.data(), c.data() + c.size()}};
+}
+
+/// A ray of the bundle that reaches (0, r) of the sensor, as the ideal lens would name it.
+struct BundleRay {
+  double p_t, p_s;  ///< in the stop, p_t away from the axis in camera axes
+  double image_t;   ///< where it belongs on an ideal sensor, mm, away from the axis
+  double image_s;
+};
+
+/// The rays that pass from r in one colour.
+std::vector<BundleRay> trace_bundle(const TracedLens<double>& traced, const PupilEllipse& ellipse, double r_mm,
+                                    double pupil_z_mm, const ThinLens& thin) {
+  constexpr int kSide = 64, kLanes = 16;
+  std::vector<BundleRay> bundle;
+  RayBatch<double, kLanes> rays;
+  const double scale_mm = thin.image_distance_m() * 1e3;
+  for (int first = 0; first < kSide * kSide; first += kLanes) {
+    for (int i = 0; i < kLanes; ++i) {
+      const double x = (2 * ((first + i) % kSide) + 1.0) / kSide - 1, y = (2 * ((first + i) / kSide) + 1.0) / kSide - 1;
+      rays.x[i] = 0, rays.y[i] = r_mm, rays.z[i] = traced.sensor_z_mm();
+      rays.l[i] = ellipse.half_l * x;
+      rays.m[i] = ellipse.centre_m + ellipse.half_m * y;
+      const double rest = 1 - rays.l[i] * rays.l[i] - rays.m[i] * rays.m[i];
+      rays.n[i] = -std::sqrt(std::max(rest, 1e-9));
+      rays.end[i] = rest > 1e-6 && x * x + y * y <= 1 ? 0 : 1;
+    }
+    traced.trace(rays);
+    move_to_plane(rays, pupil_z_mm);
+    for (int i = 0; i < kLanes; ++i) {
+      if (rays.end[i] != 0) continue;
+      // the real sensor is upside down: away from the axis in the picture is -y here
+      const double per_focus = 1e-3 / thin.focus_distance_m;
+      bundle.push_back({-rays.stop_y[i], rays.stop_x[i], -(rays.m[i] / -rays.n[i] + rays.y[i] * per_focus) * scale_mm,
+                        (rays.l[i] / -rays.n[i] + rays.x[i] * per_focus) * scale_mm});
+    }
+  }
+  return bundle;
+}
+
+/// Where the middle of the stop's ray belongs: the bundle's tangential height at p = 0, by a plane through its core.
+double chief_height(const std::vector<BundleRay>& bundle) {
+  double sum = 0, weight = 0;
+  for (const BundleRay& ray : bundle) {
+    const double w = std::exp(-(ray.p_t * ray.p_t + ray.p_s * ray.p_s) / (2 * 0.15 * 0.15));
+    sum += w * ray.image_t;
+    weight += w;
+  }
+  return sum / weight;
+}
+
+/// Least squares of the transverse aberration by defocus and spherical terms, the rim's shifts in mm.
+Eigen::Vector4d fit_axis(const std::vector<BundleRay>& bundle) {
+  Eigen::MatrixXd a(2 * bundle.size(), 4);
+  Eigen::VectorXd b(2 * bundle.size());
+  for (std::size_t i = 0; i < bundle.size(); ++i) {
+    const BundleRay& ray = bundle[i];
+    const double rho2 = ray.p_t * ray.p_t + ray.p_s * ray.p_s;
+    const double powers[4] = {1, rho2, rho2 * rho2, rho2 * rho2 * rho2};
+    for (int k = 0; k < 4; ++k) {
+      a(2 * i, k) = ray.p_t * powers[k];
+      a(2 * i + 1, k) = ray.p_s * powers[k];
+    }
+    b[2 * i] = -ray.image_t;
+    b[2 * i + 1] = -ray.image_s;
+  }
+  return a.colPivHouseholderQr().solve(b);
+}
+
+/// Line through (h, limit) where the limit is inside the stop; false where it hardly ever is.
+bool fit_limit(const std::vector<double>& h, const std::vector<double>& limit, double& at_axis, double& slope) {
+  double n = 0, sh = 0, sl = 0, shh = 0, shl = 0;
+  for (std::size_t i = 0; i < h.size(); ++i) {
+    if (limit[i] > 0.97) continue;
+    n += 1, sh += h[i], sl += limit[i], shh += h[i] * h[i], shl += h[i] * limit[i];
+  }
+  if (n < 3) return false;
+  slope = (n * shl - sh * sl) / (n * shh - sh * sh);
+  at_axis = (sl - slope * sh) / n;
+  return slope < -0.02 && at_axis > 0.2;
+}
+
+/// Disparity coefficients at h along the picture's x axis (the split is tangential) or y axis (sagittal).
+std::vector<DisparityCoefficients> along(const Lens& lens, const SensorGrid& sensor, const std::vector<double>& h,
+                                         bool tangential) {
+  const double radius_px = lens.aberrations.field_radius_m(lens.thin) / sensor.pixel_pitch_m;
+  const int side = 2 * static_cast<int>(std::ceil(radius_px)) + 4;
+  // a sensor just as long as the field: a lens need not be asked for what it does beyond
+  const int width = tangential ? side : 4, height = tangential ? 4 : side;
+  const LensSampler sampler(lens, {width, height, sensor.pixel_pitch_m, {0.5 * width, 0.5 * height}});
+  std::vector<DisparityCoefficients> result;
+  for (double value : h) {
+    const int far = side / 2 + static_cast<int>(value * radius_px);
+    result.push_back(trace_disparity(sampler, tangential ? far : 2, tangential ? 2 : far, kSamples));
+  }
+  return result;
+}
+
+}  // namespace
+
+Lens aberrated_twin(const Lens& lens, const SensorGrid& sensor) {
+  if (lens.model != Lens::Model::prescription)
+    throw std::invalid_argument("only a prescription has a twin to be fitted");
+  const Prescription& p = *lens.prescription;
+  const double pupil_z_mm = paraxial(p).entrance_pupil_z;
+
+  Lens twin = lens;
+  twin.model = Lens::Model::aberrated;
+  twin.prescription.reset();
+  twin.name = lens.name + ", aberrated twin";
+  twin.derived = "knobs fitted to the traced prescription";
+  Aberrations& a = twin.aberrations;
+  a = {};
+  a.image_radius_mm = p.image_radius_mm;
+  const double radius_mm = a.field_radius_m(lens.thin) * 1e3;
+  a.falloff = Aberrations::Falloff::cos4;
+
+  // Colour by colour: the axis gives focus, the field the picture's size.
+  std::vector<double> h, distortion, upper, lower;
+  double color_focus_mm[3] = {}, color_size[3] = {};
+  const double rim = twin.thin.rim_slope();
+  for (int color = 0; color < 3; ++color) {
+    const double nm = p.wavelengths_nm[color];
+    const TracedLens<double> traced(p, nm);
+    const PupilBounds bounds = find_pupil(p, nm, radius_mm);
+    const auto bundle_at = [&](double height) {
+      return trace_bundle(traced, bounds.at(height * radius_mm), height * radius_mm, pupil_z_mm, lens.thin);
+    };
+    const Eigen::Vector4d axis = fit_axis(bundle_at(0));
+    color_focus_mm[color] = -axis[0] / rim;
+    color_size[color] = 0.7 * radius_mm / chief_height(bundle_at(0.7));
+    if (color != 1) continue;
+    for (int k = 1; k < 4; ++k) a.spherical_um.push_back(axis[k] * 1e3);
+    for (int k = 0; k < kNodes; ++k) {
+      const double height = std::max(k / (kNodes - 1.0), 0.01);
+      const std::vector<BundleRay> bundle = bundle_at(height);
+      if (bundle.size() < 64) break;
+      h.push_back(height);
+      distortion.push_back(height * radius_mm / chief_height(bundle) - 1);
+      double high = -1, low = 1;
+      for (const BundleRay& ray : bundle) {
+        if (std::abs(ray.p_s) > 0.05) continue;
+        high = std::max(high, ray.p_t);
+        low = std::min(low, ray.p_t);
+      }
+      upper.push_back(high);
+      lower.push_back(-low);
+    }
+  }
+  a.distortion = fit_even(h, distortion, 5);
+  if (p.has_color()) {
+    a.longitudinal_color_um = {1e3 * (color_focus_mm[0] - color_focus_mm[1]),
+                               1e3 * (color_focus_mm[2] - color_focus_mm[1])};
+    a.lateral_color = {color_size[0] / color_size[1] - 1, color_size[2] / color_size[1] - 1};
+  }
+  double at_axis = 0, slope = 0;
+  if (fit_limit(h, upper, at_axis, slope)) a.rims.push_back({at_axis, slope});
+  if (fit_limit(h, lower, at_axis, slope)) a.rims.push_back({at_axis, -slope});
+
+  // What is left is chosen so that the disparity agrees: its slope in 1/depth gives the pupil's size, its intercept
+  // the focus, tangentially and sagittally; at several focus distances, since focus errs more in near ones.
+  Lens traced = lens;
+  Prescription green = p;
+  green.wavelengths_nm.fill(p.wavelengths_nm[1]);
+  traced.prescription = std::make_shared<const Prescription>(std::move(green));
+  traced.aberrations.image_radius_mm = a.image_radius_mm;
+  h.insert(h.begin(), 0.0);
+  twin.thin.f_number *=
+      along(twin, sensor, {0.0}, true)[0].slope_dp_px_m / along(traced, sensor, {0.0}, true)[0].slope_dp_px_m;
+  std::vector<std::vector<double>> constant(2, std::vector<double>(h.size())), per_diopter = constant;
+  struct Line {  // sums of a straight line's least squares
+    double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+  };
+  std::vector<std::vector<Line>> lines(2, std::vector<Line>(h.size()));
+  for (double distance_m :
+       {std::numeric_limits<double>::infinity(), 120 * lens.thin.focal_length_m, 40 * lens.thin.focal_length_m}) {
+    const Lens wanted_lens = refocused(traced, distance_m);
+    Lens fitted = refocused(twin, distance_m);
+    for (int direction : {0, 1}) {
+      const std::vector<DisparityCoefficients> wanted = along(wanted_lens, sensor, h, direction == 0);
+      if (std::isinf(distance_m)) {
+        const std::vector<DisparityCoefficients> plain = along(fitted, sensor, h, direction == 0);
+        std::vector<double> growth;
+        for (std::size_t i = 0; i < h.size(); ++i)
+          growth.push_back(wanted[i].slope_dp_px_m / plain[i].slope_dp_px_m - 1);
+        EvenPolynomial& pupil = direction == 0 ? a.tangential_pupil : a.sagittal_pupil;
+        pupil = fit_even(h, growth, 7);
+        (direction == 0 ? fitted.aberrations.tangential_pupil : fitted.aberrations.sagittal_pupil) = pupil;
+      }
+      const std::vector<DisparityCoefficients> flat = along(fitted, sensor, h, direction == 0);
+      constexpr double kStepUm = 10;
+      Lens stepped_lens = fitted;
+      stepped_lens.aberrations.focus_um += kStepUm;
+      const std::vector<DisparityCoefficients> stepped = along(stepped_lens, sensor, h, direction == 0);
+      for (std::size_t i = 0; i < h.size(); ++i) {
+        const double per_um = (stepped[i].intercept_dp_px - flat[i].intercept_dp_px) / kStepUm;
+        const double focus_um = (wanted[i].intercept_dp_px - flat[i].intercept_dp_px) / per_um;
+        const double x = 1 / distance_m;
+        Line& line = lines[direction][i];
+        line.n += 1, line.x += x, line.y += focus_um, line.xx += x * x, line.xy += x * focus_um;
+      }
+    }
+  }
+  for (int direction : {0, 1}) {
+    for (std::size_t i = 0; i < h.size(); ++i) {
+      const Line& line = lines[direction][i];
+      per_diopter[direction][i] = (line.n * line.xy - line.x * line.y) / (line.n * line.xx - line.x * line.x);
+      constant[direction][i] = (line.y - per_diopter[direction][i] * line.x) / line.n;
+    }
+  }
+  const auto set_focus = [&](std::vector<std::vector<double>>& values, double& on_axis, EvenPolynomial& tangential,
+                             EvenPolynomial& sagittal) {
+    on_axis = 0.5 * (values[0][0] + values[1][0]);
+    for (std::vector<double>& direction : values) {
+      for (double& value : direction) value -= on_axis;
+    }
+    tangential = fit_even(h, values[0], 9);
+    sagittal = fit_even(h, values[1], 9);
+  };
+  set_focus(constant, a.focus_um, a.tangential_focus_um, a.sagittal_focus_um);
+  set_focus(per_diopter, a.focus_um_per_diopter, a.tangential_focus_um_per_diopter, a.sagittal_focus_um_per_diopter);
+  return twin;
+}
+
+}  // namespace dualpixel::simulator
