@@ -195,7 +195,7 @@ Camera read_camera(Fields fields) {
   fields.required("focus_distance_m").number("focus_distance_m", camera.focus_distance_m, 1e-4, kInfinity);
   camera.principal_point_px = {camera.width_px / 2.0, camera.height_px / 2.0};
   fields.numbers("principal_point_px", camera.principal_point_px.data(), 2);
-  fields.choice("split", camera.split, {"hard", "ramp", "unknown"});
+  fields.choice("split", camera.split, {"hard", "ramp", "microlens", "table", "unknown"});
   fields.number("alpha", camera.alpha, 0, 10);
   fields.done();
   return camera;

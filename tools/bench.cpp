@@ -107,8 +107,12 @@ void add_bench(CLI::App& program) {
   command->add_option("scene", options->scene, "Scene JSON file (default: scenes/portrait.json)")
       ->type_name("SCENE.json");
   command->add_flag("--json", options->json, "Print JSON");
-  command->footer("Example:\n  dualpixel bench scenes/portrait.json");
-  command->callback([options] { run(*options); });
+  command->footer(
+      "Example:\n  dualpixel bench scenes/portrait.json\n  dualpixel bench lens lens_models/phone_6p_4.2mm_f1.8.json");
+  add_bench_lens(*command);
+  command->callback([options, command] {
+    if (command->get_subcommands().empty()) run(*options);
+  });
 }
 
 }  // namespace dualpixel::tools

@@ -17,6 +17,8 @@ void add_score(CLI::App& program);
 void add_report(CLI::App& program);
 void add_info(CLI::App& program);
 void add_bench(CLI::App& program);
+/// `bench lens`, a subcommand of `bench`.
+void add_bench_lens(CLI::App& bench);
 
 /// A bar with time left, on stderr, only where stderr is a terminal. Call with the fraction done; 1 ends the line.
 class Progress {

@@ -1,0 +1,137 @@
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <chrono>
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "capture/json_fields.h"
+#include "simulator/lens/aberrated_twin.h"
+#include "simulator/lens/lens_file.h"
+#include "simulator/render/disparity_field.h"
+#include "simulator/simulate.h"
+#include "tools/commands.h"
+
+namespace dualpixel::tools {
+namespace {
+
+struct BenchLensOptions {
+  std::string lens = "lens_models/phone_6p_4.2mm_f1.8.json";
+  std::string scene = "scenes/slanted_planes.json";
+  bool json = false;
+};
+
+struct Model {
+  std::string name;
+  simulator::Lens lens;
+};
+
+/// From the thin lens to the exact trace.
+std::vector<Model> ladder(const simulator::Lens& lens, const simulator::SensorGrid& sensor) {
+  std::vector<Model> models;
+  simulator::Lens thin = lens;
+  thin.model = simulator::Lens::Model::thin;
+  models.push_back({"thin", thin});
+  if (lens.model == simulator::Lens::Model::aberrated) models.push_back({"aberrated", lens});
+  if (lens.model == simulator::Lens::Model::prescription) {
+    models.push_back({"aberrated twin", simulator::aberrated_twin(lens, sensor)});
+    simulator::Lens traced = lens;
+    traced.exact_trace = false;
+    models.push_back({"polynomials", traced});
+    traced.exact_trace = true;
+    models.push_back({"exact trace", traced});
+  }
+  return models;
+}
+
+/// RMS over the field and over depths of what `lens` says against what `reference` says, DP px.
+double disparity_error(const simulator::LensSampler& lens, const simulator::LensSampler& reference) {
+  double sum = 0;
+  int count = 0;
+  const simulator::SensorGrid& sensor = lens.sensor();
+  for (int row = 0; row < 9; ++row) {
+    for (int column = 0; column < 12; ++column) {
+      const int x = (2 * column + 1) * sensor.width_px / 24, y = (2 * row + 1) * sensor.height_px / 18;
+      const simulator::DisparityCoefficients a = trace_disparity(lens, x, y, 2048);
+      const simulator::DisparityCoefficients b = trace_disparity(reference, x, y, 2048);
+      for (double diopters : {0.0, 0.5, 1.0, 2.0, 4.0}) {
+        const double error = (a.slope_dp_px_m - b.slope_dp_px_m) * diopters + a.intercept_dp_px - b.intercept_dp_px;
+        sum += error * error;
+        ++count;
+      }
+    }
+  }
+  return std::sqrt(sum / count);
+}
+
+template <typename Work>
+double seconds(const Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void run(const BenchLensOptions& options) {
+  const simulator::Simulation s = simulator::read_simulation(read_json_file(options.scene), options.scene);
+  const simulator::Scene scene = simulator::load_scene(s);
+  const simulator::RenderScene world(scene);
+  const glm::mat4 pose = simulator::place_camera(s, scene).world_from_camera;
+  const simulator::Lens lens = simulator::read_lens_file(options.lens, s.lens.thin.focus_distance_m);
+  const double radius_m =
+      1e-3 * (lens.prescription ? lens.prescription->image_radius_mm : lens.aberrations.image_radius_mm);
+  const simulator::SensorGrid sensor{1344, 1008, radius_m * 2 / std::hypot(1344, 1008), {672, 504}};
+
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  const std::vector<Model> models = ladder(lens, sensor);
+  std::vector<simulator::CameraView> cameras;
+  std::vector<double> ready_s, render_s(models.size(), 1e30);
+  for (const Model& model : models) {
+    ready_s.push_back(seconds([&] { cameras.push_back({pose, {model.lens, sensor}}); }));
+  }
+  // turn by turn, so that a busy machine slows all of them
+  constexpr int kSamples = 16;
+  for (int repeat = 0; repeat < 3; ++repeat) {
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      render_s[i] = std::min(render_s[i], seconds([&] {
+                               simulator::render_views(world, cameras[i], {kSamples, 0, 1});
+                             }));
+    }
+  }
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  const double samples = 1344.0 * 1008.0 * kSamples;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    rows.push_back({{"model", models[i].name},
+                    {"ready_s", ready_s[i]},
+                    {"samples_per_core_s", samples / render_s[i]},
+                    {"time_over_thin", render_s[i] / render_s[0]},
+                    {"disparity_error_dp_px", disparity_error(cameras[i].lens, cameras.back().lens)}});
+  }
+  if (options.json) {
+    std::cout << nlohmann::ordered_json{{"lens", options.lens}, {"scene", options.scene}, {"models", rows}}.dump(2)
+              << '\n';
+    return;
+  }
+  std::cout << fmt::format("{} in {}\n{:<16}{:>10}{:>18}{:>12}{:>26}\n", lens.name, options.scene, "model", "ready, s",
+                           "M samples/core-s", "time/thin", "disparity error, DP px");
+  for (const auto& row : rows) {
+    std::cout << fmt::format("{:<16}{:>10.2f}{:>18.2f}{:>12.2f}{:>26.4f}\n", row["model"].get<std::string>(),
+                             row["ready_s"].get<double>(), row["samples_per_core_s"].get<double>() / 1e6,
+                             row["time_over_thin"].get<double>(), row["disparity_error_dp_px"].get<double>());
+  }
+}
+
+}  // namespace
+
+void add_bench_lens(CLI::App& bench) {
+  auto options = std::make_shared<BenchLensOptions>();
+  CLI::App* command = bench.add_subcommand("lens", "Time each model of a lens, and what it costs in disparity");
+  command->add_option("lens", options->lens, "Lens file")->type_name("LENS.json")->capture_default_str();
+  command->add_option("scene", options->scene, "Scene JSON file")->type_name("SCENE.json")->capture_default_str();
+  command->add_flag("--json", options->json, "Print JSON");
+  command->footer("Example:\n  dualpixel bench lens lens_models/phone_6p_4.2mm_f1.8.json");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace dualpixel::tools
