@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
 #include "capture/error.h"
@@ -166,6 +167,7 @@ void scale(Image& image, double factor) {
 Simulation read_simulation(const nlohmann::json& json, const std::string& path) {
   Simulation s;
   s.json = json;
+  s.path = path;
   Fields root(s.json, path);
   int version = 1;
   root.required("version").integer("version", version, 1, 1);
@@ -241,7 +243,11 @@ CameraView place_camera(const Simulation& s, const Scene& scene) {
     world_from_camera =
         camera_node(s, scene).world_from_node * glm::mat4(1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1);
   }
-  return {world_from_camera, LensSampler(s.lens, sensor_grid(s))};
+  try {
+    return {world_from_camera, LensSampler(s.lens, sensor_grid(s))};
+  } catch (const std::invalid_argument& error) {
+    throw InputError(printable(s.path) + ": /lens: " + error.what());
+  }
 }
 
 Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& stage) {

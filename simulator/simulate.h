@@ -25,6 +25,7 @@ struct CameraPose {
 
 /// What a scene JSON file says (docs/scene.md), every field checked. Units are in the names.
 struct Simulation {
+  std::string path;         ///< of this file
   std::string gltf_path;    ///< resolved against the JSON file's folder
   std::string camera_node;  ///< empty: the glTF file's first camera
   std::optional<CameraPose> pose;

@@ -255,6 +255,18 @@ void LensSampler::split(const PixelFrame& f, const float p[kPacket], const float
 
 namespace {
 
+/// No ray leaves flatter than this (89 degrees from the axis) or farther off (metres), and none that is not a number:
+/// Embree would end the program.
+constexpr float kSteepest = 100;
+
+void block_stray(const LensPacket& packet, float weight[kPacket]) {
+  for (int i = 0; i < kPacket; ++i) {
+    const float steep = std::abs(packet.slope_x[i]) + std::abs(packet.slope_y[i]);
+    const float far_m = std::abs(packet.origin_x[i]) + std::abs(packet.origin_y[i]);
+    weight[i] = steep + far_m < kSteepest ? weight[i] : 0.0f;  // false for what is no number
+  }
+}
+
 /// How much steeper the chief ray of an ideal lens is than the one the microlens was shifted for.
 float excess_slope(const SplitPixel& split, float x_m, float chief_slope) {
   const double design_m = split.microlens.design_exit_pupil_mm * 1e-3;
@@ -400,6 +412,7 @@ void LensSampler::sample_polynomials(const PixelFrame& f, int color, const float
     const float n = std::sqrt(std::max(1 - l * l - m * m, 1e-9f));
     t[i] = (l * xx + m * yx) / n - chief_at_sensor;
   }
+  block_stray(out, weight);
   split(f, p, t, excess_slope(lens_.split, f.x_m, chief_at_sensor), weight, out);
 }
 
@@ -439,6 +452,7 @@ void LensSampler::sample_traced(const PixelFrame& f, int color, const float s[4]
     p[i] = rays.stop_x[i];
     weight[i] = rays.end[i] == 0 ? full : 0.0f;
   }
+  block_stray(out, weight);
   split(f, p, t, excess_slope(lens_.split, f.x_m, chief_at_sensor), weight, out);
 }
 

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <iostream>
+#include <stdexcept>
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
@@ -321,6 +322,48 @@ TEST(Prescriptions, ATinyStopPassesALittleAndNothingIsNaN) {
   const DisparityCoefficients c = trace_disparity(sampler, 12, 6);
   EXPECT_GT(sampler.lux_per_nit(), 0);
   EXPECT_TRUE(std::isfinite(c.slope_dp_px_m) && std::isfinite(c.left_light));
+}
+
+// Any number of a good file made wild: it is refused, or its rays are finite wherever they carry light.
+TEST(Prescriptions, WildNumbersGiveNoWildRays) {
+  const nlohmann::json good = read_json_file(shipped("phone_6p_4.2mm_f1.8"));
+  int refused = 0, dark = 0, rendered = 0;
+  for (std::uint64_t trial = 0; trial < 14; ++trial) {
+    nlohmann::json json = good;
+    json.erase("wavelengths_nm");
+    json["exact_trace"] = trial % 2 == 0;
+    const std::uint64_t draw = hash(trial, 17);
+    nlohmann::json& surface = json["surfaces"][draw % json["surfaces"].size()];
+    const char* const fields[] = {"radius_mm", "conic", "thickness_mm", "semi_diameter_mm"};
+    const double factors[] = {-1, 0.01, 0.5, 1.7, 4, 100, 1e6, -1e-3};
+    const char* field = fields[(draw >> 8) % 4];
+    const double was = surface.contains(field) && surface[field].is_number() ? surface[field].get<double>() : 1.0;
+    surface[field] = was * factors[(draw >> 16) % 8];
+    if (surface.contains("asphere") && (draw >> 24) % 3 == 0) surface["asphere"]["4"] = factors[(draw >> 32) % 8];
+    try {
+      const Lens lens = read_lens(json, "wild.json", "", 1.0);
+      const LensSampler sampler(lens, phone_sensor(8, 6, 0.8e-3));
+      ++rendered;
+      alignas(64) float s[4][kPacket];
+      LensPacket packet;
+      for (int pixel = 0; pixel < 48; ++pixel) {
+        joint_samples(0, hash(pixel, trial), s);
+        sampler.sample(pixel % 8, pixel / 8, 1, s, packet);
+        for (int i = 0; i < kPacket; ++i) {
+          ASSERT_TRUE(packet.left[i] >= 0 && packet.right[i] >= 0 && packet.left[i] + packet.right[i] < 1e3) << trial;
+          if (packet.left[i] + packet.right[i] == 0) continue;
+          ASSERT_TRUE(std::abs(packet.slope_x[i]) < 1e3 && std::abs(packet.slope_y[i]) < 1e3) << trial;
+          ASSERT_TRUE(std::abs(packet.origin_x[i]) < 1e4 && std::abs(packet.origin_y[i]) < 1e4) << trial;
+        }
+      }
+    } catch (const InputError&) {
+      ++refused;
+    } catch (const std::invalid_argument&) {
+      ++dark;
+    }
+  }
+  EXPECT_GT(refused, 0);
+  EXPECT_GT(rendered, 5);
 }
 
 TEST(Prescriptions, RefuseWhatCannotBeAndNameIt) {
