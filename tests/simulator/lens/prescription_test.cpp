@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "capture/error.h"
+#include "capture/image_io.h"
 #include "capture/json_fields.h"
 #include "simulator/lens/aberrated_twin.h"
 #include "simulator/lens/lens_file.h"
@@ -407,6 +408,20 @@ TEST(Prescriptions, RefuseWhatCannotBeAndNameIt) {
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("focus distance"), std::string::npos) << error.what();
   }
+}
+
+TEST(LensFiles, ReadTheirMapsFromBesideThem) {
+  const std::string folder = ::testing::TempDir();
+  Image map(2, 1);
+  map.data = {0.25f, -0.25f};
+  write_exr(folder + "/offset.exr", {{"Y", &map}}, false);
+  const nlohmann::json json = {{"model", "aberrated"}, {"split_offset", {{"constant", 0.1}, {"map", "offset.exr"}}}};
+  const Lens lens = read_lens(json, folder + "/lens.json", "", 1.0);
+  EXPECT_NEAR(lens.aberrations.split_offset(-0.5, 0), 0.35, 1e-6);
+  EXPECT_NEAR(lens.aberrations.split_offset(0.5, 0), -0.15, 1e-6);
+  nlohmann::json missing = json;
+  missing["split_offset"]["map"] = "none.exr";
+  EXPECT_THROW(read_lens(missing, folder + "/lens.json", "", 1.0), InputError);
 }
 
 TEST(LensFiles, AllShippedOnesLoadFocusAndRoundTrip) {
