@@ -16,6 +16,7 @@ void add_portrait(CLI::App& program);
 void add_score(CLI::App& program);
 void add_report(CLI::App& program);
 void add_info(CLI::App& program);
+void add_lens(CLI::App& program);
 void add_bench(CLI::App& program);
 /// `bench lens`, a subcommand of `bench`.
 void add_bench_lens(CLI::App& bench);

@@ -64,6 +64,7 @@ int main(int argc, char** argv) {
   dualpixel::tools::add_score(program);
   dualpixel::tools::add_report(program);
   dualpixel::tools::add_info(program);
+  dualpixel::tools::add_lens(program);
   dualpixel::tools::add_bench(program);
 
   try {

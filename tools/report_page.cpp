@@ -266,15 +266,20 @@ std::string report_page(const std::vector<CaptureSection>& captures) {
     body += flicker(capture.flicker) + provenance("How this capture came about", capture.provenance);
     for (const ResultSection& result : capture.results) body += result_section(result);
   }
+  return html_page("Dual-pixel portraits", kReportStyle, body, kReportScript);
+}
+
+std::string html_page(const std::string& title, const std::string& style, const std::string& body,
+                      const std::string& script) {
   // Only the style and the script that carry this nonce are run; whoever chooses a name in the page cannot know it.
   const std::string nonce = fmt::format("{:016x}", XXH64(body.data(), body.size(), 0));
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; "
       "style-src 'nonce-{0}'; script-src 'nonce-{0}'; base-uri 'none'; form-action 'none'\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Dual-pixel portraits</title>\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{4}</title>\n"
       "<style nonce=\"{0}\">{1}</style>\n</head>\n<body>\n{2}<script nonce=\"{0}\">{3}</script>\n</body>\n</html>\n",
-      nonce, kReportStyle, body, kReportScript);
+      nonce, style, body, script, escape_html(title));
 }
 
 }  // namespace dualpixel::tools

@@ -36,6 +36,11 @@ struct CaptureSection {
 
 std::string report_page(const std::vector<CaptureSection>& captures);
 
+/// A whole page that loads nothing: `body` is HTML, `style` and `script` are inlined under a content policy that
+/// forbids all others (and style attributes).
+std::string html_page(const std::string& title, const std::string& style, const std::string& body,
+                      const std::string& script = "");
+
 /// `text` with the characters that mean something in HTML replaced.
 std::string escape_html(const std::string& text);
 

@@ -1,0 +1,77 @@
+// `dualpixel lens` as its user meets it.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "capture/files.h"
+#include "capture/json_fields.h"
+#include "tests/tools/run_program.h"
+#include "tools/svg_plot.h"
+
+namespace dualpixel::tools::testing {
+namespace {
+
+const std::string kLens = DUALPIXEL_SOURCE_DIR "/lens_models/double_gauss_100mm_f5.json";
+
+TEST(LensCommand, PrintsJsonWithFirstOrderFiguresAndCalibration) {
+  const Outcome run = run_program("lens '" + kLens + "' --focus-distance-m 3 --json");
+  ASSERT_EQ(run.status, 0) << run.err;
+  const nlohmann::json json = nlohmann::json::parse(run.out);
+  EXPECT_NEAR(json["paraxial"]["efl_mm"].get<double>(), 100.003748, 1e-3);
+  EXPECT_NEAR(json["focus_distance_m"].get<double>(), 3, 1e-12);
+  EXPECT_GT(json["fields"].size(), 10u);
+  EXPECT_NEAR(json["fields"][0]["relative_illumination"].get<double>(), 1, 1e-9);
+  EXPECT_LT(json["fast_form"][0]["ray_rms_px"].get<double>(), 0.1);
+  const nlohmann::json& row = json["calibration"]["horizontal"];
+  // disparity grows with depth: the slope in 1/D is below 0; left and right mirror each other
+  EXPECT_LT(row[12]["slope_dp_px_m"].get<double>(), 0);
+  EXPECT_NEAR(row.front()["left_light"].get<double>(), row.back()["right_light"].get<double>(), 0.01);
+}
+
+TEST(LensCommand, WritesAPageThatLoadsNothingAndATwin) {
+  const std::string page = ::testing::TempDir() + "/lens.html", twin = ::testing::TempDir() + "/twin.json";
+  const Outcome run = run_program("lens '" + kLens + "' -o '" + page + "' --twin '" + twin + "'");
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.out.find("EFL 100.0037"), std::string::npos);
+  const std::string html = read_file(page);
+  EXPECT_EQ(html.find("http:"), std::string::npos);
+  EXPECT_EQ(html.find("https:"), std::string::npos);
+  EXPECT_EQ(html.find(" style=\""), std::string::npos) << "the content policy forbids style attributes";
+  EXPECT_NE(html.find("Cross-section"), std::string::npos);
+  const Outcome again = run_program("lens '" + twin + "' --json");
+  ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(nlohmann::json::parse(again.out)["model"], "aberrated");
+}
+
+TEST(LensCommand, RefusesWhatItCannotDo) {
+  const auto expect = [](const std::string& arguments, const std::string& says) {
+    const Outcome run = run_program("lens " + arguments);
+    expect_one_line_refusal(run);
+    EXPECT_NE(run.err.find(says), std::string::npos) << run.err;
+  };
+  expect("none.json", "none.json");
+  expect(kLens + " --focus-distance-m -1", "--focus-distance-m");
+  expect(kLens + " --focus-distance-m 0.15", "focus distance 0.15 m");
+  expect(kLens + " --set f_number=2", "/f_number: 2: the lens opens to f/5");
+  expect(kLens + " --set surfaces.3.thicknes_mm=2", "did you mean 'thickness_mm'");
+  const std::string thin = DUALPIXEL_SOURCE_DIR "/lens_models/phone_thin_4.4mm_f1.8.json";
+  expect(thin + " --twin " + ::testing::TempDir() + "/no.json", "--twin needs a prescription");
+  EXPECT_FALSE(std::filesystem::exists(::testing::TempDir() + "/no.json"));
+}
+
+TEST(SvgPlot, TicksAreRoundAndPointsLandWhereTheyShould) {
+  EXPECT_EQ(round_ticks(0, 10, 5), (std::vector<double>{0, 2, 4, 6, 8, 10}));
+  EXPECT_EQ(round_ticks(-0.03, 0.04, 6).size(), 8u);
+  EXPECT_EQ(round_ticks(3, 3, 6).size(), 1u);
+  Plot plot;
+  plot.title = "<b>";
+  plot.series = {{"a", {{0, 0}, {1, 1}, {NAN, 1}, {2, 2}, {3, INFINITY}}, false, false}};
+  const std::string svg = svg_plot(plot);
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
+  EXPECT_EQ(svg.find("inf"), std::string::npos);
+  EXPECT_NE(svg.find("&lt;b&gt;"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace dualpixel::tools::testing
