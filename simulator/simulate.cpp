@@ -13,8 +13,8 @@
 #include "capture/error.h"
 #include "capture/json_fields.h"
 #include "simulator/lens/lens_file.h"
-#include "simulator/render/hash.h"
 #include "simulator/render/truth.h"
+#include "simulator/sampling/hash.h"
 #include "simulator/scene/gltf.h"
 
 namespace dualpixel::simulator {

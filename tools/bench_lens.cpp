@@ -9,8 +9,8 @@
 
 #include "capture/json_fields.h"
 #include "simulator/lens/aberrated_twin.h"
+#include "simulator/lens/disparity_field.h"
 #include "simulator/lens/lens_file.h"
-#include "simulator/render/disparity_field.h"
 #include "simulator/simulate.h"
 #include "tools/commands.h"
 

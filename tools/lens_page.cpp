@@ -8,7 +8,7 @@
 
 #include "capture/error.h"
 #include "simulator/lens/ray_trace.h"
-#include "simulator/render/sobol.h"
+#include "simulator/sampling/sobol.h"
 #include "tools/lens_report.h"
 #include "tools/report_assets.h"
 #include "tools/report_images.h"

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "capture/error.h"
-#include "simulator/render/sobol.h"
+#include "simulator/sampling/sobol.h"
 
 namespace dualpixel::tools {
 namespace {

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "simulator/lens/disparity_field.h"
 #include "simulator/lens/lens_analysis.h"
 #include "simulator/lens/lens_sampler.h"
-#include "simulator/render/disparity_field.h"
 
 /// Everything that `dualpixel lens` says about a lens, worked out once for the terminal, for programs and for the page.
 namespace dualpixel::tools {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "simulator/render/disparity_field.h"
+#include "simulator/lens/disparity_field.h"
 
 namespace dualpixel::simulator {
 namespace {

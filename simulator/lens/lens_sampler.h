@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "simulator/lens/lens.h"
-#include "simulator/lens/packet.h"
 #include "simulator/lens/ray_polynomials.h"
 #include "simulator/lens/ray_trace.h"
+#include "simulator/sampling/packet.h"
 
 /// The one door through which rendering sees a lens, whatever its model: a place on the sensor and a place in the pupil
 /// go in, a ray and its share for each view come out, sixteen at a time.
@@ -19,6 +19,15 @@ struct SensorGrid {
   int height_px = 0;
   double pixel_pitch_m = 0;
   glm::dvec2 principal_point_px{0};  ///< continuous coordinates
+};
+
+/// Rays of one pixel in camera axes, metres: they cross the entrance pupil's plane, z = 0, at (origin_x, origin_y), and
+/// run along (slope_x, slope_y, 1), so that a hit's parameter is its planar depth. `left` and `right` say how much of
+/// the ray's radiance each view receives, over what the axis of the whole pixel would; both 0: the lens blocks it.
+struct LensPacket {
+  alignas(64) float origin_x[kPacket], origin_y[kPacket];
+  alignas(64) float slope_x[kPacket], slope_y[kPacket];
+  alignas(64) float left[kPacket], right[kPacket];
 };
 
 class LensSampler {

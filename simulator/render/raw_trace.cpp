@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "simulator/render/camera_rays.h"
-#include "simulator/render/sobol.h"
+#include "simulator/sampling/sobol.h"
 
 namespace dualpixel::simulator {
 

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "simulator/render/disparity_field.h"
+#include "simulator/lens/disparity_field.h"
 #include "simulator/render/surface.h"
 
 namespace dualpixel::simulator {

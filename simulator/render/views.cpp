@@ -14,8 +14,8 @@
 
 #include "simulator/render/bsdf.h"
 #include "simulator/render/camera_rays.h"
-#include "simulator/render/sobol.h"
 #include "simulator/render/surface.h"
+#include "simulator/sampling/sobol.h"
 #include "simulator/sensor/cfa.h"
 
 namespace dualpixel::simulator {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulator/render/hash.h"
+#include "simulator/sampling/hash.h"
 
 namespace dualpixel::simulator {
 namespace {

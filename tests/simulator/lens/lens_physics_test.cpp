@@ -5,9 +5,9 @@
 
 #include <cmath>
 
+#include "simulator/lens/disparity_field.h"
 #include "simulator/lens/lens_sampler.h"
-#include "simulator/render/disparity_field.h"
-#include "simulator/render/sobol.h"
+#include "simulator/sampling/sobol.h"
 
 namespace dualpixel::simulator::testing {
 namespace {

@@ -12,10 +12,10 @@
 #include "capture/image_io.h"
 #include "capture/json_fields.h"
 #include "simulator/lens/aberrated_twin.h"
+#include "simulator/lens/disparity_field.h"
 #include "simulator/lens/lens_file.h"
 #include "simulator/lens/ray_trace.h"
-#include "simulator/render/disparity_field.h"
-#include "simulator/render/sobol.h"
+#include "simulator/sampling/sobol.h"
 #include "tests/simulator/test_scenes.h"
 
 namespace dualpixel::simulator::testing {

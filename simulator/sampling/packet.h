@@ -6,15 +6,6 @@ namespace dualpixel::simulator {
 
 inline constexpr int kPacket = 16;  ///< lanes of a packet: samples of one pixel
 
-/// Rays of one pixel in camera axes, metres: they cross the entrance pupil's plane, z = 0, at (origin_x, origin_y), and
-/// run along (slope_x, slope_y, 1), so that a hit's parameter is its planar depth. `left` and `right` say how much of
-/// the ray's radiance each view receives, over what the axis of the whole pixel would; both 0: the lens blocks it.
-struct LensPacket {
-  alignas(64) float origin_x[kPacket], origin_y[kPacket];
-  alignas(64) float slope_x[kPacket], slope_y[kPacket];
-  alignas(64) float left[kPacket], right[kPacket];
-};
-
 /// Concentric map of the unit square onto the unit disc (Shirley & Chiu 1997): keeps the sign of x - 1/2, so the two
 /// halves of the pupil are stratified each. Branch-free, polynomials for sine and cosine on [-pi/4, pi/4].
 inline void concentric_disc(const float u[kPacket], const float v[kPacket], float x[kPacket], float y[kPacket]) {

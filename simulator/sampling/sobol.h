@@ -2,8 +2,8 @@
 #include <array>
 #include <cstdint>
 
-#include "simulator/lens/packet.h"
-#include "simulator/render/hash.h"
+#include "simulator/sampling/hash.h"
+#include "simulator/sampling/packet.h"
 
 /// Owen-scrambled Sobol points, sixteen at a time. The first four dimensions are one joint net for pixel position and
 /// pupil position: for a smooth picture under blur its error falls far faster than that of two padded planar nets.

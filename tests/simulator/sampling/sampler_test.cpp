@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "simulator/render/sobol.h"
+#include "simulator/sampling/sobol.h"
 
 namespace dualpixel::simulator {
 namespace {

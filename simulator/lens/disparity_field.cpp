@@ -1,4 +1,4 @@
-#include "simulator/render/disparity_field.h"
+#include "simulator/lens/disparity_field.h"
 
 #include <tbb/parallel_for.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/glm.hpp>
 
-#include "simulator/render/sobol.h"
+#include "simulator/sampling/sobol.h"
 
 namespace dualpixel::simulator {
 namespace {
