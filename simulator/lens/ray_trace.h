@@ -125,7 +125,7 @@ inline Sag<Real> sag_at(const TraceSurface<Real>& s, Real r2) {
 /// for another root (a plain Newton from the conic does, on the strong aspheres of phone lenses).
 template <int Even, bool Odd, class Real, int N>
 void meet_asphere(const TraceSurface<Real>& s, RayBatch<Real, N>& rays, Real slope[N]) {
-  constexpr int kSearch = 12;
+  constexpr int kSearch = sizeof(Real) == 4 ? 9 : 12;
   constexpr int kNewton = sizeof(Real) == 4 ? 4 : 7;
   alignas(64) Real enter[N], step[N], low[N], high[N], t[N];
   const bool forward = rays.n[0] > 0;
