@@ -318,6 +318,9 @@ Lens read_lens(const nlohmann::json& json, const std::string& file, const std::s
   nlohmann::json merged = read_json_file(path);
   nlohmann::json own = json;
   own.erase("file");
+  if (merged.is_object() && own.contains("model") && own["model"] != merged.value("model", nlohmann::json("thin"))) {
+    fields.fail("model", "differs from that of " + printable(name) + ": leave out what is not that lens's");
+  }
   if (merged.is_object() && merged.contains("split") && own.contains("split") && own["split"].is_object() &&
       own["split"].contains("model")) {
     merged.erase("split");  // another model of split: none of the file's figures belong to it

@@ -424,6 +424,19 @@ TEST(LensFiles, ReadTheirMapsFromBesideThem) {
   EXPECT_THROW(read_lens(missing, folder + "/lens.json", "", 1.0), InputError);
 }
 
+TEST(LensFiles, FieldsBesideAFileTakeThePlaceOfItsOwn) {
+  const std::string scene = DUALPIXEL_SOURCE_DIR "/scenes/any.json", file = "../lens_models/full_frame_50mm_f1.8.json";
+  const Lens lens = read_lens({{"file", file}, {"f_number", 4}, {"split", {{"model", "hard"}}}}, scene, "/lens", 2);
+  EXPECT_NEAR(lens.thin.f_number, 4, 1e-9);
+  EXPECT_EQ(lens.split.kind, SplitPixel::Kind::hard);
+  try {
+    read_lens({{"file", file}, {"model", "thin"}}, scene, "/lens", 2);
+    ADD_FAILURE() << "another model was accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("any.json: /lens/model: differs from that of " + file), std::string::npos);
+  }
+}
+
 TEST(LensFiles, AllShippedOnesLoadFocusAndRoundTrip) {
   for (const char* name : {"phone_thin_4.4mm_f1.8", "phone_aberrated_4.4mm_f1.8", "phone_6p_4.2mm_f1.8",
                            "phone_7p_4.9mm_f1.85", "double_gauss_100mm_f5", "portrait_100mm_f1.1",
