@@ -14,29 +14,16 @@
 
 #include <cmath>
 #include <iostream>
-#include <limits>
 #include <tuple>
 
-#include "capture/json_fields.h"
 #include "simulator/lens/lens_analysis.h"
-#include "simulator/lens/lens_file.h"
 #include "simulator/lens/pupil_bounds.h"
+#include "tests/simulator/lens/reference.h"
 
 namespace dualpixel::simulator::testing {
 namespace {
 
 constexpr double kGrid = 0.0014;
-
-const nlohmann::json& reference() {
-  static const nlohmann::json json = read_json_file(DUALPIXEL_SOURCE_DIR "/tests/data/optics/reference_numbers.json");
-  return json;
-}
-
-std::vector<std::string> lens_names() {
-  std::vector<std::string> names;
-  for (const auto& [name, lens] : reference()["lenses"].items()) names.push_back(name);
-  return names;
-}
 
 /// The reference's field figures are all at this wavelength, also where its paraxial ones are at another.
 constexpr double kWavelength = 587.5618;
@@ -44,8 +31,7 @@ constexpr double kWavelength = 587.5618;
 class ReferenceFields : public ::testing::TestWithParam<std::string> {
  protected:
   const nlohmann::json& figures = reference()["lenses"][GetParam()];
-  Lens lens = read_lens_file(std::string(DUALPIXEL_SOURCE_DIR "/") + figures["file"].get<std::string>(),
-                             std::numeric_limits<double>::infinity());
+  Lens lens = reference_lens(figures);
 
   /// False, with the reason printed, where the reference gives nothing to compare with.
   bool comparable(const nlohmann::json& row, const char* key) {

@@ -3,30 +3,16 @@
 
 #include <cmath>
 
-#include "capture/json_fields.h"
-#include "simulator/lens/lens_file.h"
 #include "simulator/lens/ray_trace.h"
+#include "tests/simulator/lens/reference.h"
 
 namespace dualpixel::simulator::testing {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-const nlohmann::json& reference() {
-  static const nlohmann::json json = read_json_file(DUALPIXEL_SOURCE_DIR "/tests/data/optics/reference_numbers.json");
-  return json;
-}
-
-std::vector<std::string> lens_names() {
-  std::vector<std::string> names;
-  for (const auto& [name, lens] : reference()["lenses"].items()) names.push_back(name);
-  return names;
-}
-
 class Reference : public ::testing::TestWithParam<std::string> {
  protected:
   const nlohmann::json& figures = reference()["lenses"][GetParam()];
-  Lens lens = read_lens_file(std::string(DUALPIXEL_SOURCE_DIR "/") + figures["file"].get<std::string>(), kInfinity);
+  Lens lens = reference_lens(figures);
 };
 
 TEST_P(Reference, Paraxial) {
