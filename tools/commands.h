@@ -17,6 +17,9 @@ void add_score(CLI::App& program);
 void add_report(CLI::App& program);
 void add_info(CLI::App& program);
 void add_lens(CLI::App& program);
+void add_plan(CLI::App& program);
+/// --tolerance-px of `plan` and of `simulate --auto`.
+CLI::Option* add_tolerance_option(CLI::App& command, double& tolerance_dp_px);
 void add_bench(CLI::App& program);
 /// `bench lens`, a subcommand of `bench`.
 void add_bench_lens(CLI::App& bench);

@@ -220,8 +220,10 @@ std::string field_plots(const LensReport& report) {
   using F = simulator::FieldAnalysis;
   const char* const field = "field, chief ray height over image radius";
   std::string html = "<h2>Over the field, focused at infinity</h2><div class=\"plots\">";
-  html += svg_plot(
-      plot_of("Distortion", field, "%", {over_field("", report, [](const F& f) { return 100 * f.distortion; })}));
+  // on the axis a height over a height of 0 says nothing; next to it a sensor off the paraxial focus shows
+  html += svg_plot(plot_of("Distortion", field, "%", {over_field("", report, [](const F& f) {
+                             return f.theta_rad > 0 ? 100 * f.distortion : kNaN;
+                           })}));
   html += svg_plot(plot_of("Field curvature: focus behind the sensor", field, "um",
                            {over_field("tangential", report, [](const F& f) { return 1e3 * f.tangential_focus; }),
                             over_field(
@@ -271,7 +273,8 @@ std::string calibration_plots(const LensReport& report) {
 constexpr const char* kLensStyle = R"css(
 .kernels { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 300px), 1fr)); gap: 1.2rem; }
 .kernel div { display: grid; grid-template-columns: 1fr 1fr; gap: 4px; }
-.wide-plot svg { max-width: 900px; }
+.wide-plot { grid-template-columns: minmax(0, 900px); }
+.wide-plot .plot > svg { max-width: 900px; }
 )css";
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "simulator/sensor/cfa.h"
 
@@ -30,26 +31,32 @@ void subtract_mean(std::vector<double>& values) {
   for (double& value : values) value -= sum / static_cast<double>(values.size());
 }
 
-/// The weights of one view; returns the variance of the shift under the sensor's noise, infinite without texture.
-double fit_weights(const Image& view, const MatchWindow& window, const NoiseProfile& noise, int frames,
-                   std::vector<float>& weights) {
+/// dB/dx in a window, less its projections on 1 and B.
+std::vector<double> texture(const Image& view, const MatchWindow& window) {
   std::vector<double> g;
   for (int y = window.y; y < window.y + kWindowDpPx; ++y) {
     for (int x = window.x; x < window.x + kWindowDpPx; ++x) g.push_back(0.5 * (view.at(x + 1, y) - view.at(x - 1, y)));
   }
   std::vector<double> b = pixels_of(view, window);
-  double light = 0;
-  for (double value : b) light += value / kPixels;
-  const double variance = (noise.shot_dn * light + noise.read_dn2) / frames;
   subtract_mean(g);
   subtract_mean(b);
   const double square = dot(b, b);
   const double share = square > 0 ? dot(g, b) / square : 0;
   for (int i = 0; i < kPixels; ++i) g[i] -= share * b[i];
-  const double energy = dot(g, g);
+  return g;
+}
+
+/// The weights of one view from its two renders; returns the variance of the shift under the sensor's noise, infinite
+/// without texture.
+double fit_weights(const Image& first, const Image& second, const MatchWindow& window, const NoiseProfile& noise,
+                   int frames, std::vector<float>& weights) {
+  const std::vector<double> g1 = texture(first, window), g2 = texture(second, window);
+  const double energy = dot(g1, g2);
   if (!(energy > 0)) return std::numeric_limits<double>::infinity();
-  for (double value : g) weights.push_back(static_cast<float>(-value / energy));
-  return variance / energy;
+  for (int i = 0; i < kPixels; ++i) weights.push_back(static_cast<float>(-0.5 * (g1[i] + g2[i]) / energy));
+  double light = 0;
+  for (double value : pixels_of(first, window)) light += value / kPixels;
+  return (noise.shot_dn * light + noise.read_dn2) / frames / energy;
 }
 
 double weighted_sum(const Image& view, const MatchWindow& window, const std::vector<float>& weights) {
@@ -96,16 +103,6 @@ DpViews expected_dp_views(const simulator::Views& views, const simulator::Sensor
   return dp;
 }
 
-DpViews mean(const DpViews& a, const DpViews& b) {
-  DpViews result = a;
-  for (Image DpViews::*view : {&DpViews::left, &DpViews::right}) {
-    for (std::size_t i = 0; i < (a.*view).data.size(); ++i) {
-      (result.*view).data[i] = 0.5f * ((a.*view).data[i] + (b.*view).data[i]);
-    }
-  }
-  return result;
-}
-
 double MatchWindow::shift_dp_px(const DpViews& views) const {
   return weighted_sum(views.right, *this, right_weight) - weighted_sum(views.left, *this, left_weight);
 }
@@ -116,17 +113,18 @@ double MatchWindow::correlation(const DpViews& a1, const DpViews& a2, const DpVi
   return within > 0 ? between / std::sqrt(within) : 0;
 }
 
-MatchWindows match_windows(const DpViews& reference, const Exposure& exposure, int frames, int offset_x,
-                           int offset_y) {
+MatchWindows match_windows(const DpViews& first, const DpViews& second, const Exposure& exposure, int frames,
+                           double most_sensor_noise_dp_px, int offset_x, int offset_y) {
   MatchWindows windows;
-  for (int y = offset_y; y + kWindowDpPx <= reference.left.height; y += kWindowDpPx) {
-    for (int x = 1 + offset_x; x + kWindowDpPx < reference.left.width; x += kWindowDpPx) {
+  const NoiseProfile& noise = exposure.dp_noise;
+  for (int y = offset_y; y + kWindowDpPx <= first.left.height; y += kWindowDpPx) {
+    for (int x = 1 + offset_x; x + kWindowDpPx < first.left.width; x += kWindowDpPx) {
       MatchWindow window{x, y, {}, {}, 0};
-      const double left = fit_weights(reference.left, window, exposure.dp_noise, frames, window.left_weight);
-      const double right = fit_weights(reference.right, window, exposure.dp_noise, frames, window.right_weight);
+      const double left = fit_weights(first.left, second.left, window, noise, frames, window.left_weight);
+      const double right = fit_weights(first.right, second.right, window, noise, frames, window.right_weight);
       window.sensor_noise_dp_px = std::sqrt(left + right);
       ++windows.total;
-      if (window.sensor_noise_dp_px <= kMostSensorNoiseDpPx) windows.textured.push_back(std::move(window));
+      if (window.sensor_noise_dp_px <= most_sensor_noise_dp_px) windows.textured.push_back(std::move(window));
     }
   }
   return windows;

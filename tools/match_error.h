@@ -12,8 +12,8 @@
 /// looks as if it had moved by
 ///     delta(A) = - sum (A - B) g / sum g^2,        g = dB/dx less its projections on 1 and B,
 /// over the window, so that neither gain nor offset counts; the disparity moves by delta of the right view minus delta
-/// of the left one. g is orthogonal to B: delta is a sum over A with fixed weights, and two pictures' disparities differ
-/// by the difference of their sums, whatever noise or bias made it.
+/// of the left one. g is orthogonal to B: delta is a sum over A with fixed weights, and two pictures' disparities
+/// differ by the difference of their sums, whatever noise or bias made it.
 namespace dualpixel::tools {
 
 /// DP views without noise: digital numbers above black, as the sensor bins and clips the light.
@@ -25,18 +25,12 @@ struct DpViews {
 DpViews expected_dp_views(const simulator::Views& views, const simulator::SensorOptions& sensor,
                           const simulator::ExposureOptions& exposure, double lux_per_nit);
 
-/// Mean of two.
-DpViews mean(const DpViews& a, const DpViews& b);
-
 inline constexpr int kWindowDpPx = 16;  ///< a side
 
-/// A window says something of its disparity only where the sensor's noise allows it.
-inline constexpr double kMostSensorNoiseDpPx = 0.1;
-
 struct MatchWindow {
-  int x = 0, y = 0;                         ///< upper left corner, DP pixels
+  int x = 0, y = 0;                              ///< upper left corner, DP pixels
   std::vector<float> left_weight, right_weight;  ///< row by row
-  double sensor_noise_dp_px = 0;            ///< Cramer-Rao bound of the disparity under shot and read noise
+  double sensor_noise_dp_px = 0;                 ///< Cramer-Rao bound of the disparity under shot and read noise
 
   /// Disparity less that of the reference.
   double shift_dp_px(const DpViews& views) const;
@@ -46,13 +40,15 @@ struct MatchWindow {
 };
 
 struct MatchWindows {
-  std::vector<MatchWindow> textured;  ///< those within kMostSensorNoiseDpPx
+  std::vector<MatchWindow> textured;
   int total = 0;
 };
 
-/// All windows that fit into `reference`, side by side from column 1 + offset_x (dB/dx needs a neighbour) and row
-/// offset_y on. The sensor's noise is that of `frames` frames, merged.
-MatchWindows match_windows(const DpViews& reference, const Exposure& exposure, int frames, int offset_x = 0,
-                           int offset_y = 0);
+/// The windows that fit into the picture, side by side from column 1 + offset_x (dB/dx needs a neighbour) and row
+/// offset_y on. The reference is the mean of two renders with independent noise, so that noise is not taken for
+/// texture. A window says something of its disparity where the sensor's noise, that of `frames` frames merged, blurs it
+/// by no more than `most_sensor_noise_dp_px`.
+MatchWindows match_windows(const DpViews& first, const DpViews& second, const Exposure& exposure, int frames,
+                           double most_sensor_noise_dp_px, int offset_x = 0, int offset_y = 0);
 
 }  // namespace dualpixel::tools

@@ -13,20 +13,22 @@
 ///
 /// Lens models, from the dearest: exact trace of the prescription, its polynomials, its aberrated twin, the thin lens;
 /// an aberrated lens has but the last two. Their error is traced, not rendered: disparity at the same place of the
-/// sensor, for the depth that the scene has there, against the reference's (DisparityCoefficients), RMS over 432 places.
-/// A cheaper model also draws the picture elsewhere; that is shown and does not count, since truth moves with it.
+/// sensor, for the depth that the scene has there, against the reference's (DisparityCoefficients), RMS over 432
+/// places. A cheaper model also draws the picture elsewhere; that is shown and does not count, since truth moves with
+/// it.
 ///
 /// Bounces and samples are measured on pilot renders of tiles spread over the frame (the whole sensor, where it is
 /// small), through the dearest model short of the exact trace, by what they do to a matcher (tools/match_error.h) in
 /// windows that have texture.
-///   Samples  two renders with independent seeds differ by sqrt(2) of one's error. Measured at 1, 4, 16 and 64 samples
-///            with 8 bounces, scaled to fewer bounces by their noise at 16; a line in between in log-log, beyond 64
-///            falling as 1/sqrt(samples), the least that sampling does.
+///   Samples  renders that differ by their seeds alone scatter by their error. Measured at 1, 4, 16 and 64 samples with
+///            8 bounces, scaled to fewer bounces by their noise at 16; a line in between in log-log, beyond 64 falling
+///            as 1/sqrt(samples), the least that sampling does.
 ///   Bounces  two pairs of renders, n bounces and 8 with the same random numbers; the mean product of the two pairs'
 ///            differences is the mean square of what is no noise. A window whose two pictures correlate by less than
 ///            0.8 shows other things than it should and counts as an error of 1 DP px.
-/// One standard error, from the scatter over the windows, is added to each mean square. Where fewer than 6 windows have
-/// texture, bounces and samples stay as the scene file has them, and the plan says so.
+/// Two standard errors, from the scatter over the windows, are added to each mean square. Windows count whose disparity
+/// the capture's own sensor noise, its burst merged, blurs by no more than the tolerance. Where fewer than 6 windows
+/// have texture, bounces and samples stay as the scene file has them, and the plan says so.
 ///
 /// The choice is by counted work, so that it is the same on every machine: a sample through a thin lens costs 1, an
 /// aberrated one 1.1, polynomials 1.4, an exact trace 5.5 (`dualpixel bench lens`), a bounce 1. Times are measured, and
@@ -39,9 +41,9 @@ struct LensRung {
   std::string name;
   simulator::Lens lens;
   double error_dp_px = 0;
-  double error_95_dp_px = 0;    ///< 95th percentile
-  double picture_shift_px = 0;  ///< photosites, RMS, by which the picture lies elsewhere
-  double work = 0;              ///< of one sample
+  double error_95_dp_px = 0;      ///< 95th percentile
+  double picture_shift_px = 0;    ///< photosites, RMS, by which the picture lies elsewhere
+  double work = 0;                ///< of one sample
   double seconds_per_sample = 0;  ///< of the lens alone, on all threads
 };
 

@@ -10,6 +10,7 @@
 #include "capture/json_fields.h"
 #include "simulator/simulate.h"
 #include "tools/commands.h"
+#include "tools/plan.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -19,6 +20,8 @@ struct SimulateOptions {
   std::string output;
   std::vector<std::string> overrides;
   std::optional<std::uint64_t> seed;
+  bool automatic = false;
+  double tolerance_dp_px = 0.02;
   bool dry_run = false;
 };
 
@@ -26,11 +29,19 @@ void run(const SimulateOptions& options) {
   nlohmann::json json = read_json_file(options.scene);
   for (const std::string& assignment : options.overrides) apply_override(json, assignment);
   if (options.seed) apply_override(json, fmt::format("render.seed={}", *options.seed));
-  const simulator::Simulation simulation = simulator::read_simulation(json, options.scene);
+  simulator::Simulation simulation = simulator::read_simulation(json, options.scene);
   const simulator::Scene scene = simulator::load_scene(simulation);
   simulator::place_camera(simulation, scene);                    // refuses a missing camera before anything is rendered
   { const NewFolder writable(options.output, "capture.json"); }  // and a folder that could not be written in the end
   for (const std::string& warning : scene.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
+  nlohmann::json plan_of_capture;
+  if (options.automatic) {
+    const Plan chosen = plan(simulation, scene, options.tolerance_dp_px, simulation.render.seed);
+    simulation = planned(std::move(simulation), chosen);
+    plan_of_capture = plan_json(chosen, false);
+    const std::string text = plan_text(chosen);
+    std::cerr << text.substr(text.rfind('\n', text.size() - 2) + 1);  // the sentence that concludes it
+  }
   if (options.dry_run) {
     std::cout << fmt::format("{}: {} x {} photosites, {} samples each, a burst of {}: can be simulated\n",
                              options.scene, simulation.sensor.width_px, simulation.sensor.height_px,
@@ -45,6 +56,7 @@ void run(const SimulateOptions& options) {
   capture.provenance["program"] = "dualpixel " DUALPIXEL_VERSION;
   capture.provenance["scene_file"] = std::filesystem::path(options.scene).filename().string();
   capture.provenance["gltf_xxh64"] = file_hash(simulation.gltf_path);
+  if (options.automatic) capture.provenance["plan"] = plan_of_capture;
   write_capture(capture, options.output);
 }
 
@@ -61,6 +73,9 @@ void add_simulate(CLI::App& program) {
       ->expected(1)
       ->allow_extra_args(false);
   command->add_option("--seed", options->seed, "Seed of rendering and noise (render.seed)")->type_name("N");
+  CLI::Option* automatic = command->add_flag(
+      "--auto", options->automatic, "Lens model, bounces and samples by 'dualpixel plan' instead of the scene file's");
+  add_tolerance_option(*command, options->tolerance_dp_px)->needs(automatic);
   command->add_flag("--dry-run", options->dry_run, "Check scene and options, render nothing");
   add_threads_option(*command);
   command->footer(

@@ -25,8 +25,10 @@ struct Axis {
   }
   void widen() {
     if (!(low <= high)) low = 0, high = 1;
+    // what differs by rounding alone is drawn flat, and its ticks differ in the four digits that they have
+    const double least = std::max(0.02 * std::max(std::abs(low), std::abs(high)), 1e-9);
     const double span = high - low;
-    const double margin = span > 0 ? 0.04 * span : std::max(0.5 * std::abs(high), 1e-3);
+    const double margin = span > least ? 0.04 * span : log ? 0.5 : least;
     low -= margin;
     high += margin;
   }
@@ -58,6 +60,7 @@ const char* const kPlotStyle = R"css(
 .plot polyline, .plot line.key { stroke: var(--c); }
 .plot circle { fill: var(--c); }
 .plot .legend { width: 22px; height: 9px; }
+.plot .name { white-space: nowrap; }
 )css";
 
 std::vector<double> round_ticks(double low, double high, int count) {
@@ -138,8 +141,8 @@ std::string svg_plot(const Plot& plot) {
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
     if (plot.series[i].name.empty()) continue;
     svg += fmt::format(
-        " <svg class=\"legend\" viewBox=\"0 0 22 9\"><line class=\"key c{}{}\" x1=\"0\" x2=\"22\" "
-        "y1=\"5\" y2=\"5\" stroke-width=\"3\"/></svg> {}",
+        " <span class=\"name\"><svg class=\"legend\" viewBox=\"0 0 22 9\"><line class=\"key c{}{}\" x1=\"0\" x2=\"22\" "
+        "y1=\"5\" y2=\"5\" stroke-width=\"3\"/></svg> {}</span>",
         i % kColors, plot.series[i].dashed ? " dashed" : "", escape_html(plot.series[i].name));
   }
   return svg + "</figcaption></figure>\n";

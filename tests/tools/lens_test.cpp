@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
 
 #include "capture/files.h"
 #include "capture/json_fields.h"
@@ -58,6 +60,22 @@ TEST(LensCommand, RefusesWhatItCannotDo) {
   const std::string thin = DUALPIXEL_SOURCE_DIR "/lens_models/phone_thin_4.4mm_f1.8.json";
   expect(thin + " --twin " + ::testing::TempDir() + "/no.json", "--twin needs a prescription");
   EXPECT_FALSE(std::filesystem::exists(::testing::TempDir() + "/no.json"));
+}
+
+TEST(SvgPlot, RoundingIsDrawnAsAFlatLineBetweenTicksThatDiffer) {
+  Plot plot;
+  plot.series = {{"a", {{0, -0.82431}, {1, -0.82432}, {2, -0.82431}}, false, false}};
+  const std::string svg = svg_plot(plot);
+  std::set<std::string> labels;
+  const std::regex tick("text-anchor=\"end\">([^<]*)<");
+  for (auto i = std::sregex_iterator(svg.begin(), svg.end(), tick); i != std::sregex_iterator(); ++i) {
+    EXPECT_TRUE(labels.insert((*i)[1]).second) << "two ticks read " << (*i)[1];
+  }
+  EXPECT_GE(labels.size(), 3u);
+  // the curve stays within a pixel: 242 pixels stand for 0.033
+  std::smatch points;
+  ASSERT_TRUE(std::regex_search(svg, points, std::regex("points=\"[^,]*,([^ ]*) [^,]*,([^ ]*) ")));
+  EXPECT_NEAR(std::stod(points[1]), std::stod(points[2]), 1);
 }
 
 TEST(SvgPlot, TicksAreRoundAndPointsLandWhereTheyShould) {
