@@ -175,7 +175,8 @@ Plot cross_section(const simulator::Prescription& lens) {
         ray.n[0] = -std::sqrt(1 - ray.m[0] * ray.m[0]);
         traced.trace(ray);
         passes = ray.end[0] == 0;
-        path.emplace_back(ray.z[0] + offset, ray.y[0]);
+        // a stop written before the glass that it stands behind would send the drawn ray back
+        if (ray.z[0] + offset < path.back().first) path.emplace_back(ray.z[0] + offset, ray.y[0]);
         if (first == 0 && passes) {
           const double ahead = 0.25 * std::abs(sensor_z) + path.back().first;
           path.emplace_back(path.back().first - ahead, path.back().second - ahead * ray.m[0] / ray.n[0]);

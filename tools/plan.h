@@ -21,8 +21,8 @@
 /// small), through the dearest model short of the exact trace, by what they do to a matcher (tools/match_error.h) in
 /// windows that have texture.
 ///   Samples  renders that differ by their seeds alone scatter by their error. Measured at 1, 4, 16 and 64 samples with
-///            8 bounces, scaled to fewer bounces by their noise at 16; a line in between in log-log, beyond 64 falling
-///            as 1/sqrt(samples), the least that sampling does.
+///            8 bounces, scaled to fewer bounces by their noise at 16; from there on to the next it is taken to fall as
+///            1/sqrt(samples), the least that sampling does.
 ///   Bounces  two pairs of renders, n bounces and 8 with the same random numbers; the mean product of the two pairs'
 ///            differences is the mean square of what is no noise. A window whose two pictures correlate by less than
 ///            0.8 shows other things than it should and counts as an error of 1 DP px.

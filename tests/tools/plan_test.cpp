@@ -306,7 +306,7 @@ void keeps_its_promise(const std::string& scene_name, const std::string& lens, d
     for (int seed = 91; seed < 95; ++seed) {
       cheap.push_back(render(rung.lens, chosen_bounces(p), chosen_samples(p), seed));
     }
-    const int samples = std::clamp(2 * chosen_samples(p), 64, 256);
+    const int samples = std::clamp(2 * chosen_samples(p), 64, 128);
     const DpViews first = render(full, kReferenceBounces, samples, 1001);
     const DpViews second = render(full, kReferenceBounces, samples, 1002);
     double products = 0;
@@ -348,7 +348,7 @@ void keeps_its_promise(const std::string& scene, double tolerance_dp_px) {
 TEST(SlowPlan, KeepsItsPromiseInSlantedPlanes) { keeps_its_promise("slanted_planes", 0.02); }
 TEST(SlowPlan, KeepsItsPromiseAtOcclusionEdges) { keeps_its_promise("occlusion_edges", 0.05); }
 TEST(SlowPlan, KeepsItsPromiseOnTheCalibrationTarget) { keeps_its_promise("calibration_target", 0.02); }
-TEST(SlowPlan, KeepsItsPromiseInThePortrait) { keeps_its_promise("portrait", 0.05); }
+TEST(SlowPlan, KeepsItsPromiseInThePortrait) { keeps_its_promise("portrait", 0.1); }
 
 }  // namespace
 }  // namespace dualpixel::tools
