@@ -51,11 +51,12 @@ void run(const LensOptions& options) {
   LensReport report;
   try {
     report = report_lens(lens, sensor);
+    if (!options.twin.empty()) {
+      replace_file(options.twin,
+                   simulator::aberrated_lens_json(simulator::aberrated_twin(lens, sensor)).dump(2) + '\n');
+    }
   } catch (const std::invalid_argument& error) {
     throw InputError(printable(options.file) + ": " + error.what());
-  }
-  if (!options.twin.empty()) {
-    replace_file(options.twin, simulator::aberrated_lens_json(simulator::aberrated_twin(lens, sensor)).dump(2) + '\n');
   }
   if (!options.page.empty()) replace_file(options.page, to_page(report));
   std::cout << (options.json ? to_json(report).dump(2) + '\n' : to_text(report));

@@ -43,7 +43,8 @@ std::vector<BundleRay> trace_bundle(const TracedLens<double>& traced, const Pupi
   const double scale_mm = thin.image_distance_m() * 1e3;
   for (int first = 0; first < kSide * kSide; first += kLanes) {
     for (int i = 0; i < kLanes; ++i) {
-      const double x = (2 * ((first + i) % kSide) + 1.0) / kSide - 1, y = (2 * ((first + i) / kSide) + 1.0) / kSide - 1;
+      const int row = (first + i) / kSide;
+      const double x = (2 * ((first + i) % kSide) + 1.0) / kSide - 1, y = (2 * row + 1.0) / kSide - 1;
       rays.x[i] = 0, rays.y[i] = r_mm, rays.z[i] = traced.sensor_z_mm();
       rays.l[i] = ellipse.half_l * x;
       rays.m[i] = ellipse.centre_m + ellipse.half_m * y;
@@ -245,6 +246,13 @@ Lens aberrated_twin(const Lens& lens, const SensorGrid& sensor) {
   };
   set_focus(constant, a.focus_um, a.tangential_focus_um, a.sagittal_focus_um);
   set_focus(per_diopter, a.focus_um_per_diopter, a.tangential_focus_um_per_diopter, a.sagittal_focus_um_per_diopter);
+  for (const EvenPolynomial* p_of_h :
+       {&a.tangential_pupil, &a.sagittal_pupil, &a.tangential_focus_um, &a.sagittal_focus_um}) {
+    for (double c : p_of_h->c) {
+      if (!std::isfinite(c))
+        throw std::invalid_argument("no aberrated lens fits: one view sees nothing in part of the field");
+    }
+  }
   return twin;
 }
 

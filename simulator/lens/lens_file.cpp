@@ -15,7 +15,6 @@
 namespace dualpixel::simulator {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMostCoefficients = 10;
 
 std::string beside(const std::string& json_path, const std::string& name) {
