@@ -10,7 +10,6 @@
 namespace dualpixel {
 namespace {
 
-constexpr std::size_t kLongestQuoteBytes = 200;
 constexpr std::size_t kLongestComparedName = 64;
 
 /// Length of the well-formed UTF-8 sequence (RFC 3629) at the start of `text`, or 0.
@@ -60,10 +59,10 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-std::string printable(const std::string& text) {
+std::string printable(const std::string& text, std::size_t longest_bytes) {
   std::string line;
   for (std::size_t i = 0; i < text.size();) {
-    if (line.size() > kLongestQuoteBytes) return line + "...";
+    if (line.size() > longest_bytes) return line + "...";
     const std::size_t length = utf8_length(std::string_view(text).substr(i));
     const std::string_view character(text.data() + i, std::max<std::size_t>(length, 1));
     if (character == "\n") {

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
-#include <chrono>
 #include <cstring>
 #include <iostream>
 #include <memory>
@@ -12,6 +11,7 @@
 #include "simulator/render/raw_trace.h"
 #include "simulator/simulate.h"
 #include "tools/commands.h"
+#include "tools/timing.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -20,13 +20,6 @@ struct BenchOptions {
   std::string scene = "scenes/portrait.json";
   bool json = false;
 };
-
-template <typename Work>
-double seconds(const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// The renderer at 1344 x 1008, 64 samples, against raw Embree on the same rays: one thread each, turn by turn, so
 /// that a busy machine slows both.

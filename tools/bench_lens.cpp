@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
-#include <chrono>
 #include <cmath>
 #include <iostream>
 #include <memory>
@@ -10,14 +9,15 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
-#include "simulator/lens/aberrated_twin.h"
 #include "simulator/lens/disparity_field.h"
 #include "simulator/lens/lens_file.h"
 #include "simulator/simulate.h"
 #include "tools/commands.h"
+#include "tools/lens_ladder.h"
 #include "tools/report_assets.h"
 #include "tools/report_page.h"
 #include "tools/svg_plot.h"
+#include "tools/timing.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -29,29 +29,6 @@ struct BenchLensOptions {
   std::string page;
   bool json = false;
 };
-
-struct Model {
-  std::string name;
-  simulator::Lens lens;
-};
-
-/// From the thin lens to the exact trace.
-std::vector<Model> ladder(const simulator::Lens& lens, const simulator::SensorGrid& sensor) {
-  std::vector<Model> models;
-  simulator::Lens thin = lens;
-  thin.model = simulator::Lens::Model::thin;
-  models.push_back({"thin", thin});
-  if (lens.model == simulator::Lens::Model::aberrated) models.push_back({"aberrated", lens});
-  if (lens.model == simulator::Lens::Model::prescription) {
-    models.push_back({"aberrated twin", simulator::aberrated_twin(lens, sensor)});
-    simulator::Lens traced = lens;
-    traced.exact_trace = false;
-    models.push_back({"polynomials", traced});
-    traced.exact_trace = true;
-    models.push_back({"exact trace", traced});
-  }
-  return models;
-}
 
 /// RMS over the field and over depths of what `lens` says against what `reference` says, DP px.
 double disparity_error(const simulator::LensSampler& lens, const simulator::LensSampler& reference) {
@@ -73,23 +50,16 @@ double disparity_error(const simulator::LensSampler& lens, const simulator::Lens
   return std::sqrt(sum / count);
 }
 
-template <typename Work>
-double seconds(const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 nlohmann::ordered_json bench_one(const std::string& path, const simulator::Simulation& s,
                                  const simulator::RenderScene& world, const glm::mat4& pose) {
   const simulator::Lens lens = simulator::read_lens_file(path, s.lens.thin.focus_distance_m);
   const double radius_m =
       1e-3 * (lens.prescription ? lens.prescription->image_radius_mm : lens.aberrations.image_radius_mm);
   const simulator::SensorGrid sensor{1344, 1008, radius_m * 2 / std::hypot(1344, 1008), {672, 504}};
-  const std::vector<Model> models = ladder(lens, sensor);
+  const std::vector<LensModel> models = lens_ladder(lens);
   std::vector<simulator::CameraView> cameras;
   std::vector<double> ready_s, render_s(models.size(), 1e30);
-  for (const Model& model : models) {
+  for (const LensModel& model : models) {
     ready_s.push_back(seconds([&] { cameras.push_back({pose, {model.lens, sensor}}); }));
   }
   // turn by turn, so that a busy machine slows all of them
@@ -175,7 +145,8 @@ void run(const BenchLensOptions& options) {
 void add_bench_lens(CLI::App& bench) {
   auto options = std::make_shared<BenchLensOptions>();
   CLI::App* command = bench.add_subcommand("lens", "Time each model of a lens, and what it costs in disparity");
-  command->add_option("lens", options->lenses, "Lens files")->type_name("LENS.json")->capture_default_str();
+  command->add_option("lens", options->lenses, "Lens files (default: two phones' and a full-frame 50 mm)")
+      ->type_name("LENS.json");
   command->add_option("--scene", options->scene, "Scene JSON file")->type_name("SCENE.json")->capture_default_str();
   command->add_option("-o,--output", options->page, "Write a page with the chart")->type_name("PAGE.html");
   command->add_flag("--json", options->json, "Print JSON");

@@ -11,6 +11,9 @@ namespace dualpixel::tools {
 /// --threads N (0: all cores), for the subcommands that compute. Limits oneTBB for the life of the process.
 void add_threads_option(CLI::App& command);
 
+/// --set FIELD=VALUE, repeatable: fields of the JSON file that is the command's input, for apply_override.
+void add_overrides_option(CLI::App& command, std::vector<std::string>& overrides, const std::string& example);
+
 void add_simulate(CLI::App& program);
 void add_portrait(CLI::App& program);
 void add_score(CLI::App& program);

@@ -52,8 +52,7 @@ void run(const LensOptions& options) {
   try {
     report = report_lens(lens, sensor);
     if (!options.twin.empty()) {
-      replace_file(options.twin,
-                   simulator::aberrated_lens_json(simulator::aberrated_twin(lens, sensor)).dump(2) + '\n');
+      replace_file(options.twin, simulator::aberrated_lens_json(simulator::aberrated_twin(lens)).dump(2) + '\n');
     }
   } catch (const std::invalid_argument& error) {
     throw InputError(printable(options.file) + ": " + error.what());
@@ -71,11 +70,7 @@ void add_lens(CLI::App& program) {
   command->add_option("--focus-distance-m", options->focus_distance_m, "From the entrance pupil; inf is allowed")
       ->check(CLI::Range(0.001, std::numeric_limits<double>::infinity()))
       ->capture_default_str();
-  command->add_option("--set", options->overrides, "Override a field of the lens, e.g. f_number=4")
-      ->type_name("FIELD=VALUE")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
+  add_overrides_option(*command, options->overrides, "f_number=4");
   command->add_option("--sensor-width-px", options->width_px)->check(CLI::Range(2, 32768))->capture_default_str();
   command->add_option("--sensor-height-px", options->height_px)->check(CLI::Range(2, 32768))->capture_default_str();
   command->add_option("--pixel-pitch-um", options->pixel_pitch_um, "Default: the sensor fills the lens's picture")

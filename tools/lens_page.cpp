@@ -284,7 +284,8 @@ std::string to_page(const LensReport& report) {
   const Lens& lens = report.lens;
   std::string body = fmt::format("<h1>{}</h1>\n", escape_html(printable(lens.name)));
   for (const auto& [label, text] : {std::pair{"Source: ", lens.source}, std::pair{"Derived: ", lens.derived}}) {
-    if (!text.empty()) body += "<p class=\"soft\">" + std::string(label) + escape_html(printable(text)) + "</p>\n";
+    if (!text.empty())
+      body += "<p class=\"soft\">" + std::string(label) + escape_html(printable(text, kLongestNoteBytes)) + "</p>\n";
   }
   for (const std::string& warning : report.warnings) body += "<p>Warning: " + escape_html(warning) + "</p>\n";
   if (lens.prescription) {

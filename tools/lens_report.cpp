@@ -198,8 +198,8 @@ std::string to_text(const LensReport& report) {
       fmt::format("{}\nmodel {}, focal length {:.4f} mm, f/{:.3f}, focused at {:g} m, alpha {:.4f} on the axis\n",
                   printable(lens.name), model_name(lens), thin.focal_length_m * 1e3, thin.f_number,
                   thin.focus_distance_m, lens.split.alpha(thin.rim_slope()));
-  if (!lens.source.empty()) text += "source: " + printable(lens.source) + '\n';
-  if (!lens.derived.empty()) text += "derived: " + printable(lens.derived) + '\n';
+  if (!lens.source.empty()) text += "source: " + printable(lens.source, kLongestNoteBytes) + '\n';
+  if (!lens.derived.empty()) text += "derived: " + printable(lens.derived, kLongestNoteBytes) + '\n';
   if (lens.prescription) {
     const simulator::Paraxial p = paraxial(*lens.prescription);
     text += fmt::format(

@@ -10,6 +10,9 @@
 /// Everything that `dualpixel lens` says about a lens, worked out once for the terminal, for programs and for the page.
 namespace dualpixel::tools {
 
+/// What a lens file may say about its source, before it is cut.
+inline constexpr std::size_t kLongestNoteBytes = 2000;
+
 /// The polynomials that stand for a prescription against its exact trace, at one distance from the axis.
 struct FastFormError {
   double field = 0;   ///< of the sensor's half diagonal

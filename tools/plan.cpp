@@ -5,18 +5,18 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
 #include "capture/error.h"
-#include "simulator/lens/aberrated_twin.h"
 #include "simulator/lens/disparity_field.h"
 #include "simulator/lens/lens_file.h"
+#include "simulator/render/camera_rays.h"
 #include "simulator/sampling/hash.h"
 #include "simulator/sampling/sobol.h"
 #include "tools/match_error.h"
+#include "tools/timing.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -42,13 +42,6 @@ constexpr double kLeastCorrelation = 0.8;
 constexpr double kLostDpPx = 1;
 constexpr int kFewestWindows = 6;
 
-template <typename Work>
-double seconds(const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 double square(double x) { return x * x; }
 
 /// Root of the mean of squares plus two of that mean's standard errors.
@@ -63,32 +56,14 @@ double upper_rms(const std::vector<double>& squares) {
 
 // Lens models
 
-std::vector<LensRung> lens_ladder(const Lens& lens, const SensorGrid& sensor) {
-  std::vector<LensRung> rungs;
-  Lens thin = lens;
-  thin.model = Lens::Model::thin;
-  rungs.push_back({.name = "thin lens", .lens = thin, .work = 1});
-  if (lens.model == Lens::Model::aberrated) rungs.push_back({.name = "aberrated lens", .lens = lens, .work = 1.1});
-  if (lens.model == Lens::Model::prescription) {
-    rungs.push_back({.name = "aberrated twin", .lens = simulator::aberrated_twin(lens, sensor), .work = 1.1});
-    Lens traced = lens;
-    traced.exact_trace = false;
-    rungs.push_back({.name = "polynomials", .lens = traced, .work = 1.4});
-    traced.exact_trace = true;
-    rungs.push_back({.name = "exact trace", .lens = traced, .work = 5.5});
-  }
-  return rungs;
-}
-
 struct Place {
   int x = 0, y = 0;
   double inverse_depth = 0;  ///< 1/m, along the reference's chief ray
 };
 
 glm::dvec2 chief_slope(const LensSampler& lens, const Place& place) {
-  const SensorGrid& sensor = lens.sensor();
-  return lens.chief_slope((place.x + 0.5 - sensor.principal_point_px.x) * sensor.pixel_pitch_m,
-                          (place.y + 0.5 - sensor.principal_point_px.y) * sensor.pixel_pitch_m);
+  const glm::dvec2 at = lens.sensor().middle_m(place.x, place.y);
+  return lens.chief_slope(at.x, at.y);
 }
 
 /// One place in each cell of a grid over the sensor.
@@ -103,15 +78,7 @@ std::vector<Place> stratified_places(const simulator::RenderScene& world, const 
     const auto row = i / kPlaceColumns;
     Place place{static_cast<int>((i % kPlaceColumns + u) / kPlaceColumns * sensor.width_px),
                 static_cast<int>((row + v) / kPlaceRows * sensor.height_px)};
-    const glm::vec3 direction = glm::mat3(camera.world_from_camera) * glm::vec3(chief_slope(camera.lens, place), 1);
-    const glm::vec3 origin(camera.world_from_camera[3]);
-    RTCRayHit ray{};
-    ray.ray.org_x = origin.x, ray.ray.org_y = origin.y, ray.ray.org_z = origin.z;
-    ray.ray.dir_x = direction.x, ray.ray.dir_y = direction.y, ray.ray.dir_z = direction.z;
-    ray.ray.tfar = std::numeric_limits<float>::infinity();
-    ray.ray.mask = ~0u;
-    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCRayHit ray = chief_ray(camera, place.x, place.y);
     world.intersector.intersect(ray);
     place.inverse_depth = 1 / static_cast<double>(ray.ray.tfar);
     places.push_back(place);
@@ -140,7 +107,7 @@ void compare_lenses(std::vector<LensRung>& rungs, const simulator::Simulation& s
                     const simulator::Scene& scene, const simulator::RenderScene& world, std::uint64_t seed) {
   const auto camera_of = [&](const LensRung& rung) {
     simulator::Simulation s = simulation;
-    s.lens = rung.lens;
+    s.lens = rung.model.lens;
     return simulator::place_camera(s, scene);
   };
   const CameraView reference = camera_of(rungs.back());
@@ -171,12 +138,6 @@ void compare_lenses(std::vector<LensRung>& rungs, const simulator::Simulation& s
     rungs[r].error_dp_px = upper_rms(squares);
     rungs[r].picture_shift_px = std::sqrt(shifts2 / static_cast<double>(places.size()));
     rungs[r].seconds_per_sample = sampling_seconds(lens, places);
-    if (!std::isfinite(rungs[r].error_dp_px) || !std::isfinite(shifts2)) {  // a twin whose knobs could not be fitted
-      rungs[r].name += ", no fit";
-      rungs[r].error_dp_px = rungs[r].error_95_dp_px = std::numeric_limits<double>::infinity();
-      rungs[r].picture_shift_px = std::numeric_limits<double>::infinity();
-      continue;
-    }
     std::sort(errors.begin(), errors.end());
     rungs[r].error_95_dp_px = errors[errors.size() * 95 / 100];
   }
@@ -363,7 +324,7 @@ void choose(Plan& plan, const std::optional<Measured>& measured, int scene_sampl
       int samples = measured ? 1 : scene_samples;
       while (measured && samples < kMostSamples && !(root_of_squares(l, b, samples) <= plan.tolerance_dp_px))
         samples *= 2;
-      const double work = samples * (plan.lenses[l].work + plan.bounces[b].bounces);
+      const double work = samples * (plan.lenses[l].model.work + plan.bounces[b].bounces);
       if (!(root_of_squares(l, b, samples) <= plan.tolerance_dp_px) || work >= least_work) continue;
       least_work = work;
       plan.met = true;
@@ -406,10 +367,11 @@ Plan plan(const simulator::Simulation& simulation, const simulator::Scene& scene
   plan.seed = seed;
   plan.photosites = static_cast<double>(sensor.width_px) * sensor.height_px;
   try {
-    plan.lenses = lens_ladder(simulation.lens, sensor);
+    for (LensModel& model : lens_ladder(simulation.lens)) plan.lenses.push_back({.model = std::move(model)});
     compare_lenses(plan.lenses, simulation, scene, world, hash(seed, 0));
-    plan.pilot_lens = plan.lenses.size() - (plan.lenses.back().lens.exact_trace ? 2 : 1);
-    const Pilots pilots(simulation, world, tiles(simulation, plan.lenses[plan.pilot_lens].lens, scene, hash(seed, 1)),
+    plan.pilot_lens = plan.lenses.size() - (plan.lenses.back().model.lens.exact_trace ? 2 : 1);
+    const Pilots pilots(simulation, world,
+                        tiles(simulation, plan.lenses[plan.pilot_lens].model.lens, scene, hash(seed, 1)),
                         hash(seed, 2));
     const std::optional<Measured> measured = measure(pilots, simulation, plan);
     plan.measured = measured.has_value();
@@ -427,7 +389,7 @@ Plan plan(const simulator::Simulation& simulation, const simulator::Scene& scene
 }
 
 simulator::Simulation planned(simulator::Simulation simulation, const Plan& plan) {
-  simulation.lens = plan.lenses[plan.lens].lens;
+  simulation.lens = plan.lenses[plan.lens].model.lens;
   simulation.render.max_bounces = plan.bounces[plan.bounce].bounces;
   simulation.render.samples_per_pixel = plan.samples[plan.sample].samples;
   return simulation;
@@ -445,7 +407,7 @@ nlohmann::ordered_json plan_json(const Plan& plan, bool with_times) {
   ordered_json lenses = ordered_json::array(), bounces = lenses, samples = lenses;
   for (std::size_t l = 0; l < plan.lenses.size(); ++l) {
     const LensRung& r = plan.lenses[l];
-    lenses.push_back(rung({{"model", r.name},
+    lenses.push_back(rung({{"model", r.model.name},
                            {"error_dp_px", r.error_dp_px},
                            {"error_95th_percentile_dp_px", r.error_95_dp_px},
                            {"picture_shift_px", r.picture_shift_px}},
@@ -462,11 +424,11 @@ nlohmann::ordered_json plan_json(const Plan& plan, bool with_times) {
     samples.push_back(rung({{"samples_per_pixel", r.samples}, {"error_dp_px", r.error_dp_px}}, plan.lens, plan.bounce,
                            s, s == plan.sample));
   }
-  ordered_json chosen = {{"lens_model", plan.lenses[plan.lens].name},
+  ordered_json chosen = {{"lens_model", plan.lenses[plan.lens].model.name},
                          {"max_bounces", plan.bounces[plan.bounce].bounces},
                          {"samples_per_pixel", plan.samples[plan.sample].samples},
                          {"error_dp_px", plan.error_dp_px(plan.lens, plan.bounce, plan.sample)}};
-  const Lens& lens = plan.lenses[plan.lens].lens;
+  const Lens& lens = plan.lenses[plan.lens].model.lens;
   if (lens.model == Lens::Model::aberrated) chosen["lens"] = simulator::aberrated_lens_json(lens);
   return {{"tolerance_dp_px", plan.tolerance_dp_px},
           {"tolerance_met", plan.met},
@@ -498,7 +460,7 @@ std::string plan_text(const Plan& plan) {
   heading("lens model");
   for (std::size_t l = 0; l < plan.lenses.size(); ++l) {
     const LensRung& r = plan.lenses[l];
-    row(r.name, r.error_dp_px, l, plan.bounce, plan.sample, l == plan.lens,
+    row(r.model.name, r.error_dp_px, l, plan.bounce, plan.sample, l == plan.lens,
         fmt::format("; 95 % within {:.4f}; draws the picture {:.2f} px elsewhere", r.error_95_dp_px,
                     r.picture_shift_px));
   }
@@ -526,7 +488,7 @@ std::string plan_text(const Plan& plan) {
                     "texture that stands out of the sensor's noise.\n",
                     plan.windows_textured, plan.windows);
   const auto chosen =
-      fmt::format("{}, {}, {}", plan.lenses[plan.lens].name, bounces_name(plan.bounces[plan.bounce].bounces),
+      fmt::format("{}, {}, {}", plan.lenses[plan.lens].model.name, bounces_name(plan.bounces[plan.bounce].bounces),
                   samples_name(plan.samples[plan.sample].samples));
   const double error = plan.error_dp_px(plan.lens, plan.bounce, plan.sample);
   text += plan.met ? fmt::format("Enough for {} DP px: {}: error {:.4f} DP px, {:.1f} s for the two views.\n",

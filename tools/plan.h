@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "simulator/simulate.h"
+#include "tools/lens_ladder.h"
 
 /// "Model no more than a scene needs": the cheapest lens model, bounce count and sample count whose disparity errors,
 /// added in quadrature, stay within a tolerance, in DP px RMS over the picture. The reference has everything on: the
@@ -38,12 +39,10 @@ namespace dualpixel::tools {
 inline constexpr int kReferenceBounces = 8;
 
 struct LensRung {
-  std::string name;
-  simulator::Lens lens;
+  LensModel model;
   double error_dp_px = 0;
   double error_95_dp_px = 0;      ///< 95th percentile
   double picture_shift_px = 0;    ///< photosites, RMS, by which the picture lies elsewhere
-  double work = 0;                ///< of one sample
   double seconds_per_sample = 0;  ///< of the lens alone, on all threads
 };
 

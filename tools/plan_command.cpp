@@ -37,16 +37,12 @@ void add_plan(CLI::App& program) {
       "plan", "Say which lens model, bounce count and sample count a scene needs, and what less would cost");
   command->add_option("scene", options->scene, "Scene JSON file")->required()->type_name("SCENE.json");
   add_tolerance_option(*command, options->tolerance_dp_px);
-  command->add_option("--set", options->overrides, "Override a field of the scene, e.g. camera.focus_distance_m=0.9")
-      ->type_name("FIELD=VALUE")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
+  add_overrides_option(*command, options->overrides, "camera.focus_distance_m=0.9");
   command->add_option("--seed", options->seed, "Seed of the pilot renders and of where they lie")
       ->type_name("N")
       ->capture_default_str();
   command->add_flag("--json", options->json, "Print JSON");
-  command->add_option("--write", options->output, "Also write that JSON to a file")->type_name("OUT.json");
+  command->add_option("-o,--output", options->output, "Also write that JSON to a file")->type_name("OUT.json");
   add_threads_option(*command);
   command->footer("Example:\n  dualpixel plan scenes/portrait.json --tolerance-px 0.02");
   command->callback([options] { run(*options); });

@@ -1,12 +1,9 @@
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
-#include <oneapi/tbb/global_control.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <memory>
 
 #include "tools/commands.h"
 
@@ -24,22 +21,6 @@ std::string duration_text(double seconds) {
 }
 
 }  // namespace
-
-void add_threads_option(CLI::App& command) {
-  command
-      .add_option_function<int>(
-          "--threads",
-          [](int threads) {
-            if (threads == 0) return;
-            static std::unique_ptr<tbb::global_control> limit;
-            limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, threads);
-            OIIO::attribute("threads", threads);
-            OIIO::attribute("exr_threads", threads);
-          },
-          "How many threads to compute with; 0: one for each core. The result does not depend on it")
-      ->check(CLI::Range(0, 1024))
-      ->type_name("N");
-}
 
 Progress::Progress(std::string label)
     : label_(std::move(label)), started_s_(now_s()), terminal_(isatty(STDERR_FILENO) != 0) {}

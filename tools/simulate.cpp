@@ -67,11 +67,7 @@ void add_simulate(CLI::App& program) {
   CLI::App* command = program.add_subcommand("simulate", "Render a scene into a dual-pixel capture with its truth");
   command->add_option("scene", options->scene, "Scene JSON file")->required()->type_name("SCENE.json");
   command->add_option("-o,--output", options->output, "Capture folder to write")->required()->type_name("DIR");
-  command->add_option("--set", options->overrides, "Override a field of the scene, e.g. camera.focus_distance_m=0.9")
-      ->type_name("FIELD=VALUE")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
+  add_overrides_option(*command, options->overrides, "camera.focus_distance_m=0.9");
   command->add_option("--seed", options->seed, "Seed of rendering and noise (render.seed)")->type_name("N");
   CLI::Option* automatic = command->add_flag(
       "--auto", options->automatic, "Lens model, bounces and samples by 'dualpixel plan' instead of the scene file's");
@@ -79,7 +75,8 @@ void add_simulate(CLI::App& program) {
   command->add_flag("--dry-run", options->dry_run, "Check scene and options, render nothing");
   add_threads_option(*command);
   command->footer(
-      "Example:\n  dualpixel simulate scenes/portrait.json -o out/capture --set camera.focus_distance_m=0.9 --seed 7");
+      "Examples:\n  dualpixel simulate scenes/portrait.json -o out/capture --set camera.focus_distance_m=0.9 --seed 7\n"
+      "  dualpixel simulate scenes/occlusion_edges.json -o out/edges --auto --tolerance-px 0.05");
   command->callback([options] { run(*options); });
 }
 

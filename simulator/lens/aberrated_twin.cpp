@@ -1,5 +1,7 @@
 #include "simulator/lens/aberrated_twin.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -94,6 +96,20 @@ Eigen::Vector4d fit_axis(const std::vector<BundleRay>& bundle) {
   return a.colPivHouseholderQr().solve(b);
 }
 
+/// Where straight chief rays would have to come from to meet the sensor, in the mean, as steeply as these do: mm from
+/// the sensor of the lens focused at infinity; 0, the focal length's, where they meet it as from behind.
+double fit_exit_pupil(const PupilBounds& bounds, const ThinLens& thin) {
+  double slopes = 0, heights = 0;
+  for (int k = 1; k < PupilBounds::kNodes; ++k) {
+    const double height = bounds.image_radius_mm * k / (PupilBounds::kNodes - 1), m = bounds.nodes[k].chief_m;
+    if (!(bounds.nodes[k].half_m > 0)) continue;
+    slopes += height * m / std::sqrt(1 - m * m);
+    heights += height * height;
+  }
+  const double moved_mm = 1e3 * (thin.image_distance_m() - thin.focal_length_m);
+  return slopes < 0 ? std::max(-heights / slopes - moved_mm, 0.0) : 0;
+}
+
 /// Line through (h, limit) where the limit is inside the stop; false where it hardly ever is.
 bool fit_limit(const std::vector<double>& h, const std::vector<double>& limit, double& at_axis, double& slope) {
   double n = 0, sh = 0, sl = 0, shh = 0, shl = 0;
@@ -107,17 +123,16 @@ bool fit_limit(const std::vector<double>& h, const std::vector<double>& limit, d
   return slope < -0.02 && at_axis > 0.2;
 }
 
-/// Disparity coefficients at h along the picture's x axis (the split is tangential) or y axis (sagittal).
-std::vector<DisparityCoefficients> along(const Lens& lens, const SensorGrid& sensor, const std::vector<double>& h,
-                                         bool tangential) {
-  const double radius_px = lens.aberrations.field_radius_m(lens.thin) / sensor.pixel_pitch_m;
-  const int side = 2 * static_cast<int>(std::ceil(radius_px)) + 4;
-  // a sensor just as long as the field: a lens need not be asked for what it does beyond
-  const int width = tangential ? side : 4, height = tangential ? 4 : side;
-  const LensSampler sampler(lens, {width, height, sensor.pixel_pitch_m, {0.5 * width, 0.5 * height}});
+/// Disparity coefficients at h along the picture's x axis (the split is tangential) or y axis (sagittal),
+/// behind a sensor just as long as the field: a lens need not be asked for what it does beyond.
+std::vector<DisparityCoefficients> along(const Lens& lens, const std::vector<double>& h, bool tangential) {
+  constexpr int kRadiusPx = 1000, kSide = 2 * kRadiusPx + 4;
+  const int width = tangential ? kSide : 4, height = tangential ? 4 : kSide;
+  const double pitch_m = lens.aberrations.field_radius_m(lens.thin) / kRadiusPx;
+  const LensSampler sampler(lens, {width, height, pitch_m, {0.5 * width, 0.5 * height}});
   std::vector<DisparityCoefficients> result;
   for (double value : h) {
-    const int far = side / 2 + static_cast<int>(value * radius_px);
+    const int far = kSide / 2 + static_cast<int>(value * kRadiusPx);
     result.push_back(trace_disparity(sampler, tangential ? far : 2, tangential ? 2 : far, kSamples));
   }
   return result;
@@ -125,7 +140,7 @@ std::vector<DisparityCoefficients> along(const Lens& lens, const SensorGrid& sen
 
 }  // namespace
 
-Lens aberrated_twin(const Lens& lens, const SensorGrid& sensor) {
+Lens aberrated_twin(const Lens& lens) {
   if (lens.model != Lens::Model::prescription)
     throw std::invalid_argument("only a prescription has a twin to be fitted");
   const Prescription& p = *lens.prescription;
@@ -150,6 +165,7 @@ Lens aberrated_twin(const Lens& lens, const SensorGrid& sensor) {
     const double nm = p.wavelengths_nm[color];
     const TracedLens<double> traced(p, nm);
     const PupilBounds bounds = find_pupil(p, nm, radius_mm);
+    if (color == 1) a.exit_pupil_mm = fit_exit_pupil(bounds, lens.thin);
     const auto bundle_at = [&](double height) {
       return trace_bundle(traced, bounds.at(height * radius_mm), height * radius_mm, pupil_z_mm, lens.thin);
     };
@@ -161,7 +177,10 @@ Lens aberrated_twin(const Lens& lens, const SensorGrid& sensor) {
     for (int k = 0; k < kNodes; ++k) {
       const double height = std::max(k / (kNodes - 1.0), 0.01);
       const std::vector<BundleRay> bundle = bundle_at(height);
-      if (bundle.size() < 64) break;
+      if (bundle.size() < 64) {
+        throw std::invalid_argument(fmt::format(
+            "no aberrated lens fits: hardly any light reaches {:.2f} mm from the axis", height * radius_mm));
+      }
       h.push_back(height);
       distortion.push_back(height * radius_mm / chief_height(bundle) - 1);
       double high = -1, low = 1;
@@ -191,9 +210,11 @@ Lens aberrated_twin(const Lens& lens, const SensorGrid& sensor) {
   green.wavelengths_nm.fill(p.wavelengths_nm[1]);
   traced.prescription = std::make_shared<const Prescription>(std::move(green));
   traced.aberrations.image_radius_mm = a.image_radius_mm;
+  // Behind a plain split, whatever the sensor's own: where that one's disparity hardly depends on focus, nothing of the
+  // lens could be read from it.
+  traced.split = twin.split = SplitPixel{};
   h.insert(h.begin(), 0.0);
-  twin.thin.f_number *=
-      along(twin, sensor, {0.0}, true)[0].slope_dp_px_m / along(traced, sensor, {0.0}, true)[0].slope_dp_px_m;
+  twin.thin.f_number *= along(twin, {0.0}, true)[0].slope_dp_px_m / along(traced, {0.0}, true)[0].slope_dp_px_m;
   std::vector<std::vector<double>> constant(2, std::vector<double>(h.size())), per_diopter = constant;
   struct Line {  // sums of a straight line's least squares
     double n = 0, x = 0, y = 0, xx = 0, xy = 0;
@@ -204,9 +225,9 @@ Lens aberrated_twin(const Lens& lens, const SensorGrid& sensor) {
     const Lens wanted_lens = refocused(traced, distance_m);
     Lens fitted = refocused(twin, distance_m);
     for (int direction : {0, 1}) {
-      const std::vector<DisparityCoefficients> wanted = along(wanted_lens, sensor, h, direction == 0);
+      const std::vector<DisparityCoefficients> wanted = along(wanted_lens, h, direction == 0);
       if (std::isinf(distance_m)) {
-        const std::vector<DisparityCoefficients> plain = along(fitted, sensor, h, direction == 0);
+        const std::vector<DisparityCoefficients> plain = along(fitted, h, direction == 0);
         std::vector<double> growth;
         for (std::size_t i = 0; i < h.size(); ++i)
           growth.push_back(wanted[i].slope_dp_px_m / plain[i].slope_dp_px_m - 1);
@@ -214,11 +235,11 @@ Lens aberrated_twin(const Lens& lens, const SensorGrid& sensor) {
         pupil = fit_even(h, growth, 7);
         (direction == 0 ? fitted.aberrations.tangential_pupil : fitted.aberrations.sagittal_pupil) = pupil;
       }
-      const std::vector<DisparityCoefficients> flat = along(fitted, sensor, h, direction == 0);
+      const std::vector<DisparityCoefficients> flat = along(fitted, h, direction == 0);
       constexpr double kStepUm = 10;
       Lens stepped_lens = fitted;
       stepped_lens.aberrations.focus_um += kStepUm;
-      const std::vector<DisparityCoefficients> stepped = along(stepped_lens, sensor, h, direction == 0);
+      const std::vector<DisparityCoefficients> stepped = along(stepped_lens, h, direction == 0);
       for (std::size_t i = 0; i < h.size(); ++i) {
         const double per_um = (stepped[i].intercept_dp_px - flat[i].intercept_dp_px) / kStepUm;
         const double focus_um = (wanted[i].intercept_dp_px - flat[i].intercept_dp_px) / per_um;
@@ -246,13 +267,7 @@ Lens aberrated_twin(const Lens& lens, const SensorGrid& sensor) {
   };
   set_focus(constant, a.focus_um, a.tangential_focus_um, a.sagittal_focus_um);
   set_focus(per_diopter, a.focus_um_per_diopter, a.tangential_focus_um_per_diopter, a.sagittal_focus_um_per_diopter);
-  for (const EvenPolynomial* p_of_h :
-       {&a.tangential_pupil, &a.sagittal_pupil, &a.tangential_focus_um, &a.sagittal_focus_um}) {
-    for (double c : p_of_h->c) {
-      if (!std::isfinite(c))
-        throw std::invalid_argument("no aberrated lens fits: one view sees nothing in part of the field");
-    }
-  }
+  twin.split = lens.split;
   return twin;
 }
 

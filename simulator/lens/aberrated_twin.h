@@ -3,9 +3,9 @@
 
 namespace dualpixel::simulator {
 
-/// The aberrated lens that behaves as the prescription of `lens` does: knob by knob fitted to its traced rays over the
-/// field of `sensor`, at the focus that `lens` has. The same split pixel, focal length, f-number and focus.
-/// Throws std::invalid_argument where `lens` is no prescription.
-Lens aberrated_twin(const Lens& lens, const SensorGrid& sensor);
+/// The aberrated lens that behaves as the prescription of `lens` does: knob by knob fitted to its traced rays over its
+/// image circle. The same split pixel, focal length and focus.
+/// Throws std::invalid_argument where `lens` is no prescription, or where part of its image circle is dark.
+Lens aberrated_twin(const Lens& lens);
 
 }  // namespace dualpixel::simulator

@@ -25,8 +25,11 @@ struct Aberrations {
   EvenPolynomial distortion;         ///< (|X| - ideal) / ideal
   std::array<double, 2> longitudinal_color_um{};  ///< focus of R and of B minus that of G
   std::array<double, 2> lateral_color{};          ///< picture size of R and of B over that of G, minus 1
-  EvenPolynomial tangential_pupil;                ///< growth of the entrance pupil over the field, along X ...
-  EvenPolynomial sagittal_pupil;                  ///< ... and across it
+  /// From the sensor to the exit pupil while the lens is focused at infinity, mm: what tilts the light that a
+  /// microlens sees. 0: the focal length.
+  double exit_pupil_mm = 0;
+  EvenPolynomial tangential_pupil;  ///< growth of the entrance pupil over the field, along X ...
+  EvenPolynomial sagittal_pupil;    ///< ... and across it
 
   /// A round rim elsewhere in the lens, seen in the pupil: light passes where |p - shift h X/|X|| <= radius. Two discs
   /// make the cat's eye.

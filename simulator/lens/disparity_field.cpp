@@ -68,8 +68,7 @@ DisparityCoefficients trace_disparity(const LensSampler& lens, int x, int y, int
 
   const SensorGrid& sensor = lens.sensor();
   const double step_m = sensor.pixel_pitch_m;
-  const glm::dvec2 at((x + 0.5 - sensor.principal_point_px.x) * step_m,
-                      (y + 0.5 - sensor.principal_point_px.y) * step_m);
+  const glm::dvec2 at = sensor.middle_m(x, y);
   const glm::dmat2 slope_per_m(
       (lens.chief_slope(at.x + step_m, at.y) - lens.chief_slope(at.x - step_m, at.y)) / (2 * step_m),
       (lens.chief_slope(at.x, at.y + step_m) - lens.chief_slope(at.x, at.y - step_m)) / (2 * step_m));

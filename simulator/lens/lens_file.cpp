@@ -112,6 +112,7 @@ Aberrations read_aberrations(Fields& lens, const std::string& file) {
   for (double value : a.lateral_color) {
     if (!(std::abs(value) < 0.5)) lens.fail("lateral_color", fmt::format("{}: must lie in (-0.5, 0.5)", value));
   }
+  lens.number("exit_pupil_mm", a.exit_pupil_mm, 0, 1e6);
   polynomial("tangential_pupil", a.tangential_pupil, 1e4);
   polynomial("sagittal_pupil", a.sagittal_pupil, 1e4);
   for (Fields& fields : lens.objects("rims")) {
@@ -307,17 +308,23 @@ Lens read_fields(Fields lens, const std::string& file, double focus_distance_m) 
 
 }  // namespace
 
-Lens read_lens(const nlohmann::json& json, const std::string& file, const std::string& pointer,
-               double focus_distance_m) {
+namespace {
+
+/// `depth` of files that name another: a circle of them ends somewhere.
+Lens read_lens(const nlohmann::json& json, const std::string& file, const std::string& pointer, double focus_distance_m,
+               int depth) {
   Fields fields(json, file, pointer);
   if (!fields.has("file")) return read_fields(std::move(fields), file, focus_distance_m);
+  constexpr int kDeepest = 8;
+  if (depth == kDeepest) fields.fail("file", fmt::format("the {}th that names another: do they go round?", kDeepest));
   std::string name;
   fields.text("file", name);
   const std::string path = beside(file, name);
   nlohmann::json merged = read_json_file(path);
   nlohmann::json own = json;
   own.erase("file");
-  if (merged.is_object() && own.contains("model") && own["model"] != merged.value("model", nlohmann::json("thin"))) {
+  if (merged.is_object() && !merged.contains("file") && own.contains("model") &&
+      own["model"] != merged.value("model", nlohmann::json("thin"))) {
     fields.fail("model", "differs from that of " + printable(name) + ": leave out what is not that lens's");
   }
   if (merged.is_object() && merged.contains("split") && own.contains("split") && own["split"].is_object() &&
@@ -325,7 +332,14 @@ Lens read_lens(const nlohmann::json& json, const std::string& file, const std::s
     merged.erase("split");  // another model of split: none of the file's figures belong to it
   }
   merged.merge_patch(own);
-  return read_fields(Fields(merged, path), path, focus_distance_m);
+  return read_lens(merged, path, "", focus_distance_m, depth + 1);
+}
+
+}  // namespace
+
+Lens read_lens(const nlohmann::json& json, const std::string& file, const std::string& pointer,
+               double focus_distance_m) {
+  return read_lens(json, file, pointer, focus_distance_m, 0);
 }
 
 Lens read_lens_file(const std::string& path, double focus_distance_m) {
@@ -354,6 +368,7 @@ nlohmann::ordered_json aberrated_lens_json(const Lens& lens) {
   j["distortion"] = a.distortion.c;
   j["longitudinal_color_um"] = a.longitudinal_color_um;
   j["lateral_color"] = a.lateral_color;
+  j["exit_pupil_mm"] = a.exit_pupil_mm;
   j["tangential_pupil"] = a.tangential_pupil.c;
   j["sagittal_pupil"] = a.sagittal_pupil.c;
   j["rims"] = nlohmann::ordered_json::array();

@@ -1,9 +1,12 @@
 #include "simulator/lens/lens_sampler.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
+
+#include "simulator/lens/cubic.h"
 
 namespace dualpixel::simulator {
 
@@ -20,7 +23,7 @@ namespace {
 
 constexpr int kTableSteps = 1024;
 
-/// Value and derivative at r of a function given at evenly spaced nodes, odd about 0 (Catmull & Rom).
+/// Value and derivative at r of a function given at evenly spaced nodes, odd about 0.
 struct Odd {
   double value, slope;
 };
@@ -32,10 +35,8 @@ Odd interpolate_odd(const std::vector<double>& nodes, double spacing, double r) 
   const double v1 = nodes[i], v2 = nodes[i + 1];
   const double v0 = i > 0 ? nodes[i - 1] : -nodes[1];
   const double v3 = i + 2 <= last ? nodes[i + 2] : 2 * v2 - v1;
-  const double a = -0.5 * v0 + 1.5 * v1 - 1.5 * v2 + 0.5 * v3;
-  const double b = v0 - 2.5 * v1 + 2 * v2 - 0.5 * v3;
-  const double c = 0.5 * (v2 - v0);
-  return {((a * t + b) * t + c) * t + v1, ((3 * a * t + 2 * b) * t + c) / spacing};
+  const std::array<double, 4> w = cubic_weights(t), s = cubic_slopes(t);
+  return {w[0] * v0 + w[1] * v1 + w[2] * v2 + w[3] * v3, (s[0] * v0 + s[1] * v1 + s[2] * v2 + s[3] * v3) / spacing};
 }
 
 /// Slopes in front of the lens of the chief rays of `bounds`' nodes, positive as the picture is upright.
@@ -173,14 +174,13 @@ LensSampler::LensSampler(const Lens& lens, const SensorGrid& sensor) : lens_(len
 
 LensSampler::PixelFrame LensSampler::frame(int x, int y) const {
   PixelFrame f;
-  const double x_m = (x + 0.5 - sensor_.principal_point_px.x) * sensor_.pixel_pitch_m;
-  const double y_m = (y + 0.5 - sensor_.principal_point_px.y) * sensor_.pixel_pitch_m;
-  const double r = std::sqrt(x_m * x_m + y_m * y_m);
-  f.x_m = static_cast<float>(x_m);
-  f.y_m = static_cast<float>(y_m);
+  const glm::dvec2 at_m = sensor_.middle_m(x, y);
+  const double r = glm::length(at_m);
+  f.x_m = static_cast<float>(at_m.x);
+  f.y_m = static_cast<float>(at_m.y);
   f.pitch_m = static_cast<float>(sensor_.pixel_pitch_m);
-  f.radial_x = r > 0 ? static_cast<float>(x_m / r) : 0.0f;
-  f.radial_y = r > 0 ? static_cast<float>(y_m / r) : 1.0f;
+  f.radial_x = r > 0 ? static_cast<float>(at_m.x / r) : 0.0f;
+  f.radial_y = r > 0 ? static_cast<float>(at_m.y / r) : 1.0f;
   f.radius_m = static_cast<float>(r);
   const double h = r / field_radius_m_;
   f.h2 = static_cast<float>(h * h);
@@ -359,7 +359,9 @@ void LensSampler::sample_aberrated(const PixelFrame& f, int color, const float s
       weight[i] = d * d + across[i] * across[i] <= radius2 ? weight[i] : 0.0f;
     }
   }
-  split(f, p[0], t, excess_slope(lens_.split, f.x_m, f.x_m * per_m), weight, out);
+  const double moved_m = image_distance_m_ - lens_.thin.focal_length_m;
+  const double exit_pupil_m = a.exit_pupil_mm > 0 ? 1e-3 * a.exit_pupil_mm + moved_m : image_distance_m_;
+  split(f, p[0], t, excess_slope(lens_.split, f.x_m, static_cast<float>(f.x_m / exit_pupil_m)), weight, out);
 }
 
 void LensSampler::sample_polynomials(const PixelFrame& f, int color, const float s[4][kPacket], LensPacket& out) const {

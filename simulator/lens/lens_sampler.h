@@ -19,6 +19,11 @@ struct SensorGrid {
   int height_px = 0;
   double pixel_pitch_m = 0;
   glm::dvec2 principal_point_px{0};  ///< continuous coordinates
+
+  /// Where the middle of pixel (x, y) lies, metres from the axis, as the picture is upright.
+  glm::dvec2 middle_m(double x, double y) const {
+    return (glm::dvec2(x + 0.5, y + 0.5) - principal_point_px) * pixel_pitch_m;
+  }
 };
 
 /// Rays of one pixel in camera axes, metres: they cross the entrance pupil's plane, z = 0, at (origin_x, origin_y), and

@@ -3,8 +3,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+
+#include "simulator/lens/cubic.h"
 
 namespace dualpixel::simulator {
 namespace {
@@ -208,8 +211,7 @@ PupilEllipse PupilBounds::at(double r_mm) const {
   const double u = std::clamp(r_mm / image_radius_mm * (kNodes - 1), 0.0, kNodes - 1.0);
   const int i = std::min(static_cast<int>(u), kNodes - 2);
   const double t = u - i;
-  const double w[4] = {t * (-0.5 + t * (1 - 0.5 * t)), 1 + t * t * (-2.5 + 1.5 * t), t * (0.5 + t * (2 - 1.5 * t)),
-                       t * t * (-0.5 + 0.5 * t)};
+  const std::array<double, 4> w = cubic_weights(t);
   // one before the axis is the mirror image of one behind it; one past the end continues the line
   const auto value = [&](double PupilEllipse::*field, double mirror) {
     const double v1 = nodes[i].*field, v2 = nodes[i + 1].*field;

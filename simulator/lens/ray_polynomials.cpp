@@ -4,9 +4,12 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <utility>
+
+#include "simulator/lens/cubic.h"
 
 namespace dualpixel::simulator {
 namespace {
@@ -128,9 +131,7 @@ RayPolynomial RayPolynomials::at(double r_mm) const {
       std::clamp(r_mm / bounds.image_radius_mm * (PupilBounds::kNodes - 1), 0.0, PupilBounds::kNodes - 1.0);
   const int i = std::min(static_cast<int>(u), PupilBounds::kNodes - 2);
   const auto t = static_cast<float>(u - i);
-  // Catmull & Rom; the ends go on with the slope of the last interval
-  float w[4] = {t * (-0.5f + t * (1 - 0.5f * t)), 1 + t * t * (-2.5f + 1.5f * t), t * (0.5f + t * (2 - 1.5f * t)),
-                t * t * (-0.5f + 0.5f * t)};
+  std::array<float, 4> w = cubic_weights(t);  // the ends go on with the slope of the last interval
   const int before = std::max(i - 1, 0), after = std::min(i + 2, PupilBounds::kNodes - 1);
   if (i == 0) w[1] += 2 * w[0], w[2] -= w[0], w[0] = 0;
   if (i + 2 == PupilBounds::kNodes) w[2] += 2 * w[3], w[1] -= w[3], w[3] = 0;

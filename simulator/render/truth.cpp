@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "simulator/lens/disparity_field.h"
+#include "simulator/render/camera_rays.h"
 #include "simulator/render/surface.h"
 
 namespace dualpixel::simulator {
@@ -25,19 +26,10 @@ Truth trace_truth(const RenderScene& world, const CameraView& camera) {
 
   const DisparityField field(camera.lens);
   const glm::mat3 rotation(camera.world_from_camera);
-  const glm::vec3 origin(camera.world_from_camera[3]);
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
-      const glm::dvec2 slope = camera.lens.chief_slope((x + 0.5 - sensor.principal_point_px.x) * sensor.pixel_pitch_m,
-                                                       (y + 0.5 - sensor.principal_point_px.y) * sensor.pixel_pitch_m);
-      const glm::vec3 direction = rotation * glm::vec3(slope, 1);  // so that t is planar depth
-      RTCRayHit ray{};
-      ray.ray.org_x = origin.x, ray.ray.org_y = origin.y, ray.ray.org_z = origin.z;
-      ray.ray.dir_x = direction.x, ray.ray.dir_y = direction.y, ray.ray.dir_z = direction.z;
-      ray.ray.tfar = kInfinity;
-      ray.ray.mask = ~0u;
-      ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-      ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+      RTCRayHit ray = chief_ray(camera, x, y);
+      const glm::vec3 direction(ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z);
       world.intersector.intersect(ray);
       if (ray.hit.geomID != RTC_INVALID_GEOMETRY_ID) {
         const Mesh& mesh = world.scene.meshes[ray.hit.geomID];

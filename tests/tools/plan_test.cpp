@@ -190,7 +190,7 @@ TEST(SlowPlanProgram, PrintsATableOrJsonAndWritesIt) {
   EXPECT_EQ(table.status, 0) << table.err;
   EXPECT_NE(table.out.find("Enough for 0.05 DP px: thin lens, 0 bounces, "), std::string::npos) << table.out;
   const Outcome as_json =
-      run_program("plan " + kScene + kSmall + "--tolerance-px 0.05 --json --write '" + (folder / "plan.json") + "'");
+      run_program("plan " + kScene + kSmall + "--tolerance-px 0.05 --json -o '" + (folder / "plan.json") + "'");
   EXPECT_EQ(as_json.status, 0) << as_json.err;
   EXPECT_EQ(as_json.out, read_bytes(folder / "plan.json"));
   const nlohmann::json parsed = nlohmann::json::parse(as_json.out);
@@ -229,8 +229,9 @@ TEST(PlanProgram, BadOptionsGetOneLine) {
   expect_one_line_refusal(run_program("plan " + kScene + "--tolerance-px 0"));
   expect_one_line_refusal(run_program("plan " + kScene + "--tolerance-px fine"));
   expect_one_line_refusal(run_program("plan " + kScene + "--set sensor.width_px=8 --set sensor.height_px=8"));
-  expect_one_line_refusal(run_program("plan " + kScene + kSmall + "--write /nowhere/plan.json"));
-  expect_one_line_refusal(run_program("simulate " + kScene + "-o /tmp/never_written --tolerance-px 0.1"));
+  expect_one_line_refusal(run_program("plan " + kScene + kSmall + "-o /nowhere/plan.json"));
+  const TemporaryFolder folder;
+  expect_one_line_refusal(run_program("simulate " + kScene + "-o '" + (folder / "capture") + "' --tolerance-px 0.1"));
 }
 
 // The promise
@@ -289,7 +290,7 @@ void keeps_its_promise(const std::string& scene_name, const std::string& lens, d
   EXPECT_TRUE(p.met) << lens;
 
   const bool comparable = p.measured && rung.picture_shift_px < 0.1;
-  const double lens_error = comparable ? 0 : traced_error(s, scene, rung.lens, p.lenses.back().lens);
+  const double lens_error = comparable ? 0 : traced_error(s, scene, rung.model.lens, p.lenses.back().model.lens);
   const simulator::RenderScene world(scene);
   const auto render = [&](const Lens& through, int bounces, int samples, std::uint64_t seed) {
     Simulation other = s;
@@ -301,10 +302,10 @@ void keeps_its_promise(const std::string& scene_name, const std::string& lens, d
   double square = lens_error * lens_error;
   std::size_t count = 0;
   if (p.measured) {
-    const Lens& full = comparable ? p.lenses.back().lens : rung.lens;
+    const Lens& full = comparable ? p.lenses.back().model.lens : rung.model.lens;
     std::vector<DpViews> cheap;
     for (int seed = 91; seed < 95; ++seed) {
-      cheap.push_back(render(rung.lens, chosen_bounces(p), chosen_samples(p), seed));
+      cheap.push_back(render(rung.model.lens, chosen_bounces(p), chosen_samples(p), seed));
     }
     const int samples = std::clamp(2 * chosen_samples(p), 64, 128);
     const DpViews first = render(full, kReferenceBounces, samples, 1001);
@@ -326,7 +327,7 @@ void keeps_its_promise(const std::string& scene_name, const std::string& lens, d
   }
   const double error = std::sqrt(std::max(square, 0.0));
   std::cout << fmt::format("{:<20}{:<31}{:<16}{} bounces{:>5} samples  promised {:.4f}, found {:.4f} in {} windows{}\n",
-                           scene_name, lens, rung.name, chosen_bounces(p), chosen_samples(p),
+                           scene_name, lens, rung.model.name, chosen_bounces(p), chosen_samples(p),
                            p.error_dp_px(p.lens, p.bounce, p.sample), error, count,
                            comparable ? "" : fmt::format(", of it {:.4f} traced", lens_error));
   EXPECT_LE(error, tolerance_dp_px) << scene_name << ' ' << lens;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <fstream>
 #include <iostream>
 #include <stdexcept>
 
@@ -16,6 +17,7 @@
 #include "simulator/lens/lens_file.h"
 #include "simulator/lens/ray_trace.h"
 #include "simulator/sampling/sobol.h"
+#include "tests/capture/temporary_folder.h"
 #include "tests/simulator/test_scenes.h"
 
 namespace dualpixel::simulator::testing {
@@ -162,7 +164,7 @@ TEST(Focus, MovesTheImageOfItsDistanceToTheSensor) {
 TEST(AberratedTwin, FollowsTheTracedPhoneLens) {
   const Lens lens = read_monochrome("phone_6p_4.2mm_f1.8", 1.5);
   const SensorGrid sensor = full_sensor(lens, 2688);
-  const Lens twin = aberrated_twin(lens, sensor);
+  const Lens twin = aberrated_twin(lens);
   for (double focus_m : {0.3, 1.5, std::numeric_limits<double>::infinity()}) {
     const LensSampler traced(refocused(lens, focus_m), sensor), fitted(refocused(twin, focus_m), sensor);
     double sum = 0, most = 0;
@@ -181,6 +183,41 @@ TEST(AberratedTwin, FollowsTheTracedPhoneLens) {
     EXPECT_LT(most, 0.1) << focus_m;
     EXPECT_LT(std::sqrt(sum / count), 0.035) << focus_m;
   }
+}
+
+// Where the sensor's own split says nearly nothing about focus, as these microlenses at the picture's edge, the fit
+// must not be read from it.
+TEST(AberratedTwin, OfALensBehindTiltedMicrolenses) {
+  const Lens lens = read_lens_file(shipped("full_frame_50mm_f4_dual_pixel"), 1.0);
+  const Lens twin = aberrated_twin(lens);
+  EXPECT_EQ(twin.split.kind, SplitPixel::Kind::microlens);
+  const SensorGrid sensor = full_sensor(lens, 1344);
+  const LensSampler traced(lens, sensor), fitted(twin, sensor);
+  double sum = 0, most = 0;
+  int count = 0;
+  for (int y = 60; y < 1008; y += 222) {
+    for (int x = 32; x < 1344; x += 64) {
+      const DisparityCoefficients a = trace_disparity(traced, x, y, 1024), b = trace_disparity(fitted, x, y, 1024);
+      for (double depth_m : {0.6, 1.5, 10.0}) {
+        const double error = (b.slope_dp_px_m - a.slope_dp_px_m) / depth_m + b.intercept_dp_px - a.intercept_dp_px;
+        sum += error * error;
+        most = std::max(most, std::abs(error));
+        ++count;
+      }
+    }
+  }
+  // Towards the corners chief rays turn away from any one point that they could come from: 0.11 is what that leaves.
+  EXPECT_LT(most, 0.12);
+  EXPECT_LT(std::sqrt(sum / count), 0.05);
+}
+
+TEST(AberratedTwin, RefusesALensThatIsNone) {
+  Lens thin;
+  EXPECT_THROW(aberrated_twin(thin), std::invalid_argument);
+  // its light ends well before its picture is said to
+  nlohmann::json dark = read_json_file(shipped("double_gauss_100mm_f5"));
+  dark["image_radius_mm"] = 4 * dark["image_radius_mm"].get<double>();
+  EXPECT_THROW(aberrated_twin(read_lens(dark, "dark.json", "", 5.0)), std::invalid_argument);
 }
 
 // A full-frame camera's measured disparity over the field. What made the public simulator fall too steeply towards the
@@ -434,6 +471,26 @@ TEST(LensFiles, FieldsBesideAFileTakeThePlaceOfItsOwn) {
     ADD_FAILURE() << "another model was accepted";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("any.json: /lens/model: differs from that of " + file), std::string::npos);
+  }
+}
+
+TEST(LensFiles, AFileMayNameAnotherButNotItself) {
+  const std::string scene = DUALPIXEL_SOURCE_DIR "/scenes/any.json";
+  // this one takes its surfaces from full_frame_50mm_f1.8.json
+  const std::string file = "../lens_models/full_frame_50mm_f4_dual_pixel.json";
+  const Lens lens = read_lens({{"file", file}, {"f_number", 8}}, scene, "/lens", 2);
+  EXPECT_NEAR(lens.thin.f_number, 8, 1e-9);
+  EXPECT_EQ(lens.split.kind, SplitPixel::Kind::microlens);
+  EXPECT_EQ(lens.prescription->surfaces.size(),
+            read_lens_file(shipped("full_frame_50mm_f1.8"), 2).prescription->surfaces.size());
+  const TemporaryFolder folder;
+  const std::string round = folder / "round.json";
+  std::ofstream(round) << R"({"version": 1, "file": "round.json"})";
+  try {
+    read_lens_file(round, 2);
+    ADD_FAILURE() << "a circle was accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("round.json: /file: "), std::string::npos) << error.what();
   }
 }
 
