@@ -135,8 +135,10 @@ TEST(TracedLens, RenderedDisparityIsTheFields) {
     const Views views = render_views(RenderScene(scene), camera, {512, 0, 7});
     const double rendered_dp_px = (moments(views.right).x - moments(views.left).x) / 2;
     const DisparityCoefficients c = trace_disparity(camera.lens, kSize / 2, kSize / 2, 16384);
-    // first order in the blur, 15 px here: the bundle's change over it is left out
-    EXPECT_NEAR(rendered_dp_px, c.slope_dp_px_m / depth + c.intercept_dp_px, 0.02) << field_mm.x << ',' << field_mm.y;
+    // The field is first order in the blur, 15 px here: what the bundle changes over it makes 0.005. Six seeds scatter
+    // by 0.004.
+    EXPECT_NEAR(rendered_dp_px, c.slope_dp_px_m / depth + c.intercept_dp_px, 0.005 + 3 * 0.004)
+        << field_mm.x << ',' << field_mm.y;
   }
 }
 
