@@ -14,6 +14,7 @@ inline void reset(RTCRayHit16& rays) {
     rays.ray.time[i] = 0;
     rays.ray.mask[i] = ~0u;
     rays.ray.flags[i] = 0;
+    rays.hit.u[i] = rays.hit.v[i] = 0;
     rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }

@@ -97,6 +97,31 @@ glm::vec3 cell_normal(int cell) {
   return glm::normalize(glm::vec3(std::copysign(1 - std::abs(z), x), y, std::copysign(1 - std::abs(x), z)));
 }
 
+/// Sine and cosine of 2 pi `turns`, |turns| <= 1/2, to 1e-6: Taylor's polynomials about the nearest quarter.
+void sine_cosine_of_turns(float turns, float& sine, float& cosine) {
+  const float quarter = std::floor(4 * turns + 0.5f);
+  const float t = 2 * kPi * (turns - 0.25f * quarter), t2 = t * t;
+  const float s = t * (1 + t2 * (-1.66666667e-1f + t2 * (8.33333333e-3f + t2 * -1.98412698e-4f)));
+  const float c = 1 + t2 * (-0.5f + t2 * (4.16666667e-2f + t2 * (-1.38888889e-3f + t2 * 2.48016e-5f)));
+  const bool swapped = quarter == 1 || quarter == -1;
+  const float along = swapped ? s : c, across = swapped ? c : s;
+  sine = quarter == -1 || quarter == 2 || quarter == -2 ? -across : across;
+  cosine = quarter == 1 || quarter == 2 || quarter == -2 ? -along : along;
+}
+
+/// acos(x) / pi to 1e-7 (Abramowitz & Stegun, 4.4.46).
+float half_turns_of_cosine(float x) {
+  const float a = std::abs(x);
+  const float p =
+      1.5707963050f +
+      a * (-0.2145988016f +
+           a * (0.0889789874f +
+                a * (-0.0501743046f +
+                     a * (0.0308918810f + a * (-0.0170881256f + a * (0.0066700901f - a * 0.0012624911f))))));
+  const float angle = std::sqrt(std::max(1 - a, 0.0f)) * p;
+  return (x < 0 ? kPi - angle : angle) / kPi;
+}
+
 }  // namespace
 
 glm::vec3 environment_radiance(const Environment& environment, glm::vec3 d) {
@@ -189,41 +214,68 @@ int Lights::pick(float& u, float& probability) const {
   return pick_from(cumulative_.begin(), cumulative_.end(), u, probability);
 }
 
-LightSample Lights::sample(glm::vec3 point, glm::vec3 normal, float u, float v) const {
-  if (cumulative_.empty()) return {};
-  float probability;
-  auto entry = static_cast<std::size_t>(pick(u, probability));
-  if (!(probability > 0)) return {};
-  LightSample result;
-  if (entry < environment_entries_) {
-    result = sample_environment(normal, u, v);
-  } else if (entry -= environment_entries_; entry < scene_.lights.size()) {
-    result = sample_punctual(scene_.lights[entry], point);
-  } else {
-    result = sample_triangle(entry - scene_.lights.size(), point, u, v);
+void Lights::sample(const int lanes[kPacket], const Vec3Packet& point, const Vec3Packet& normal, const float u[kPacket],
+                    const float v[kPacket], LightPacket& out) const {
+  alignas(64) int from_environment[kPacket];
+  alignas(64) float rest_of_u[kPacket], probability[kPacket];
+  bool any_environment = false;
+  for (int i = 0; i < kPacket; ++i) {
+    from_environment[i] = 0;
+    rest_of_u[i] = u[i];
+    probability[i] = 0;
+    if (!lanes[i]) continue;
+    LightSample sample;
+    auto entry = static_cast<std::size_t>(cumulative_.empty() ? 0 : pick(rest_of_u[i], probability[i]));
+    if (probability[i] > 0) {
+      if (entry < environment_entries_) {
+        from_environment[i] = -1;
+        any_environment = true;
+        continue;
+      }
+      entry -= environment_entries_;
+      sample = entry < scene_.lights.size()
+                   ? sample_punctual(scene_.lights[entry], point.at(i))
+                   : sample_triangle(entry - scene_.lights.size(), point.at(i), rest_of_u[i], v[i]);
+      sample.radiance /= probability[i];
+      sample.pdf *= probability[i];
+    }
+    out.direction.set(i, sample.direction);
+    out.radiance.set(i, sample.radiance);
+    out.distance_m[i] = sample.distance_m;
+    out.pdf[i] = sample.pdf;
   }
-  result.radiance /= probability;
-  result.pdf *= probability;
-  return result;
+  if (any_environment) sample_environment(from_environment, normal, rest_of_u, v, probability, out);
 }
 
-LightSample Lights::sample_environment(glm::vec3 normal, float u, float v) const {
-  const EnvironmentTable& table = environment_tables_[normal_cell(normal)];
-  float row_probability, cell_probability;
-  const int row = pick_from<kRows>(table.rows.data(), v, row_probability);
-  const int column = pick_from<kColumns>(table.cells[row].data(), u, cell_probability);
-  const float cos_top = kRowCosine[row];
-  const float cos_bottom = kRowCosine[row + 1];
-  const float y = cos_top + v * (cos_bottom - cos_top);
-  const float around = (column + u) / kColumns;
-  const float phi = 2 * kPi * (around - 0.5f);
-  const float r = std::sqrt(std::max(1 - y * y, 0.0f));
-  LightSample s;
-  s.direction = {r * std::sin(phi), y, -r * std::cos(phi)};
-  s.distance_m = std::numeric_limits<float>::infinity();
-  s.pdf = row_probability * cell_probability / row_solid_angle(row);
-  s.radiance = radiance_at(scene_.environment, around, std::acos(y) / kPi) / s.pdf;
-  return s;
+void Lights::sample_environment(const int lanes[kPacket], const Vec3Packet& normal, const float u[kPacket],
+                                const float v[kPacket], const float probability[kPacket], LightPacket& out) const {
+  alignas(64) float height[kPacket], around[kPacket], density[kPacket];  // height: cosine from straight up
+  for (int i = 0; i < kPacket; ++i) {
+    height[i] = around[i] = density[i] = 0;
+    if (!lanes[i]) continue;
+    const EnvironmentTable& table = environment_tables_[normal_cell(normal.at(i))];
+    float row_probability, cell_probability, place_u = u[i], place_v = v[i];
+    const int row = pick_from<kRows>(table.rows.data(), place_v, row_probability);
+    const int column = pick_from<kColumns>(table.cells[row].data(), place_u, cell_probability);
+    height[i] = kRowCosine[row] + place_v * (kRowCosine[row + 1] - kRowCosine[row]);
+    around[i] = (static_cast<float>(column) + place_u) / kColumns;
+    density[i] = probability[i] * row_probability * cell_probability / row_solid_angle(row);
+  }
+  alignas(64) float sine[kPacket], cosine[kPacket], down[kPacket];
+  for (int i = 0; i < kPacket; ++i) {
+    sine_cosine_of_turns(around[i] - 0.5f, sine[i], cosine[i]);
+    const float r = std::sqrt(std::max(1 - height[i] * height[i], 0.0f));
+    sine[i] *= r;
+    cosine[i] *= -r;
+    down[i] = half_turns_of_cosine(height[i]);
+  }
+  for (int i = 0; i < kPacket; ++i) {
+    if (!lanes[i]) continue;
+    out.direction.set(i, {sine[i], height[i], cosine[i]});
+    out.radiance.set(i, radiance_at(scene_.environment, around[i], down[i]) / density[i]);
+    out.distance_m[i] = std::numeric_limits<float>::infinity();
+    out.pdf[i] = density[i];
+  }
 }
 
 LightSample Lights::sample_punctual(const PunctualLight& light, glm::vec3 point) const {
@@ -276,8 +328,7 @@ LightSample Lights::sample_triangle(std::size_t index, glm::vec3 point, float u,
   const float cosine = std::abs(glm::dot(glm::normalize(glm::cross(p1 - p0, p2 - p0)), s.direction));
   if (!(cosine > 1e-6f)) return s;
   s.pdf = squared / (cosine * light.area_m2);
-  const Surface surface = surface_at(scene_, mesh, light.triangle, b1, b2, s.direction);
-  s.radiance = surface.emission_nits / s.pdf;
+  s.radiance = emission_at(scene_, mesh, light.triangle, b1, b2) / s.pdf;
   return s;
 }
 

@@ -3,6 +3,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "simulator/render/vec3_packet.h"
 #include "simulator/scene/scene.h"
 
 /// Choosing where light may come from: environment, punctual lights and emissive triangles, in proportion to the
@@ -16,14 +17,21 @@ struct LightSample {
   float pdf = 0;                 ///< solid-angle density, the choice of the light included; 0 for punctual lights
 };
 
+struct LightPacket {
+  Vec3Packet direction, radiance;
+  alignas(64) float distance_m[kPacket], pdf[kPacket];
+};
+
 class Lights {
  public:
   /// Keeps a pointer to `scene`. `low`, `high`: the scene's bounds.
   Lights(const Scene& scene, glm::vec3 low, glm::vec3 high);
 
   bool empty() const { return cumulative_.empty(); }
-  /// `normal`: of the surface to be lit, so that light from behind it is rarely asked for.
-  LightSample sample(glm::vec3 point, glm::vec3 normal, float u, float v) const;
+  /// A sample for each lane with lanes[i] != 0; 0 <= u, v < 1. `normal`: of the surface to be lit, so that light from
+  /// behind it is rarely asked for.
+  void sample(const int lanes[kPacket], const Vec3Packet& point, const Vec3Packet& normal, const float u[kPacket],
+              const float v[kPacket], LightPacket& out) const;
 
   /// Densities with which sample() would have found what a ray met by other means.
   float environment_pdf(glm::vec3 normal, glm::vec3 direction) const;
@@ -31,7 +39,8 @@ class Lights {
 
  private:
   int pick(float& u, float& probability) const;
-  LightSample sample_environment(glm::vec3 normal, float u, float v) const;
+  void sample_environment(const int lanes[kPacket], const Vec3Packet& normal, const float u[kPacket],
+                          const float v[kPacket], const float probability[kPacket], LightPacket& out) const;
   LightSample sample_punctual(const PunctualLight& light, glm::vec3 point) const;
   LightSample sample_triangle(std::size_t index, glm::vec3 point, float u, float v) const;
 

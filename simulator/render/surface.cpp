@@ -20,20 +20,44 @@ struct DecodeTables {
 };
 const DecodeTables kDecode;
 
-int wrap(int i, int size, Wrap mode) {
-  if (static_cast<unsigned>(i) < static_cast<unsigned>(size)) return i;
-  switch (mode) {
-    case Wrap::clamp:
-      return i < 0 ? 0 : size - 1;
-    case Wrap::mirror: {
-      const int period = 2 * size;
-      const int m = ((i % period) + period) % period;
-      return m < size ? m : period - 1 - m;
-    }
-    case Wrap::repeat:
-      break;
-  }
-  return ((i % size) + size) % size;
+/// Where a bilinear lookup reads along one side of a picture: texels `low` and `high`, `high` by `fraction`.
+struct Tap {
+  int low, high;
+  float fraction;
+};
+
+/// Branch-free, for any number `u`.
+inline Tap linear_tap(float u, int size, Wrap mode) {
+  const bool repeat = mode == Wrap::repeat;
+  const float period = repeat ? 1.0f : 2.0f;
+  u = mode == Wrap::clamp ? u : u - period * std::floor(u / period);
+  u = mode == Wrap::mirror ? std::min(u, 2 - u) : u;
+  const float x = std::max(std::min(1.0f, u), 0.0f) * static_cast<float>(size);  // `size` for what is no number
+  const int low = static_cast<int>(x + 0.5f) - 1, high = low + 1;
+  const float fraction = x - 0.5f - static_cast<float>(low);
+  const int last = size - 1;
+  return {low >= 0 ? low : repeat ? last : 0, high <= last ? high : repeat ? 0 : last, fraction};
+}
+
+/// The texel that u lies in.
+inline Tap nearest_tap(float u, int size, Wrap mode) {
+  const Tap t = linear_tap(u, size, mode);
+  const int texel = t.fraction >= 0.5f ? t.high : t.low;
+  return {texel, texel, 0};
+}
+
+using Vec4 = float __attribute__((vector_size(16)));
+
+inline Vec4 texels_at(const Texture& texture, const Tap& x, const Tap& y) {
+  const float* const decode = (texture.srgb ? kDecode.srgb : kDecode.linear).data();
+  const float* const decode_alpha = kDecode.linear.data();
+  const auto texel = [&](int column, int row) {
+    const std::uint8_t* t = &texture.rgba[4 * (static_cast<std::size_t>(row) * texture.width + column)];
+    return Vec4{decode[t[0]], decode[t[1]], decode[t[2]], decode_alpha[t[3]]};
+  };
+  const Vec4 upper = texel(x.low, y.low) * (1 - x.fraction) + texel(x.high, y.low) * x.fraction;
+  const Vec4 lower = texel(x.low, y.high) * (1 - x.fraction) + texel(x.high, y.high) * x.fraction;
+  return upper * (1 - y.fraction) + lower * y.fraction;
 }
 
 template <typename T>
@@ -85,67 +109,191 @@ glm::vec3 mapped_normal(const Scene& scene, const Mesh& mesh, const Material& ma
 }  // namespace
 
 glm::vec4 sample_texture(const Texture& texture, glm::vec2 uv) {
-  const auto& decode = texture.srgb ? kDecode.srgb : kDecode.linear;
-  const auto texel = [&](int x, int y) {
-    const std::uint8_t* t = &texture.rgba[4 * (static_cast<std::size_t>(y) * texture.width + x)];
-    return glm::vec4(decode[t[0]], decode[t[1]], decode[t[2]], kDecode.linear[t[3]]);
-  };
-  // Far-away UVs lose their fraction in float; repeat them within reach of int.
-  const float x = (std::abs(uv.x) < 1e4f ? uv.x : 0) * texture.width;
-  const float y = (std::abs(uv.y) < 1e4f ? uv.y : 0) * texture.height;
-  if (texture.nearest) {
-    return texel(wrap(static_cast<int>(std::floor(x)), texture.width, texture.wrap_u),
-                 wrap(static_cast<int>(std::floor(y)), texture.height, texture.wrap_v));
-  }
-  const float left = std::floor(x - 0.5f);
-  const float top = std::floor(y - 0.5f);
-  const float fx = x - 0.5f - left;
-  const float fy = y - 0.5f - top;
-  const int x0 = wrap(static_cast<int>(left), texture.width, texture.wrap_u);
-  const int x1 = wrap(static_cast<int>(left) + 1, texture.width, texture.wrap_u);
-  const int y0 = wrap(static_cast<int>(top), texture.height, texture.wrap_v);
-  const int y1 = wrap(static_cast<int>(top) + 1, texture.height, texture.wrap_v);
-  return (texel(x0, y0) * (1 - fx) + texel(x1, y0) * fx) * (1 - fy) +
-         (texel(x0, y1) * (1 - fx) + texel(x1, y1) * fx) * fy;
+  const auto tap = texture.nearest ? nearest_tap : linear_tap;
+  const Vec4 t =
+      texels_at(texture, tap(uv.x, texture.width, texture.wrap_u), tap(uv.y, texture.height, texture.wrap_v));
+  return {t[0], t[1], t[2], t[3]};
 }
 
-Surface surface_at(const Scene& scene, const Mesh& mesh, unsigned triangle_index, float u, float v,
-                   glm::vec3 ray_direction) {
-  const glm::uvec3& t = mesh.triangles[triangle_index];
-  const Material& material = scene.materials[mesh.material];
-  Surface s;
-  const glm::vec3 p0 = mesh.positions[t.x];
-  const glm::vec3 e1 = mesh.positions[t.y] - p0;
-  const glm::vec3 e2 = mesh.positions[t.z] - p0;
-  s.position = p0 + u * e1 + v * e2;
-  s.geometric_normal = glm::normalize(glm::cross(e1, e2));
-  s.normal = s.geometric_normal;
-  if (!mesh.normals.empty()) {
-    const glm::vec3 n = interpolate(mesh.normals, t, u, v);
-    const float squared = glm::dot(n, n);
-    if (squared > 1e-12f) s.normal = n / std::sqrt(squared);
-  }
-  if (material.normal_texture.texture >= 0) s.normal = mapped_normal(scene, mesh, material, t, u, v, s.normal);
-  if (glm::dot(s.geometric_normal, ray_direction) > 0) s.geometric_normal = -s.geometric_normal;
-  if (glm::dot(s.normal, s.geometric_normal) < 0) s.normal = -s.normal;
+namespace {
 
-  glm::vec4 base = material.base_color * sample_slot(scene, mesh, material.base_color_texture, t, u, v);
-  if (!mesh.colors.empty()) base *= interpolate(mesh.colors, t, u, v);
-  s.base_color = glm::vec3(base);
-  s.alpha = base.w;
-  s.unlit = material.unlit;
-  s.metallic = material.metallic;
-  s.roughness = material.roughness;
-  if (material.metallic_roughness_texture.texture >= 0) {
-    const glm::vec4 texel = sample_slot(scene, mesh, material.metallic_roughness_texture, t, u, v);
-    s.roughness *= texel.y;
-    s.metallic *= texel.z;
+/// The corner indices of each lane's triangle; lanes that are not wanted repeat one that is.
+struct TrianglePacket {
+  glm::uvec3 corners[kPacket];
+  bool one = true;  ///< the same in all lanes
+};
+
+TrianglePacket triangles_of(const Mesh& mesh, const int lanes[kPacket], const RTCRayHit16& rays) {
+  int first = 0;
+  while (!lanes[first]) ++first;
+  const unsigned first_id = rays.hit.primID[first];
+  TrianglePacket t;
+  for (int i = 0; i < kPacket; ++i) {
+    const unsigned id = lanes[i] ? rays.hit.primID[i] : first_id;
+    t.one = t.one && id == first_id;
+    t.corners[i] = mesh.triangles[id];
   }
-  s.emission_nits = material.emission_nits;
-  if (material.emissive_texture.texture >= 0) {
-    s.emission_nits *= glm::vec3(sample_slot(scene, mesh, material.emissive_texture, t, u, v));
+  return t;
+}
+
+/// One attribute of the three corners, in lanes.
+struct Corners {
+  Vec3Packet first, second, third;
+
+  Corners(const std::vector<glm::vec3>& values, const TrianglePacket& t) {
+    for (int i = 0; i < (t.one ? 1 : kPacket); ++i) {
+      first.set(i, values[t.corners[i].x]);
+      second.set(i, values[t.corners[i].y]);
+      third.set(i, values[t.corners[i].z]);
+    }
+    if (!t.one) return;
+    for (Vec3Packet* p : {&first, &second, &third}) {
+      for (int i = 1; i < kPacket; ++i) p->x[i] = p->x[0], p->y[i] = p->y[0], p->z[i] = p->z[0];
+    }
   }
-  return s;
+};
+
+/// Where the slot's texture is to be looked up; false where there is none.
+bool texture_coordinates(const Mesh& mesh, const TextureSlot& slot, const TrianglePacket& t, const RTCRayHit16& rays,
+                         float out_u[kPacket], float out_v[kPacket]) {
+  if (slot.texture < 0) return false;
+  const auto& uvs = uv_set(mesh, slot);
+  if (uvs.empty()) return false;
+  const auto& m = slot.uv_from_uv;
+  alignas(64) float u[3][kPacket], v[3][kPacket];
+  for (int i = 0; i < kPacket; ++i) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const glm::vec2 uv = uvs[t.corners[i][corner]];
+      u[corner][i] = uv.x, v[corner][i] = uv.y;
+    }
+  }
+  for (int i = 0; i < kPacket; ++i) {
+    const float b1 = rays.hit.u[i], b2 = rays.hit.v[i], b0 = 1 - b1 - b2;
+    const float x = b0 * u[0][i] + b1 * u[1][i] + b2 * u[2][i], y = b0 * v[0][i] + b1 * v[1][i] + b2 * v[2][i];
+    out_u[i] = m[0] * x + m[1] * y + m[2];
+    out_v[i] = m[3] * x + m[4] * y + m[5];
+  }
+  return true;
+}
+
+void base_colors_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const TrianglePacket& t,
+                    const RTCRayHit16& rays, Vec3Packet& out) {
+  const Material& material = scene.materials[mesh.material];
+  for (int i = 0; i < kPacket; ++i) out.set(i, glm::vec3(material.base_color));
+  alignas(64) float u[kPacket], v[kPacket];
+  if (texture_coordinates(mesh, material.base_color_texture, t, rays, u, v)) {
+    const Texture& texture = scene.textures[material.base_color_texture.texture];
+    Tap x[kPacket], y[kPacket];
+    for (int i = 0; i < kPacket; ++i) {
+      x[i] = texture.nearest ? nearest_tap(u[i], texture.width, texture.wrap_u)
+                             : linear_tap(u[i], texture.width, texture.wrap_u);
+      y[i] = texture.nearest ? nearest_tap(v[i], texture.height, texture.wrap_v)
+                             : linear_tap(v[i], texture.height, texture.wrap_v);
+    }
+    for (int i = 0; i < kPacket; ++i) {
+      const Vec4 texel = texels_at(texture, x[i], y[i]);
+      out.x[i] *= texel[0], out.y[i] *= texel[1], out.z[i] *= texel[2];
+    }
+  }
+  if (mesh.colors.empty()) return;
+  for (int i = 0; i < kPacket; ++i) {
+    if (!lanes[i]) continue;
+    out.set(i, out.at(i) * glm::vec3(interpolate(mesh.colors, t.corners[i], rays.hit.u[i], rays.hit.v[i])));
+  }
+}
+
+}  // namespace
+
+Surface SurfacePacket::at(int i) const {
+  return {position.at(i),   geometric_normal.at(i),          normal.at(i),
+          base_color.at(i), lambertian ? 0.0f : metallic[i], lambertian ? 1.0f : roughness[i]};
+}
+
+void base_colors_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RTCRayHit16& rays,
+                    Vec3Packet& out) {
+  base_colors_at(scene, mesh, lanes, triangles_of(mesh, lanes, rays), rays, out);
+}
+
+void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RTCRayHit16& rays,
+                 SurfacePacket& s) {
+  const Material& material = scene.materials[mesh.material];
+  const TrianglePacket t = triangles_of(mesh, lanes, rays);
+  const Corners p(mesh.positions, t);
+  Vec3Packet &g = s.geometric_normal, &n = s.normal;
+  for (int i = 0; i < kPacket; ++i) {
+    const float u = rays.hit.u[i], v = rays.hit.v[i];
+    const float ax = p.second.x[i] - p.first.x[i], bx = p.third.x[i] - p.first.x[i];
+    const float ay = p.second.y[i] - p.first.y[i], by = p.third.y[i] - p.first.y[i];
+    const float az = p.second.z[i] - p.first.z[i], bz = p.third.z[i] - p.first.z[i];
+    s.position.x[i] = p.first.x[i] + u * ax + v * bx;
+    s.position.y[i] = p.first.y[i] + u * ay + v * by;
+    s.position.z[i] = p.first.z[i] + u * az + v * bz;
+    const float nx = ay * bz - az * by, ny = az * bx - ax * bz, nz = ax * by - ay * bx;
+    const float length = std::sqrt(nx * nx + ny * ny + nz * nz);
+    const float facing = nx * rays.ray.dir_x[i] + ny * rays.ray.dir_y[i] + nz * rays.ray.dir_z[i];
+    const float scale = 1 / length, side = facing > 0 ? -scale : scale;
+    n.x[i] = nx * scale, n.y[i] = ny * scale, n.z[i] = nz * scale;
+    g.x[i] = nx * side, g.y[i] = ny * side, g.z[i] = nz * side;
+  }
+  if (!mesh.normals.empty()) {
+    const Corners c(mesh.normals, t);
+    for (int i = 0; i < kPacket; ++i) {
+      const float b1 = rays.hit.u[i], b2 = rays.hit.v[i], b0 = 1 - b1 - b2;
+      const float x = b0 * c.first.x[i] + b1 * c.second.x[i] + b2 * c.third.x[i];
+      const float y = b0 * c.first.y[i] + b1 * c.second.y[i] + b2 * c.third.y[i];
+      const float z = b0 * c.first.z[i] + b1 * c.second.z[i] + b2 * c.third.z[i];
+      const float squared = x * x + y * y + z * z;
+      const float scale = 1 / std::sqrt(squared);
+      const bool usable = squared > 1e-12f;
+      n.x[i] = usable ? x * scale : n.x[i];
+      n.y[i] = usable ? y * scale : n.y[i];
+      n.z[i] = usable ? z * scale : n.z[i];
+    }
+  }
+  if (material.normal_texture.texture >= 0) {
+    for (int i = 0; i < kPacket; ++i) {
+      if (lanes[i]) n.set(i, mapped_normal(scene, mesh, material, t.corners[i], rays.hit.u[i], rays.hit.v[i], n.at(i)));
+    }
+  }
+  for (int i = 0; i < kPacket; ++i) {
+    const float facing = n.x[i] * g.x[i] + n.y[i] * g.y[i] + n.z[i] * g.z[i];
+    const float side = facing < 0 ? -1.0f : 1.0f;
+    n.x[i] *= side, n.y[i] *= side, n.z[i] *= side;
+  }
+  base_colors_at(scene, mesh, lanes, t, rays, s.base_color);
+
+  const bool textured = material.metallic_roughness_texture.texture >= 0;
+  s.lambertian = material.metallic == 0 && material.roughness >= 1 && !textured;
+  if (!s.lambertian) {
+    for (int i = 0; i < kPacket; ++i) {
+      s.metallic[i] = material.metallic;
+      s.roughness[i] = material.roughness;
+      if (!textured || !lanes[i]) continue;
+      const glm::vec4 texel =
+          sample_slot(scene, mesh, material.metallic_roughness_texture, t.corners[i], rays.hit.u[i], rays.hit.v[i]);
+      s.roughness[i] *= texel.y;
+      s.metallic[i] *= texel.z;
+    }
+  }
+  s.emits = material.emission_nits != glm::vec3(0);
+  if (s.emits) {
+    for (int i = 0; i < kPacket; ++i) {
+      if (lanes[i]) s.emission_nits.set(i, emission_at(scene, mesh, rays.hit.primID[i], rays.hit.u[i], rays.hit.v[i]));
+    }
+  }
+}
+
+glm::vec3 geometric_normal(const Mesh& mesh, unsigned triangle, glm::vec3 ray_direction) {
+  const glm::uvec3& t = mesh.triangles[triangle];
+  const glm::vec3 p = mesh.positions[t.x];
+  const glm::vec3 n = glm::normalize(glm::cross(mesh.positions[t.y] - p, mesh.positions[t.z] - p));
+  return glm::dot(n, ray_direction) > 0 ? -n : n;
+}
+
+glm::vec3 emission_at(const Scene& scene, const Mesh& mesh, unsigned triangle, float u, float v) {
+  const Material& material = scene.materials[mesh.material];
+  return material.emission_nits *
+         glm::vec3(sample_slot(scene, mesh, material.emissive_texture, mesh.triangles[triangle], u, v));
 }
 
 bool is_cut_out(const Scene& scene, const Mesh& mesh, unsigned triangle_index, float u, float v) {

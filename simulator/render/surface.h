@@ -1,9 +1,11 @@
 #pragma once
 #include <glm/glm.hpp>
 
+#include "simulator/render/intersector.h"
+#include "simulator/render/vec3_packet.h"
 #include "simulator/scene/scene.h"
 
-/// What a ray finds where it meets a triangle: interpolated attributes, textures looked up, material resolved.
+/// What rays find where they meet a mesh: interpolated attributes, textures looked up, material resolved.
 namespace dualpixel::simulator {
 
 /// A point on a triangle with glTF's metallic-roughness material (glTF 2.0, Appendix B). Both sides of a surface look
@@ -13,18 +15,37 @@ struct Surface {
   glm::vec3 geometric_normal{0, 0, 1};  ///< unit
   glm::vec3 normal{0, 0, 1};            ///< unit: interpolated, normal-mapped
   glm::vec3 base_color{0};
-  glm::vec3 emission_nits{0};
   float metallic = 0;
   float roughness = 1;
-  float alpha = 1;
-  bool unlit = false;
+};
+
+/// Sixteen of them, on one mesh.
+struct SurfacePacket {
+  Vec3Packet position, geometric_normal, normal, base_color, emission_nits;
+  alignas(64) float metallic[kPacket], roughness[kPacket];
+  bool emits = false;       ///< otherwise emission_nits is not filled in
+  bool lambertian = false;  ///< metallic 0 and roughness 1 throughout; otherwise those two are filled in
+
+  Surface at(int i) const;
 };
 
 /// Bilinear (or nearest) lookup; linear RGB, alpha as stored.
 glm::vec4 sample_texture(const Texture& texture, glm::vec2 uv);
 
-/// `u`, `v`: Embree's barycentrics, weights of the triangle's second and third vertex.
-Surface surface_at(const Scene& scene, const Mesh& mesh, unsigned triangle, float u, float v, glm::vec3 ray_direction);
+/// The lanes of `rays` with lanes[i] != 0, at least one, all of which hit `mesh`; other lanes of `out` are finite but
+/// mean nothing.
+void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RTCRayHit16& rays,
+                 SurfacePacket& out);
+
+/// base_color alone, which is all of an unlit surface.
+void base_colors_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RTCRayHit16& rays,
+                    Vec3Packet& out);
+
+/// Unit, on the side that the ray came from.
+glm::vec3 geometric_normal(const Mesh& mesh, unsigned triangle, glm::vec3 ray_direction);
+
+/// Emitted radiance, nits. `u`, `v`: Embree's barycentrics, weights of the triangle's second and third vertex.
+glm::vec3 emission_at(const Scene& scene, const Mesh& mesh, unsigned triangle, float u, float v);
 
 /// Whether the material's alpha at this point lies under its cut-off.
 bool is_cut_out(const Scene& scene, const Mesh& mesh, unsigned triangle, float u, float v);

@@ -33,8 +33,7 @@ Truth trace_truth(const RenderScene& world, const CameraView& camera) {
       world.intersector.intersect(ray);
       if (ray.hit.geomID != RTC_INVALID_GEOMETRY_ID) {
         const Mesh& mesh = world.scene.meshes[ray.hit.geomID];
-        const Surface s = surface_at(world.scene, mesh, ray.hit.primID, ray.hit.u, ray.hit.v, direction);
-        const glm::vec3 normal = glm::transpose(rotation) * s.geometric_normal;
+        const glm::vec3 normal = glm::transpose(rotation) * geometric_normal(mesh, ray.hit.primID, direction);
         truth.depth_m.at(x, y) = ray.ray.tfar;
         truth.object_id.at(x, y) = mesh.object_id;
         truth.person_mask.at(x, y) = mesh.person ? 1.0f : 0.0f;

@@ -23,13 +23,6 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// A point to start a new ray from, off the surface by more than the hit's rounding error.
-glm::vec3 leave(const Surface& s, float ray_length) {
-  const glm::vec3 a = glm::abs(s.position);
-  const float size = std::max(std::max(a.x, a.y), std::max(a.z, ray_length));
-  return s.position + s.geometric_normal * (1e-5f * size);
-}
-
 void set_ray(RTCRay16& rays, int i, glm::vec3 origin, glm::vec3 direction, float tfar) {
   rays.org_x[i] = origin.x, rays.org_y[i] = origin.y, rays.org_z[i] = origin.z;
   rays.dir_x[i] = direction.x, rays.dir_y[i] = direction.y, rays.dir_z[i] = direction.z;
@@ -39,15 +32,21 @@ void set_ray(RTCRay16& rays, int i, glm::vec3 origin, glm::vec3 direction, float
 
 /// Light carried along the sixteen paths of one packet.
 struct Paths {
-  int active[kPacket];  ///< -1 or 0, as Embree wants it
-  glm::vec3 throughput[kPacket];
-  glm::vec3 radiance[kPacket];
-  float pdf[kPacket];         ///< solid-angle density of the ray's direction; infinite for camera rays
-  glm::vec3 normal[kPacket];  ///< of the surface that the ray left; unset for camera rays
+  alignas(64) int active[kPacket];  ///< -1 or 0, as Embree wants it
+  Vec3Packet throughput, radiance;
+  alignas(64) float pdf[kPacket];  ///< solid-angle density of the ray's direction; infinite for camera rays
+  Vec3Packet normal;               ///< of the surface that the ray left; unset for camera rays
 };
 
 struct Padded {
-  float u[kPacket], v[kPacket];
+  alignas(64) float u[kPacket], v[kPacket];
+};
+
+/// Rays towards the lights, and what each adds to its path if nothing is in its way.
+struct ShadowRays {
+  alignas(64) int active[kPacket];
+  RTCRay16 rays;
+  Vec3Packet arriving;
 };
 
 /// How much of light found along a sampled ray counts when the light sampler could have found it too (balance
@@ -56,87 +55,139 @@ float mis_weight(float own_pdf, float other_pdf) {
   return own_pdf == kInfinity ? 1.0f : own_pdf / (own_pdf + other_pdf);
 }
 
-/// One step of all active paths: emission at the hit, one light sample with its shadow ray, and, where a reflection
-/// is still to come, the next ray.
+void add_light(Paths& paths, int i, glm::vec3 light) {
+  paths.radiance.set(i, paths.radiance.at(i) + paths.throughput.at(i) * light);
+}
+
+void see_environment(const RenderScene& world, const RTCRayHit16& rays, Paths& paths, int i) {
+  const Environment& environment = world.scene.environment;
+  if (environment.radiance_nits.empty()) return;
+  const glm::vec3 d = glm::normalize(glm::vec3(rays.ray.dir_x[i], rays.ray.dir_y[i], rays.ray.dir_z[i]));
+  const float weight =
+      paths.pdf[i] == kInfinity ? 1 : mis_weight(paths.pdf[i], world.lights.environment_pdf(paths.normal.at(i), d));
+  add_light(paths, i, environment_radiance(environment, d) * weight);
+}
+
+void see_unlit(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RTCRayHit16& rays, Paths& paths) {
+  Vec3Packet color;
+  base_colors_at(scene, mesh, lanes, rays, color);
+  Vec3Packet& r = paths.radiance;
+  const Vec3Packet& t = paths.throughput;
+  for (int i = 0; i < kPacket; ++i) {
+    const float white = lanes[i] ? scene.unlit_white_nits : 0.0f;
+    r.x[i] += t.x[i] * color.x[i] * white;
+    r.y[i] += t.y[i] * color.y[i] * white;
+    r.z[i] += t.z[i] * color.z[i] * white;
+  }
+}
+
+/// The paths of `lanes`, all at one mesh: emission at the hit, a light sample, and, where a reflection is still to
+/// come, the next ray.
+void scatter(const RenderScene& world, unsigned mesh_id, const int lanes[kPacket], RTCRayHit16& rays, Paths& paths,
+             const Padded& light, const Padded* reflection, ShadowRays& shadow) {
+  SurfacePacket surface;
+  surfaces_at(world.scene, world.scene.meshes[mesh_id], lanes, rays, surface);
+  Vec3Packet to_eye, start;  // `start`: off the surface by more than the hit's rounding error
+  alignas(64) float distance[kPacket];
+  for (int i = 0; i < kPacket; ++i) {
+    const float dx = rays.ray.dir_x[i], dy = rays.ray.dir_y[i], dz = rays.ray.dir_z[i];
+    const float length = std::sqrt(dx * dx + dy * dy + dz * dz);
+    to_eye.x[i] = -dx / length, to_eye.y[i] = -dy / length, to_eye.z[i] = -dz / length;
+    distance[i] = rays.ray.tfar[i] * length;
+    const float px = surface.position.x[i], py = surface.position.y[i], pz = surface.position.z[i];
+    const float off = 1e-5f * std::max(std::max(std::abs(px), std::abs(py)), std::max(std::abs(pz), distance[i]));
+    start.x[i] = px + off * surface.geometric_normal.x[i];
+    start.y[i] = py + off * surface.geometric_normal.y[i];
+    start.z[i] = pz + off * surface.geometric_normal.z[i];
+  }
+  if (surface.emits) {
+    for (int i = 0; i < kPacket; ++i) {
+      if (!lanes[i]) continue;
+      const float cosine = glm::dot(surface.geometric_normal.at(i), to_eye.at(i));
+      const float weight =
+          paths.pdf[i] == kInfinity
+              ? 1
+              : mis_weight(paths.pdf[i], world.lights.triangle_pdf(mesh_id, rays.hit.primID[i], distance[i], cosine));
+      add_light(paths, i, surface.emission_nits.at(i) * weight);
+    }
+  }
+
+  LightPacket l;
+  world.lights.sample(lanes, start, surface.normal, light.u, light.v, l);
+  for (int i = 0; i < kPacket; ++i) {
+    if (!lanes[i]) continue;
+    const glm::vec3 direction = l.direction.at(i), radiance = l.radiance.at(i);
+    const float cosine = glm::dot(surface.normal.at(i), direction);
+    if (radiance != glm::vec3(0) && cosine > 0 && glm::dot(surface.geometric_normal.at(i), direction) > 0) {
+      const Surface s = surface.at(i);
+      const float weight = reflection && l.pdf[i] > 0 ? mis_weight(l.pdf[i], bsdf_pdf(s, to_eye.at(i), direction)) : 1;
+      shadow.arriving.set(i, paths.throughput.at(i) * bsdf(s, to_eye.at(i), direction) * radiance * (cosine * weight));
+      // stop short of the light's own surface
+      set_ray(shadow.rays, i, start.at(i), direction, l.distance_m[i] * (1 - 1e-4f));
+      shadow.active[i] = -1;
+    }
+  }
+
+  for (int i = 0; reflection && i < kPacket; ++i) {
+    if (!lanes[i]) continue;
+    const Surface s = surface.at(i);
+    const glm::vec3 direction = sample_bsdf(s, to_eye.at(i), reflection->u[i], reflection->v[i]);
+    const float n_l = glm::dot(s.normal, direction);
+    const float pdf = bsdf_pdf(s, to_eye.at(i), direction);
+    if (n_l > 0 && glm::dot(s.geometric_normal, direction) > 0 && pdf > 0) {
+      paths.throughput.set(i, paths.throughput.at(i) * bsdf(s, to_eye.at(i), direction) * (n_l / pdf));
+      paths.pdf[i] = pdf;
+      paths.normal.set(i, s.normal);
+      set_ray(rays.ray, i, start.at(i), direction, kInfinity);
+      paths.active[i] = -1;
+    }
+  }
+}
+
+/// One step of all active paths: nearest hits, light found there, shadow rays.
 void advance(const RenderScene& world, RTCRayHit16& rays, Paths& paths, const Padded& light, const Padded* reflection,
              bool coherent) {
   const Scene& scene = world.scene;
   world.intersector.intersect(paths.active, rays, coherent);
 
-  alignas(64) RTCRay16 shadow;
-  alignas(64) int shadow_active[kPacket];
-  glm::vec3 arriving[kPacket];
-  bool any_shadow = false;
+  alignas(64) ShadowRays shadow;
+  unsigned waiting = 0;  // a bit for each path that has met a mesh and not been looked at
   for (int i = 0; i < kPacket; ++i) {
-    shadow_active[i] = 0;
+    shadow.active[i] = 0;
     if (!paths.active[i]) continue;
     paths.active[i] = 0;
-    const glm::vec3 ray_direction(rays.ray.dir_x[i], rays.ray.dir_y[i], rays.ray.dir_z[i]);
-    const unsigned mesh_id = rays.hit.geomID[i];
-    if (mesh_id == RTC_INVALID_GEOMETRY_ID) {
-      if (scene.environment.radiance_nits.empty()) continue;
-      const glm::vec3 d = glm::normalize(ray_direction);
-      const float weight =
-          paths.pdf[i] == kInfinity ? 1 : mis_weight(paths.pdf[i], world.lights.environment_pdf(paths.normal[i], d));
-      paths.radiance[i] += paths.throughput[i] * environment_radiance(scene.environment, d) * weight;
-      continue;
+    if (rays.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) {
+      see_environment(world, rays, paths, i);
+    } else {
+      waiting |= 1u << i;
     }
+  }
+  while (waiting != 0) {  // mesh by mesh: most packets see but one
+    const unsigned mesh_id = rays.hit.geomID[std::countr_zero(waiting)];
+    alignas(64) int lanes[kPacket];
+    for (int i = 0; i < kPacket; ++i) {
+      lanes[i] = (waiting >> i & 1) != 0 && rays.hit.geomID[i] == mesh_id ? -1 : 0;
+    }
+    for (int i = 0; i < kPacket; ++i) waiting &= ~(static_cast<unsigned>(lanes[i]) & 1u << i);
     const Mesh& mesh = scene.meshes[mesh_id];
-    const unsigned triangle = rays.hit.primID[i];
-    const Surface s = surface_at(scene, mesh, triangle, rays.hit.u[i], rays.hit.v[i], ray_direction);
-    if (s.unlit) {
-      paths.radiance[i] += paths.throughput[i] * s.base_color * scene.unlit_white_nits;
-      continue;
-    }
-    const float length = glm::length(ray_direction);
-    const glm::vec3 to_eye = ray_direction / -length;
-    const float distance = rays.ray.tfar[i] * length;
-    if (s.emission_nits != glm::vec3(0)) {
-      const float cosine = glm::dot(s.geometric_normal, to_eye);
-      const float weight =
-          paths.pdf[i] == kInfinity
-              ? 1
-              : mis_weight(paths.pdf[i], world.lights.triangle_pdf(mesh_id, triangle, distance, cosine));
-      paths.radiance[i] += paths.throughput[i] * s.emission_nits * weight;
-    }
-
-    const glm::vec3 start = leave(s, distance);
-    const LightSample l = world.lights.sample(start, s.normal, light.u[i], light.v[i]);
-    const float cosine = glm::dot(s.normal, l.direction);
-    if (l.radiance != glm::vec3(0) && cosine > 0 && glm::dot(s.geometric_normal, l.direction) > 0) {
-      const float weight = reflection && l.pdf > 0 ? mis_weight(l.pdf, bsdf_pdf(s, to_eye, l.direction)) : 1.0f;
-      arriving[i] = paths.throughput[i] * bsdf(s, to_eye, l.direction) * l.radiance * (cosine * weight);
-      // stop short of the light's own surface
-      set_ray(shadow, i, start, l.direction, l.distance_m * (1 - 1e-4f));
-      shadow_active[i] = -1;
-      any_shadow = true;
-    }
-
-    if (reflection) {
-      const glm::vec3 direction = sample_bsdf(s, to_eye, reflection->u[i], reflection->v[i]);
-      const float n_l = glm::dot(s.normal, direction);
-      const float pdf = bsdf_pdf(s, to_eye, direction);
-      if (n_l > 0 && glm::dot(s.geometric_normal, direction) > 0 && pdf > 0) {
-        paths.throughput[i] *= bsdf(s, to_eye, direction) * (n_l / pdf);
-        paths.pdf[i] = pdf;
-        paths.normal[i] = s.normal;
-        set_ray(rays.ray, i, start, direction, kInfinity);
-        paths.active[i] = -1;
-      }
+    if (scene.materials[mesh.material].unlit) {
+      see_unlit(scene, mesh, lanes, rays, paths);
+    } else {
+      scatter(world, mesh_id, lanes, rays, paths, light, reflection, shadow);
     }
   }
 
-  if (any_shadow) {
-    for (int i = 0; i < kPacket; ++i) {
-      if (!shadow_active[i]) set_ray(shadow, i, glm::vec3(0), glm::vec3(0, 0, 1), 0);
-      shadow.time[i] = 0;
-      shadow.mask[i] = ~0u;
-      shadow.flags[i] = 0;
-    }
-    world.intersector.occluded(shadow_active, shadow, coherent);
-    for (int i = 0; i < kPacket; ++i) {
-      if (shadow_active[i] && shadow.tfar[i] >= 0) paths.radiance[i] += arriving[i];
-    }
+  if (std::all_of(shadow.active, shadow.active + kPacket, [](int a) { return a == 0; })) return;
+  for (int i = 0; i < kPacket; ++i) {
+    if (!shadow.active[i]) set_ray(shadow.rays, i, glm::vec3(0), glm::vec3(0, 0, 1), 0);
+    shadow.rays.time[i] = 0;
+    shadow.rays.mask[i] = ~0u;
+    shadow.rays.flags[i] = 0;
+  }
+  world.intersector.occluded(shadow.active, shadow.rays, coherent);
+  for (int i = 0; i < kPacket; ++i) {
+    if (shadow.active[i] && shadow.rays.tfar[i] >= 0)
+      paths.radiance.set(i, paths.radiance.at(i) + shadow.arriving.at(i));
   }
 }
 
@@ -163,8 +214,8 @@ void render_pixel(const RenderScene& world, const CameraView& camera, const Rend
     to_world(packet, camera.world_from_camera, rays);
     for (int i = 0; i < kPacket; ++i) {
       paths.active[i] = i < lanes && packet.left[i] + packet.right[i] > 0 ? -1 : 0;
-      paths.throughput[i] = glm::vec3(1);
-      paths.radiance[i] = glm::vec3(0);
+      paths.throughput.set(i, glm::vec3(1));
+      paths.radiance.set(i, glm::vec3(0));
       paths.pdf[i] = kInfinity;
     }
     for (int bounce = 0;; ++bounce) {
@@ -176,8 +227,8 @@ void render_pixel(const RenderScene& world, const CameraView& camera, const Rend
       if (last || std::all_of(paths.active, paths.active + kPacket, [](int a) { return a == 0; })) break;
     }
     for (int i = 0; i < lanes; ++i) {
-      right_sum += packet.right[i] * paths.radiance[i];
-      left_sum += packet.left[i] * paths.radiance[i];
+      right_sum += packet.right[i] * paths.radiance.at(i);
+      left_sum += packet.left[i] * paths.radiance.at(i);
     }
   }
   for (int c = 0; c < 3; ++c) {

@@ -304,7 +304,7 @@ void keeps_its_promise(const std::string& scene_name, const std::string& lens, d
   if (p.measured) {
     const Lens& full = comparable ? p.lenses.back().model.lens : rung.model.lens;
     std::vector<DpViews> cheap;
-    for (int seed = 91; seed < 95; ++seed) {
+    for (int seed = 91; seed < 107; ++seed) {
       cheap.push_back(render(rung.model.lens, chosen_bounces(p), chosen_samples(p), seed));
     }
     const int samples = std::clamp(2 * chosen_samples(p), 64, 128);

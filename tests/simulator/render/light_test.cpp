@@ -123,9 +123,19 @@ TEST(Lights, EnvironmentDensityIntegratesToOneAndIsTheSamplers) {
     EXPECT_NEAR(integral, 1, 1e-3);
     int disagreements = 0;
     for (int i = 0; i < 10000; ++i) {
-      const LightSample s = lights.sample(glm::vec3(0), normal, (i % 100 + 0.5f) / 100, (i / 100 + 0.5f) / 100);
+      int lanes[kPacket] = {};
+      float u[kPacket] = {}, v[kPacket] = {};
+      Vec3Packet points{}, normals{};
+      const int lane = i % kPacket;
+      lanes[lane] = -1;
+      normals.set(lane, normal);
+      u[lane] = (i % 100 + 0.5f) / 100, v[lane] = (i / 100 + 0.5f) / 100;
+      LightPacket s;
+      lights.sample(lanes, points, normals, u, v, s);
+      EXPECT_NEAR(glm::length(s.direction.at(lane)), 1, 1e-6);
       // directions on the border of two cells may round into either
-      disagreements += std::abs(lights.environment_pdf(normal, s.direction) - s.pdf) > 1e-3f * s.pdf;
+      disagreements +=
+          std::abs(lights.environment_pdf(normal, s.direction.at(lane)) - s.pdf[lane]) > 1e-3f * s.pdf[lane];
     }
     EXPECT_LT(disagreements, 10);
   }

@@ -92,7 +92,14 @@ TEST(Surface, NormalMapFollowsTextureAxes) {
   scene.materials = {diffuse(0.5f)};
   scene.materials[0].normal_texture.texture = 0;
   const Mesh quad = make_quad({0, 0, 1}, {1, 0, 0}, {0, 1, 0}, 0);
-  const Surface s = surface_at(scene, quad, 0, 0.3f, 0.3f, {0, 0, 1});
+  RTCRayHit16 rays{};  // all meet triangle 0
+  int lanes[kPacket] = {};
+  lanes[5] = -1;
+  rays.hit.u[5] = rays.hit.v[5] = 0.3f;
+  rays.ray.dir_z[5] = 1;
+  SurfacePacket packet;
+  surfaces_at(scene, quad, lanes, rays, packet);
+  const Surface s = packet.at(5);
   EXPECT_NEAR(std::abs(s.normal.x), 1, 0.01);
   EXPECT_LE(s.geometric_normal.z, -0.999f);  // towards the camera
 }
