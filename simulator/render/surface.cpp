@@ -2,23 +2,10 @@
 
 #include <array>
 #include <cmath>
+#include <cstring>
 
 namespace dualpixel::simulator {
 namespace {
-
-/// sRGB decoding (IEC 61966-2-1) of bytes, and the plain scaling of linear ones.
-struct DecodeTables {
-  std::array<float, 256> srgb;
-  std::array<float, 256> linear;
-  DecodeTables() {
-    for (int i = 0; i < 256; ++i) {
-      const double x = i / 255.0;
-      linear[i] = static_cast<float>(x);
-      srgb[i] = static_cast<float>(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
-    }
-  }
-};
-const DecodeTables kDecode;
 
 /// Where a bilinear lookup reads along one side of a picture: texels `low` and `high`, `high` by `fraction`.
 struct Tap {
@@ -26,17 +13,17 @@ struct Tap {
   float fraction;
 };
 
-/// Branch-free, for any number `u`.
+/// For any number `u`, without branches: loops over lanes become vector instructions.
 inline Tap linear_tap(float u, int size, Wrap mode) {
   const bool repeat = mode == Wrap::repeat;
-  const float period = repeat ? 1.0f : 2.0f;
-  u = mode == Wrap::clamp ? u : u - period * std::floor(u / period);
-  u = mode == Wrap::mirror ? std::min(u, 2 - u) : u;
-  const float x = std::max(std::min(1.0f, u), 0.0f) * static_cast<float>(size);  // `size` for what is no number
-  const int low = static_cast<int>(x + 0.5f) - 1, high = low + 1;
-  const float fraction = x - 0.5f - static_cast<float>(low);
-  const int last = size - 1;
-  return {low >= 0 ? low : repeat ? last : 0, high <= last ? high : repeat ? 0 : last, fraction};
+  const float period = repeat ? 1.0f : 2.0f, per_period = 1 / period;
+  u = mode == Wrap::clamp ? u : u - period * std::floor(u * per_period);
+  u = mode == Wrap::mirror && u > 1 ? 2 - u : u;
+  u = u < 1 ? u : 1.0f;  // also where it is no number
+  const float x = (u > 0 ? u : 0.0f) * static_cast<float>(size);
+  const int low = static_cast<int>(x + 0.5f) - 1, high = low + 1, last = size - 1;
+  const int below = repeat ? last : 0, above = repeat ? 0 : last;
+  return {low >= 0 ? low : below, high <= last ? high : above, x - 0.5f - static_cast<float>(low)};
 }
 
 /// The texel that u lies in.
@@ -46,18 +33,50 @@ inline Tap nearest_tap(float u, int size, Wrap mode) {
   return {texel, texel, 0};
 }
 
+struct TapPacket {
+  alignas(64) int low[kPacket], high[kPacket];
+  alignas(64) float fraction[kPacket];
+  Tap at(int i) const { return {low[i], high[i], fraction[i]}; }
+};
+
+void taps(const float u[kPacket], int size, Wrap mode, bool nearest, TapPacket& out) {
+  for (int i = 0; i < kPacket; ++i) {
+    const Tap t = linear_tap(u[i], size, mode);
+    out.low[i] = t.low, out.high[i] = t.high, out.fraction[i] = t.fraction;
+  }
+  if (!nearest) return;
+  for (int i = 0; i < kPacket; ++i) {
+    const Tap t = nearest_tap(u[i], size, mode);
+    out.low[i] = t.low, out.high[i] = t.high, out.fraction[i] = t.fraction;
+  }
+}
+
 using Vec4 = float __attribute__((vector_size(16)));
 
-inline Vec4 texels_at(const Texture& texture, const Tap& x, const Tap& y) {
-  const float* const decode = (texture.srgb ? kDecode.srgb : kDecode.linear).data();
-  const float* const decode_alpha = kDecode.linear.data();
-  const auto texel = [&](int column, int row) {
-    const std::uint8_t* t = &texture.rgba[4 * (static_cast<std::size_t>(row) * texture.width + column)];
-    return Vec4{decode[t[0]], decode[t[1]], decode[t[2]], decode_alpha[t[3]]};
-  };
+template <class Texel>
+Vec4 blend(const Texel& texel, const Tap& x, const Tap& y) {
   const Vec4 upper = texel(x.low, y.low) * (1 - x.fraction) + texel(x.high, y.low) * x.fraction;
   const Vec4 lower = texel(x.low, y.high) * (1 - x.fraction) + texel(x.high, y.high) * x.fraction;
   return upper * (1 - y.fraction) + lower * y.fraction;
+}
+
+inline Vec4 texels_at(const Texture& texture, const Tap& x, const Tap& y) {
+  const auto index = [&](int column, int row) { return static_cast<std::size_t>(row) * texture.width + column; };
+  if (!texture.decoded.empty()) {
+    return blend(
+        [&](int column, int row) {
+          Vec4 texel;
+          std::memcpy(&texel, &texture.decoded[index(column, row)], sizeof texel);
+          return texel;
+        },
+        x, y);
+  }
+  return blend(
+      [&](int column, int row) {
+        const glm::vec4 t = decode_texel(texture, index(column, row));
+        return Vec4{t.x, t.y, t.z, t.w};
+      },
+      x, y);
 }
 
 template <typename T>
@@ -159,14 +178,17 @@ bool texture_coordinates(const Mesh& mesh, const TextureSlot& slot, const Triang
   if (slot.texture < 0) return false;
   const auto& uvs = uv_set(mesh, slot);
   if (uvs.empty()) return false;
-  const auto& m = slot.uv_from_uv;
+  const std::array<float, 6> m = slot.uv_from_uv;
   alignas(64) float u[3][kPacket], v[3][kPacket];
-  for (int i = 0; i < kPacket; ++i) {
-    for (int corner = 0; corner < 3; ++corner) {
+  for (int corner = 0; corner < 3; ++corner) {
+    const glm::vec2 first = uvs[t.corners[0][corner]];
+    for (int i = 0; i < kPacket; ++i) u[corner][i] = first.x, v[corner][i] = first.y;
+    for (int i = 1; !t.one && i < kPacket; ++i) {
       const glm::vec2 uv = uvs[t.corners[i][corner]];
       u[corner][i] = uv.x, v[corner][i] = uv.y;
     }
   }
+#pragma GCC ivdep
   for (int i = 0; i < kPacket; ++i) {
     const float b1 = rays.hit.u[i], b2 = rays.hit.v[i], b0 = 1 - b1 - b2;
     const float x = b0 * u[0][i] + b1 * u[1][i] + b2 * u[2][i], y = b0 * v[0][i] + b1 * v[1][i] + b2 * v[2][i];
@@ -183,15 +205,11 @@ void base_colors_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacke
   alignas(64) float u[kPacket], v[kPacket];
   if (texture_coordinates(mesh, material.base_color_texture, t, rays, u, v)) {
     const Texture& texture = scene.textures[material.base_color_texture.texture];
-    Tap x[kPacket], y[kPacket];
+    TapPacket x, y;
+    taps(u, texture.width, texture.wrap_u, texture.nearest, x);
+    taps(v, texture.height, texture.wrap_v, texture.nearest, y);
     for (int i = 0; i < kPacket; ++i) {
-      x[i] = texture.nearest ? nearest_tap(u[i], texture.width, texture.wrap_u)
-                             : linear_tap(u[i], texture.width, texture.wrap_u);
-      y[i] = texture.nearest ? nearest_tap(v[i], texture.height, texture.wrap_v)
-                             : linear_tap(v[i], texture.height, texture.wrap_v);
-    }
-    for (int i = 0; i < kPacket; ++i) {
-      const Vec4 texel = texels_at(texture, x[i], y[i]);
+      const Vec4 texel = texels_at(texture, x.at(i), y.at(i));
       out.x[i] *= texel[0], out.y[i] *= texel[1], out.z[i] *= texel[2];
     }
   }
@@ -220,6 +238,7 @@ void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket],
   const TrianglePacket t = triangles_of(mesh, lanes, rays);
   const Corners p(mesh.positions, t);
   Vec3Packet &g = s.geometric_normal, &n = s.normal;
+#pragma GCC ivdep
   for (int i = 0; i < kPacket; ++i) {
     const float u = rays.hit.u[i], v = rays.hit.v[i];
     const float ax = p.second.x[i] - p.first.x[i], bx = p.third.x[i] - p.first.x[i];

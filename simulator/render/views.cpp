@@ -38,6 +38,12 @@ struct Paths {
   Vec3Packet normal;               ///< of the surface that the ray left; unset for camera rays
 };
 
+/// Which of a pixel's samples a packet holds.
+struct SamplePlace {
+  std::uint32_t first, index_mask;
+  std::uint64_t pixel_key;
+};
+
 struct Padded {
   alignas(64) float u[kPacket], v[kPacket];
 };
@@ -48,6 +54,16 @@ struct ShadowRays {
   RTCRay16 rays;
   Vec3Packet arriving;
 };
+
+/// kPacket where there is none.
+int first_set(const int lanes[kPacket]) {
+  int any = 0;
+  for (int i = 0; i < kPacket; ++i) any |= lanes[i];
+  if (!any) return kPacket;
+  int first = 0;
+  while (!lanes[first]) ++first;
+  return first;
+}
 
 /// How much of light found along a sampled ray counts when the light sampler could have found it too (balance
 /// heuristic, Veach 1995).
@@ -73,8 +89,10 @@ void see_unlit(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], c
   base_colors_at(scene, mesh, lanes, rays, color);
   Vec3Packet& r = paths.radiance;
   const Vec3Packet& t = paths.throughput;
+  const float white_nits = scene.unlit_white_nits;
+#pragma GCC ivdep
   for (int i = 0; i < kPacket; ++i) {
-    const float white = lanes[i] ? scene.unlit_white_nits : 0.0f;
+    const float white = lanes[i] ? white_nits : 0.0f;
     r.x[i] += t.x[i] * color.x[i] * white;
     r.y[i] += t.y[i] * color.y[i] * white;
     r.z[i] += t.z[i] * color.z[i] * white;
@@ -145,39 +163,47 @@ void scatter(const RenderScene& world, unsigned mesh_id, const int lanes[kPacket
 }
 
 /// One step of all active paths: nearest hits, light found there, shadow rays.
-void advance(const RenderScene& world, RTCRayHit16& rays, Paths& paths, const Padded& light, const Padded* reflection,
-             bool coherent) {
+void advance(const RenderScene& world, RTCRayHit16& rays, Paths& paths, const SamplePlace& place, int bounce,
+             bool last) {
   const Scene& scene = world.scene;
+  const bool coherent = bounce == 0;
   world.intersector.intersect(paths.active, rays, coherent);
 
-  alignas(64) ShadowRays shadow;
-  unsigned waiting = 0;  // a bit for each path that has met a mesh and not been looked at
+  alignas(64) int waiting[kPacket];  // paths that have met a mesh and not been looked at
+  bool any_missed = false;
   for (int i = 0; i < kPacket; ++i) {
-    shadow.active[i] = 0;
-    if (!paths.active[i]) continue;
-    paths.active[i] = 0;
-    if (rays.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) {
-      see_environment(world, rays, paths, i);
-    } else {
-      waiting |= 1u << i;
-    }
+    waiting[i] = rays.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID ? 0 : paths.active[i];
+    any_missed |= waiting[i] != paths.active[i];
   }
-  while (waiting != 0) {  // mesh by mesh: most packets see but one
-    const unsigned mesh_id = rays.hit.geomID[std::countr_zero(waiting)];
+  for (int i = 0; any_missed && i < kPacket; ++i) {
+    if (paths.active[i] && !waiting[i]) see_environment(world, rays, paths, i);
+  }
+  alignas(64) ShadowRays shadow;
+  for (int i = 0; i < kPacket; ++i) paths.active[i] = shadow.active[i] = 0;
+  Padded light, reflection;
+  bool sampled = false;
+  for (int first; (first = first_set(waiting)) < kPacket;) {  // mesh by mesh: most packets see but one
+    const unsigned mesh_id = rays.hit.geomID[first];
     alignas(64) int lanes[kPacket];
     for (int i = 0; i < kPacket; ++i) {
-      lanes[i] = (waiting >> i & 1) != 0 && rays.hit.geomID[i] == mesh_id ? -1 : 0;
+      lanes[i] = rays.hit.geomID[i] == mesh_id ? waiting[i] : 0;
+      waiting[i] &= ~lanes[i];
     }
-    for (int i = 0; i < kPacket; ++i) waiting &= ~(static_cast<unsigned>(lanes[i]) & 1u << i);
     const Mesh& mesh = scene.meshes[mesh_id];
     if (scene.materials[mesh.material].unlit) {
       see_unlit(scene, mesh, lanes, rays, paths);
-    } else {
-      scatter(world, mesh_id, lanes, rays, paths, light, reflection, shadow);
+      continue;
     }
+    if (!sampled) {
+      padded_samples(place.first, place.index_mask, place.pixel_key, 2 * bounce, light.u, light.v);
+      if (!last)
+        padded_samples(place.first, place.index_mask, place.pixel_key, 2 * bounce + 1, reflection.u, reflection.v);
+      sampled = true;
+    }
+    scatter(world, mesh_id, lanes, rays, paths, light, last ? nullptr : &reflection, shadow);
   }
 
-  if (std::all_of(shadow.active, shadow.active + kPacket, [](int a) { return a == 0; })) return;
+  if (first_set(shadow.active) == kPacket) return;
   for (int i = 0; i < kPacket; ++i) {
     if (!shadow.active[i]) set_ray(shadow.rays, i, glm::vec3(0), glm::vec3(0, 0, 1), 0);
     shadow.rays.time[i] = 0;
@@ -191,6 +217,12 @@ void advance(const RenderScene& world, RTCRayHit16& rays, Paths& paths, const Pa
   }
 }
 
+glm::vec3 sum_of(const Vec3Packet& lanes) {
+  glm::vec3 sum(0);
+  for (int i = 0; i < kPacket; ++i) sum += lanes.at(i);
+  return sum;
+}
+
 /// All samples of one pixel: sums of radiance over the left and the right half.
 void render_pixel(const RenderScene& world, const CameraView& camera, const RenderOptions& options, int x, int y,
                   std::uint64_t pixel_key, float* left, float* right) {
@@ -200,9 +232,8 @@ void render_pixel(const RenderScene& world, const CameraView& camera, const Rend
   LensPacket packet;
   alignas(64) RTCRayHit16 rays;
   alignas(64) Paths paths;
-  alignas(64) Padded light, reflection;
   const int color = camera.lens.has_color() ? cfa_color(x, y) : 1;
-  glm::vec3 left_sum(0), right_sum(0);
+  Vec3Packet left_sum{}, right_sum{};
   for (std::uint32_t first = 0; first < samples; first += kPacket) {
     const int lanes = static_cast<int>(std::min<std::uint32_t>(kPacket, samples - first));
     joint_samples(first, pixel_key, joint);
@@ -220,20 +251,23 @@ void render_pixel(const RenderScene& world, const CameraView& camera, const Rend
     }
     for (int bounce = 0;; ++bounce) {
       const bool last = bounce == options.max_bounces;
-      padded_samples(first, index_mask, pixel_key, 2 * bounce, light.u, light.v);
-      if (!last) padded_samples(first, index_mask, pixel_key, 2 * bounce + 1, reflection.u, reflection.v);
       if (bounce > 0) reset(rays);
-      advance(world, rays, paths, light, last ? nullptr : &reflection, bounce == 0);
-      if (last || std::all_of(paths.active, paths.active + kPacket, [](int a) { return a == 0; })) break;
+      advance(world, rays, paths, {first, index_mask, pixel_key}, bounce, last);
+      if (last || first_set(paths.active) == kPacket) break;
     }
-    for (int i = 0; i < lanes; ++i) {
-      right_sum += packet.right[i] * paths.radiance.at(i);
-      left_sum += packet.left[i] * paths.radiance.at(i);
+    for (int i = 0; i < kPacket; ++i) {
+      left_sum.x[i] += packet.left[i] * paths.radiance.x[i];
+      left_sum.y[i] += packet.left[i] * paths.radiance.y[i];
+      left_sum.z[i] += packet.left[i] * paths.radiance.z[i];
+      right_sum.x[i] += packet.right[i] * paths.radiance.x[i];
+      right_sum.y[i] += packet.right[i] * paths.radiance.y[i];
+      right_sum.z[i] += packet.right[i] * paths.radiance.z[i];
     }
   }
+  const glm::vec3 left_total = sum_of(left_sum), right_total = sum_of(right_sum);
   for (int c = 0; c < 3; ++c) {
-    left[c] = left_sum[c] / samples;
-    right[c] = right_sum[c] / samples;
+    left[c] = left_total[c] / samples;
+    right[c] = right_total[c] / samples;
   }
 }
 

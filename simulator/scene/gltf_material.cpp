@@ -18,6 +18,7 @@ namespace {
 
 constexpr int kLongestSide = 16384;
 constexpr std::int64_t kMostTexels = std::int64_t{1} << 27;
+constexpr std::int64_t kMostDecodedTexels = 1 << 25;  // half a gigabyte of them
 
 /// OpenImageIO's name of an image's format by its magic bytes; "" for what glTF does not allow.
 std::string format_of(const std::vector<unsigned char>& bytes) {
@@ -132,6 +133,7 @@ class TextureTable {
       texture.wrap_v = wrap_of(sampler.wrapT);
     }
     decode_image(file_, source.source, texels_left_, texture);
+    if (kMostTexels - texels_left_ < kMostDecodedTexels) keep_decoded(texture);
     return known->second;
   }
 

@@ -22,7 +22,14 @@ struct Texture {
   Wrap wrap_u = Wrap::repeat;
   Wrap wrap_v = Wrap::repeat;
   std::vector<std::uint8_t> rgba;
+  std::vector<glm::vec4> decoded;  ///< the same as linear numbers, where it is small: see keep_decoded(); else empty
 };
+
+/// Fills `decoded` of a texture of up to 1024 x 1024 texels: four times the memory, a third of a lookup's time.
+void keep_decoded(Texture& texture);
+
+/// One texel as linear numbers.
+glm::vec4 decode_texel(const Texture& texture, std::size_t index);
 
 /// A texture as one material slot uses it; KHR_texture_transform is folded into the affine map uv' = m * (u, v, 1).
 struct TextureSlot {
