@@ -1,25 +1,21 @@
 #pragma once
 #include <cstdint>
 #include <functional>
-#include <optional>
 
 #include "capture/image.h"
-#include "simulator/render/camera_view.h"
-#include "simulator/render/render_scene.h"
+#include "simulator/render/pixel.h"
+#include "simulator/render/sample_map.h"
 
-/// The renderer: every camera sample crosses the pixel and the pupil at one point and is shared between the left and
-/// the right view by the split pixel, so one render gives both, and left + right is the undivided pixel.
+/// The renderer: one render gives both views, and left + right is the undivided pixel.
 namespace dualpixel::simulator {
 
 using ProgressCallback = std::function<void(double fraction)>;
 
 struct RenderOptions {
   int samples_per_pixel = 16;  ///< 1 .. 65536; powers of two sample best
-  int max_bounces = 0;         ///< 0: emitted and direct light; n: n further reflections
+  int max_bounces = 0;         ///< as in PathOptions
   std::uint64_t seed = 1;
-  /// Set: instead of the lens the ideal one with its chief rays is looked through, its pupil this much wider; 0 is a
-  /// pinhole.
-  std::optional<double> ideal_aperture_scale;
+  std::optional<double> ideal_aperture_scale;  ///< as in PathOptions
 };
 
 /// Both halves of every photosite, full sensor size, linear RGB. left + right is the radiance in nits that the
@@ -31,9 +27,11 @@ struct Views {
   Image right;
 };
 
-/// The same bytes for any number of threads.
+/// The same bytes for any number of threads. With a map, tile by tile as many samples as it says.
 Views render_views(const RenderScene& scene, const CameraView& camera, const RenderOptions& options,
                    const ProgressCallback& progress = {});
+Views render_views(const RenderScene& scene, const CameraView& camera, const RenderOptions& options,
+                   const SampleMap& map, const ProgressCallback& progress = {});
 
 /// left + right: what an undivided sensor sees. `views` is used up.
 Image undivided(Views views);

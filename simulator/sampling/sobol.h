@@ -97,9 +97,27 @@ inline void joint_samples(std::uint32_t first, std::uint64_t pixel_key, float ou
   }
 }
 
+/// Eight points, `first` a multiple of 8, as mirrored pairs: lanes i and i + 8 are at one place of the pixel and at
+/// opposite ones of the pupil.
+inline void mirrored_samples(std::uint32_t first, std::uint64_t pixel_key, float out[4][kPacket]) {
+  constexpr int kPairs = kPacket / 2;
+  constexpr float kLast = 0x1.fffffep-1f;
+  for (int d = 0; d < 4; ++d) {
+    const std::uint32_t base = detail::sobol_reversed(d, first);
+    const auto seed = static_cast<std::uint32_t>(hash(pixel_key, d) >> 32);
+    const auto& points = detail::kNibblePoints[d][0];
+    for (int i = 0; i < kPairs; ++i) {
+      const float s = unit_float(owen_scramble_reversed(base ^ points[i], seed));
+      out[d][i] = s;
+      out[d][i + kPairs] = d < 2 ? s : kLast - s;
+    }
+  }
+}
+
 /// A planar net in shuffled order, for whatever follows the lens (`stream` numbers these decisions): its pairing with
 /// the joint coordinates is random, its own stratification is kept. `index_mask` + 1 is the power of two that holds
-/// all samples of the pixel.
+/// all points of the pixel. Lanes i and i + `distinct` share a point.
+template <int distinct = kPacket>
 inline void padded_samples(std::uint32_t first, std::uint32_t index_mask, std::uint64_t pixel_key, std::uint32_t stream,
                            float u[kPacket], float v[kPacket]) {
   const std::uint64_t key = hash(pixel_key, 4 + stream);
@@ -109,7 +127,7 @@ inline void padded_samples(std::uint32_t first, std::uint32_t index_mask, std::u
   const auto seed_v = static_cast<std::uint32_t>(seeds >> 32);
   std::uint32_t index[kPacket], x[kPacket], y[kPacket];
   for (int i = 0; i < kPacket; ++i) {
-    index[i] = owen_scramble_reversed(reverse_bits(first + i), shuffle) & index_mask;
+    index[i] = owen_scramble_reversed(reverse_bits(first + i % distinct), shuffle) & index_mask;
   }
   for (int i = 0; i < kPacket; ++i) {
     x[i] = detail::sobol_reversed(0, index[i]);

@@ -1,0 +1,29 @@
+#pragma once
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+
+#include "simulator/render/camera_view.h"
+#include "simulator/render/render_scene.h"
+
+/// The light paths of one photosite: every camera sample crosses the pixel and the pupil at one point and is shared
+/// between the left and the right view by the split pixel. Sixteen samples go together as one packet.
+namespace dualpixel::simulator {
+
+struct PathOptions {
+  int max_bounces = 0;  ///< 0: emitted and direct light; n: n further reflections
+  /// Set: instead of the lens the ideal one with its chief rays is looked through, its pupil this much wider; 0 is a
+  /// pinhole.
+  std::optional<double> ideal_aperture_scale;
+};
+
+/// Linear RGB in nits, as Views holds it.
+struct HalfRadiance {
+  glm::vec3 left{0}, right{0};
+};
+
+/// Mean over `samples` points, 1 .. 65536, of the net that `pixel_key` scrambles; powers of two sample best.
+HalfRadiance render_pixel(const RenderScene& world, const CameraView& camera, const PathOptions& options, int x, int y,
+                          std::uint32_t samples, std::uint64_t pixel_key);
+
+}  // namespace dualpixel::simulator
