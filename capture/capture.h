@@ -90,6 +90,9 @@ struct Truth {
   Image all_in_focus;     ///< RGB through a pinhole
   Image photograph;       ///< RGB through the wider aperture
   double photograph_aperture_scale = 0;  ///< its pupil diameter over the capture's
+  // Where samples were shared out by error; otherwise empty, and every photosite has as many.
+  Image samples;       ///< of each photosite
+  Image render_sigma;  ///< expected standard error of a half photosite in its own filter's colour, normalised signal
 };
 
 struct Capture {

@@ -26,6 +26,7 @@ constexpr const char* kMarker = "capture.json";
 constexpr const char* kGeometryFile = "truth/geometry.exr";
 constexpr const char* kAllInFocusFile = "truth/all_in_focus.exr";
 constexpr const char* kPhotographFile = "truth/photograph.exr";
+constexpr const char* kSamplingFile = "truth/sampling.exr";
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMostFrames = 1000;
 constexpr float kLargestHalf = 65504;
@@ -91,6 +92,11 @@ void check_truth(const Truth& truth, const Camera& camera, const Check& check) {
   check.size(truth.all_in_focus, width, height, 3, "/truth/all_in_focus");
   check.size(truth.photograph, width, height, 3, "/truth/photograph");
 
+  if (!truth.samples.empty() || !truth.render_sigma.empty()) {
+    check.size(truth.samples, width, height, 1, "/truth/samples");
+    check.size(truth.render_sigma, width, height, 1, "/truth/render_sigma");
+  }
+
   const auto all = [](const Image& image, auto holds) {
     return std::all_of(image.data.begin(), image.data.end(), holds);
   };
@@ -102,6 +108,10 @@ void check_truth(const Truth& truth, const Camera& camera, const Check& check) {
   check.that(all(truth.normal, finite), "/truth/N", "must be finite");
   check.that(all(truth.all_in_focus, finite), "/truth/all_in_focus", "must be finite");
   check.that(all(truth.photograph, finite), "/truth/photograph", "must be finite");
+  check.that(all(truth.samples, [](float v) { return v >= 1 && v <= 65536; }), "/truth/samples",
+             "must lie in [1, 65536]");
+  check.that(all(truth.render_sigma, [](float v) { return v >= 0 && std::isfinite(v); }), "/truth/render_sigma",
+             "must be finite and 0 or more");
   for (std::size_t i = 0; i < truth.depth_m.data.size(); ++i) {
     const float depth_m = truth.depth_m.data[i];
     check.that(truth.valid.data[i] == 1 ? depth_m > 0 && std::isfinite(depth_m) : depth_m == kInfinity, "/truth/Z",
@@ -331,17 +341,29 @@ void write_truth(const Truth& truth, const Capture& capture, const std::string& 
   };
   picture(kAllInFocusFile, truth.all_in_focus, kInfinity);
   picture(kPhotographFile, truth.photograph, capture.camera.f_number / truth.photograph_aperture_scale);
+  if (truth.samples.empty()) return;
+  tasks.push_back([&truth, file = folder + "/" + kSamplingFile] {
+    write_exr(file, {{"samples", &truth.samples}, {"sigma", &truth.render_sigma}}, false, nullptr, {});
+  });
 }
 
 /// Reads "truth" of capture.json; the files are read by `tasks`, into `truth`.
 void read_truth(Fields fields, const Folder& folder, Truth& truth, std::vector<Task>& tasks, const Check& check) {
-  std::string geometry, all_in_focus, photograph;
+  std::string geometry, all_in_focus, photograph, sampling;
   fields.required("geometry").text("geometry", geometry);
   fields.required("all_in_focus").text("all_in_focus", all_in_focus);
   fields.required("photograph").text("photograph", photograph);
   fields.required("photograph_aperture_scale");
   fields.number("photograph_aperture_scale", truth.photograph_aperture_scale, 1e-3, 1e3);
+  fields.text("sampling", sampling);
   fields.done();
+  if (!sampling.empty()) {
+    tasks.push_back([&folder, &truth, sampling] {
+      std::vector<Image> planes = read_exr(folder.verified(sampling, "/truth/sampling"), {"samples", "sigma"});
+      truth.samples = std::move(planes[0]);
+      truth.render_sigma = std::move(planes[1]);
+    });
+  }
   tasks.push_back([&folder, &truth, geometry] {
     std::string file = folder.verified(geometry, "/truth/geometry");
     std::vector<Image> planes =
@@ -413,6 +435,10 @@ void write_capture(const Capture& capture, const std::string& path) {
                          {"all_in_focus", kAllInFocusFile},
                          {"photograph", kPhotographFile},
                          {"photograph_aperture_scale", capture.truth->photograph_aperture_scale}};
+    if (!capture.truth->samples.empty()) {
+      names.emplace_back(kSamplingFile);
+      document["truth"]["sampling"] = kSamplingFile;
+    }
   }
   document["provenance"] = capture.provenance;
   run_parallel(tasks);

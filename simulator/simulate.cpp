@@ -13,6 +13,7 @@
 #include "capture/error.h"
 #include "capture/json_fields.h"
 #include "simulator/lens/lens_file.h"
+#include "simulator/render/adaptive.h"
 #include "simulator/render/truth.h"
 #include "simulator/sampling/hash.h"
 #include "simulator/scene/gltf.h"
@@ -91,6 +92,12 @@ void read_environment_fields(Fields environment, Simulation& s, const std::strin
 
 void read_render(Fields render, Simulation& s) {
   render.integer("samples_per_pixel", s.render.samples_per_pixel, 1, 65536);
+  const auto share = [&](const char* key, std::optional<double>& value) {
+    if (render.has(key)) render.number(key, value.emplace(), 1e-4, 100);
+  };
+  share("noise_fraction", s.noise_fraction);
+  share("error", s.render_error);
+  if (s.noise_fraction && s.render_error) render.fail("error", "give either noise_fraction or error, not both");
   render.integer("photograph_samples_per_pixel", s.photograph_samples_per_pixel, 1, 65536);
   render.integer("all_in_focus_samples_per_pixel", s.all_in_focus_samples_per_pixel, 1, 65536);
   render.integer("max_bounces", s.render.max_bounces, 0, 1000);
@@ -156,6 +163,43 @@ bool gives_light(const Scene& scene) {
   return !scene.lights.empty() || !scene.environment.radiance_nits.empty() ||
          std::any_of(scene.meshes.begin(), scene.meshes.end(),
                      [&](const Mesh& mesh) { return shines(scene.materials[mesh.material]); });
+}
+
+constexpr std::uint32_t kMostSamples = 16384;
+
+ErrorTarget scaled(ErrorTarget target, double factor) {
+  for (double& value : target.per_nit) value *= factor;
+  for (double& value : target.constant) value *= factor;
+  return target;
+}
+
+/// The variance that the sensor adds to a half photosite, nits^2: shot noise and one read-out.
+ErrorTarget sensor_noise(const SensorOptions& sensor, const ExposureOptions& exposure, double lux_per_nit) {
+  ErrorTarget target;
+  for (int c = 0; c < 3; ++c) {
+    const double electrons_per_nit = lux_per_nit * exposure.time_s * sensor.electrons_per_lux_s[c];
+    const double read_nits = sensor.read_noise_e / electrons_per_nit;
+    target.per_nit[c] = 1 / electrons_per_nit;
+    target.constant[c] = std::max(read_nits * read_nits, 1e-12);
+  }
+  return target;
+}
+
+void describe_sampling(const SampleMap& map, const Views& views, const ErrorTarget& target, double unit_per_nit,
+                       Truth& truth) {
+  truth.samples = truth.render_sigma = Image(map.width_px, map.height_px);
+  for (std::size_t i = 0; i < map.samples.size(); ++i) {
+    const Tile tile = tile_at(map, static_cast<int>(i));
+    for (int y = tile.y0; y < tile.y1; ++y) {
+      for (int x = tile.x0; x < tile.x1; ++x) {
+        const int c = cfa_color(x, y);
+        const double nits = 0.5 * (views.left.at(x, y, c) + views.right.at(x, y, c));
+        truth.samples.at(x, y) = static_cast<float>(tile.samples);
+        truth.render_sigma.at(x, y) = static_cast<float>(unit_per_nit * map.error_ratio[i] *
+                                                         std::sqrt(target.per_nit[c] * nits + target.constant[c]));
+      }
+    }
+  }
 }
 
 void scale(Image& image, double factor) {
@@ -282,7 +326,19 @@ Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& s
   scale(capture.truth->photograph, unit_per_nit);
 
   const Image electrons = [&] {
-    const Views views = render_views(world, view, s.render, report("left and right view"));
+    Views views;
+    if (s.noise_fraction || s.render_error) {
+      const double share = s.noise_fraction ? *s.noise_fraction : *s.render_error / unit_per_nit;
+      const ErrorTarget target = scaled(s.noise_fraction ? sensor_noise(s.sensor, s.exposure, view.lens.lux_per_nit())
+                                                         : ErrorTarget{.constant = {1, 1, 1}},
+                                        share * share);
+      const Pilot pilot = probe_tiles(world, view, s.render, target, kMostSamples, report("error of the two views"));
+      const SampleMap map = share_samples(pilot, 1, kMostSamples);
+      views = render_views(world, view, s.render, map, report("left and right view"));
+      describe_sampling(map, views, target, unit_per_nit, *capture.truth);
+    } else {
+      views = render_views(world, view, s.render, report("left and right view"));
+    }
     return expected_electrons(views.left, views.right, s.sensor, s.exposure, view.lens.lux_per_nit());
   }();
   for (int i = 0; i < s.burst_frames; ++i) {

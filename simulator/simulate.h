@@ -42,6 +42,10 @@ struct Simulation {
   std::optional<std::array<double, 4>> face_px;
   double photograph_aperture_scale = 5;
   RenderOptions render;
+  /// Set: the two views get as many samples, tile by tile, as keep their error's RMS at this share of the sensor's
+  /// noise; instead of render.samples_per_pixel.
+  std::optional<double> noise_fraction;
+  std::optional<double> render_error;  ///< likewise, at this share of the signal 1.0
   int photograph_samples_per_pixel = 48;
   int all_in_focus_samples_per_pixel = 8;
   nlohmann::json json;  ///< the document as it was read, overrides applied

@@ -391,6 +391,8 @@ Plan plan(const simulator::Simulation& simulation, const simulator::Scene& scene
 simulator::Simulation planned(simulator::Simulation simulation, const Plan& plan) {
   simulation.lens = plan.lenses[plan.lens].model.lens;
   simulation.render.max_bounces = plan.bounces[plan.bounce].bounces;
+  simulation.noise_fraction.reset();
+  simulation.render_error.reset();
   simulation.render.samples_per_pixel = plan.samples[plan.sample].samples;
   return simulation;
 }

@@ -43,9 +43,12 @@ void run(const SimulateOptions& options) {
     std::cerr << text.substr(text.rfind('\n', text.size() - 2) + 1);  // the sentence that concludes it
   }
   if (options.dry_run) {
-    std::cout << fmt::format("{}: {} x {} photosites, {} samples each, a burst of {}: can be simulated\n",
-                             options.scene, simulation.sensor.width_px, simulation.sensor.height_px,
-                             simulation.render.samples_per_pixel, simulation.burst_frames);
+    const bool by_error = simulation.noise_fraction || simulation.render_error;
+    std::cout << fmt::format(
+        "{}: {} x {} photosites, {}, a burst of {}: can be simulated\n", options.scene, simulation.sensor.width_px,
+        simulation.sensor.height_px,
+        by_error ? "samples by error" : fmt::format("{} samples each", simulation.render.samples_per_pixel),
+        simulation.burst_frames);
     return;
   }
 
@@ -69,6 +72,19 @@ void add_simulate(CLI::App& program) {
   command->add_option("-o,--output", options->output, "Capture folder to write")->required()->type_name("DIR");
   add_overrides_option(*command, options->overrides, "camera.focus_distance_m=0.9");
   command->add_option("--seed", options->seed, "Seed of rendering and noise (render.seed)")->type_name("N");
+  const auto sampling_option = [&](const std::string& name, const std::string& field, const std::string& meaning) {
+    return command
+        ->add_option_function<double>(
+            name,
+            [options, field](double share) { options->overrides.push_back(fmt::format("render.{}={}", field, share)); },
+            meaning)
+        ->check(CLI::Range(1e-4, 100.0))
+        ->type_name("SHARE");
+  };
+  CLI::Option* by_noise = sampling_option(
+      "--noise-fraction", "noise_fraction",
+      "Sample the views until their error is this share of the sensor's noise, RMS; at 0.25 nobody sees it");
+  sampling_option("--error", "error", "... or this share of the white level's signal")->excludes(by_noise);
   CLI::Option* automatic = command->add_flag(
       "--auto", options->automatic, "Lens model, bounces and samples by 'dualpixel plan' instead of the scene file's");
   add_tolerance_option(*command, options->tolerance_dp_px)->needs(automatic);

@@ -10,16 +10,16 @@
 namespace dualpixel::simulator {
 namespace {
 
-constexpr std::uint32_t kFirstCount = 4, kGrowth = 4;
+constexpr std::uint32_t kFirstCount = 8, kGrowth = 4, kFewest = 32;
 constexpr int kProbeSide = 4;  ///< one photosite of each 4 x 4 is probed
 constexpr std::uint64_t kPilotStream = 0x70696c6f74;
 
-/// Mean square error over the allowed one at the counts 4, 16, 64, ...
+/// Mean square error over the allowed one at the counts 8, 32, 128, ...
 using ErrorCurve = std::vector<double>;
 
 /// Of the photosites of one tile that are probed, at one sample count.
-double probe(const RenderScene& world, const CameraView& camera, const RenderOptions& options,
-             const ErrorTarget& target, const Tile& tile, std::uint32_t samples) {
+double probe_tile(const RenderScene& world, const CameraView& camera, const RenderOptions& options,
+                  const ErrorTarget& target, const Tile& tile, std::uint32_t samples) {
   const PathOptions paths{options.max_bounces, options.ideal_aperture_scale};
   double sum = 0;
   int count = 0;
@@ -43,13 +43,6 @@ double probe(const RenderScene& world, const CameraView& camera, const RenderOpt
   return sum / count;
 }
 
-/// Counts that fill their packets and keep three binary digits.
-std::uint32_t round_up(double samples, std::uint32_t most) {
-  double step = 16;
-  while (8 * step < samples) step *= 2;
-  return std::clamp(static_cast<std::uint32_t>(std::min(std::ceil(samples / step) * step, 65536.0)), 16u, most);
-}
-
 /// The count at which the curve, its last slope drawn on, comes down to 1. A net's variance falls at least as 1/N.
 double samples_needed(const ErrorCurve& curve, double& slope) {
   const double last = kFirstCount * std::pow(double{kGrowth}, static_cast<double>(curve.size()) - 1);
@@ -63,11 +56,12 @@ double samples_needed(const ErrorCurve& curve, double& slope) {
 
 }  // namespace
 
-Pilot plan_samples(const RenderScene& world, const CameraView& camera, const RenderOptions& options,
-                   const ErrorTarget& target, std::uint32_t most_samples, const ProgressCallback& progress) {
+Pilot probe_tiles(const RenderScene& world, const CameraView& camera, const RenderOptions& options,
+                  const ErrorTarget& target, std::uint32_t most_samples, const ProgressCallback& progress) {
   const SensorGrid& sensor = camera.lens.sensor();
-  Pilot pilot{uniform_map(sensor.width_px, sensor.height_px, 16), 0};
-  SampleMap& map = pilot.map;
+  Pilot pilot;
+  pilot.grid = uniform_map(sensor.width_px, sensor.height_px, kFewest);
+  const SampleMap& map = pilot.grid;
   std::vector<ErrorCurve> curves(map.samples.size());
   const double levels = std::log(static_cast<double>(most_samples) / kFirstCount) / std::log(double{kGrowth}) + 1;
   std::uint32_t samples = kFirstCount;
@@ -79,26 +73,67 @@ Pilot plan_samples(const RenderScene& world, const CameraView& camera, const Ren
     if (samples > most_samples || std::none_of(curves.begin(), curves.end(), wanted)) break;
     for_tiles(map, [&](const Tile& tile) {
       ErrorCurve& curve = curves[tile.index];
-      if (wanted(curve)) curve.push_back(probe(world, camera, options, target, tile, samples));
+      if (wanted(curve)) curve.push_back(probe_tile(world, camera, options, target, tile, samples));
     });
     for (std::size_t i = 0; i < curves.size(); ++i) {
       if (curves[i].size() != static_cast<std::size_t>(level) + 1) continue;
       const Tile t = tile_at(map, static_cast<int>(i));
       const int probes = (t.x1 - t.x0 + kProbeSide - 1) / kProbeSide * ((t.y1 - t.y0 + kProbeSide - 1) / kProbeSide);
-      pilot.samples_spent += 2.0 * probes * std::max(samples, 16u);
+      pilot.samples += 2.0 * probes * std::max(samples, 16u);
     }
     if (progress) progress(std::min((level + 1) / levels, 1.0));
   }
 
-  map.error_ratio.resize(curves.size());
-  for (std::size_t i = 0; i < curves.size(); ++i) {
-    double slope;
-    const double needed = samples_needed(curves[i], slope);
-    map.samples[i] = round_up(needed, most_samples);
-    map.error_ratio[i] = static_cast<float>(std::pow(needed / map.samples[i], 0.5 * slope));
+  std::vector<double> own(curves.size());
+  pilot.slope.resize(curves.size());
+  for (std::size_t i = 0; i < curves.size(); ++i) own[i] = samples_needed(curves[i], pilot.slope[i]);
+  for (int i = 0; i < static_cast<int>(curves.size()); ++i) {
+    // Sixteen probes scatter; a tile whose own say little is helped by those around it.
+    const int column = i % map.columns(), row = i / map.columns();
+    double log_sum = 0;
+    int count = 0;
+    for (int v = std::max(row - 1, 0); v <= std::min(row + 1, map.rows() - 1); ++v) {
+      for (int u = std::max(column - 1, 0); u <= std::min(column + 1, map.columns() - 1); ++u, ++count) {
+        log_sum += std::log(std::max(own[v * map.columns() + u], 1.0));
+      }
+    }
+    pilot.needed.push_back(std::max(own[i], std::exp(log_sum / count)));
   }
   if (progress) progress(1);
   return pilot;
+}
+
+SampleMap share_samples(const Pilot& pilot, double error, std::uint32_t most_samples) {
+  const std::size_t tiles = pilot.needed.size();
+  const double fewest = std::min(kFewest, most_samples), most = most_samples;
+  // mean square error over the allowed one of a tile with n samples
+  const auto error2 = [&](std::size_t i, double n) { return std::pow(pilot.needed[i] / n, pilot.slope[i]); };
+  // Least work for a given sum of squares: another sample must gain the same everywhere.
+  const auto samples_at = [&](std::size_t i, double gain) {
+    const double s = pilot.slope[i];
+    return std::clamp(std::pow(s * std::pow(pilot.needed[i], s) / gain, 1 / (s + 1)), fewest, most);
+  };
+  double low = 1e-12, high = 1e6;  // gain of a sample
+  for (int step = 0; step < 60; ++step) {
+    const double gain = std::sqrt(low * high);
+    double sum = 0;
+    for (std::size_t i = 0; i < tiles; ++i) sum += error2(i, samples_at(i, gain));
+    (sum / static_cast<double>(tiles) > error * error ? high : low) = gain;
+  }
+  SampleMap map = pilot.grid;
+  map.error_ratio.resize(tiles);
+  double carried = 0;
+  for (std::size_t i = 0; i < tiles; ++i) {
+    // Powers of two sample far better than what lies between, so some tiles get the one below and some the one above;
+    // what a tile's square error has too much is carried to the next.
+    const double n = samples_at(i, low), below = std::exp2(std::floor(std::log2(n)));
+    const double e = error2(i, n), e_below = error2(i, below), e_above = error2(i, 2 * below);
+    const bool above = std::abs(carried + e_above - e) < std::abs(carried + e_below - e) && 2 * below <= most;
+    carried += (above ? e_above : e_below) - e;
+    map.samples[i] = static_cast<std::uint32_t>(above ? 2 * below : below);
+    map.error_ratio[i] = static_cast<float>(std::sqrt(error2(i, map.samples[i])));
+  }
+  return map;
 }
 
 }  // namespace dualpixel::simulator

@@ -6,10 +6,14 @@
 /// Sampling with a purpose: no more samples than keep the two views' standard error under a share of what the picture
 /// tolerates anyway, such as the sensor's noise.
 ///
-/// Of each tile some photosites are rendered at 4, 16, 64, ... samples, twice each with independent scrambles, until
-/// their mean square difference says that the error will be small enough at four times as many; the error's fall is
-/// drawn on from there. These pilots are thrown away: the count that they lead to is fixed before the picture's own
+/// Of each tile sixteen photosites are rendered at 8, 32, 128, ... samples, twice each with independent scrambles,
+/// until their mean square difference says that the error will be small enough at four times as many; the error's fall
+/// is drawn on from there. These pilots are thrown away: the count that they lead to is fixed before the picture's own
 /// samples are drawn, so stopping cannot bias it (repeated testing of the picture's own samples would).
+///
+/// Samples go where they gain most: for independent samples each tile's count is in proportion to its standard
+/// deviation, which costs least for an RMS error over the picture. To give each tile the same error would cost as much
+/// as to give each the same count.
 namespace dualpixel::simulator {
 
 /// Allowed variance of one half-photosite's mean, nits^2, for radiance x in its filter's colour:
@@ -19,16 +23,21 @@ struct ErrorTarget {
   std::array<double, 3> constant{};
 };
 
-/// What a picture would need, tile by tile.
+/// What the probes say about each tile: its standard error is the allowed one at `needed` samples, and its variance
+/// falls as samples^-slope.
 struct Pilot {
-  SampleMap map;  ///< with error_ratio; counts within 16 ... most_samples
-  double samples_spent = 0;
+  SampleMap grid;
+  std::vector<double> needed, slope;
+  double samples = 0;  ///< that the probes took
 };
 
-/// `options.samples_per_pixel` is not used. Tiles that would need more than `most_samples` get that many. The same for
-/// any number of threads.
-Pilot plan_samples(const RenderScene& scene, const CameraView& camera, const RenderOptions& options,
-                   const ErrorTarget& target, std::uint32_t most_samples = 16384,
-                   const ProgressCallback& progress = {});
+/// `options.samples_per_pixel` is not used. The same for any number of threads.
+Pilot probe_tiles(const RenderScene& scene, const CameraView& camera, const RenderOptions& options,
+                  const ErrorTarget& target, std::uint32_t most_samples = 16384, const ProgressCallback& progress = {});
+
+/// The cheapest map whose RMS over the picture of standard error over allowed error is `error`. Counts are powers of
+/// two from 32 to `most_samples`, itself one: a picture for which 32 are too many gets less error than it asked for,
+/// one that 16384 do not satisfy more.
+SampleMap share_samples(const Pilot& pilot, double error, std::uint32_t most_samples = 16384);
 
 }  // namespace dualpixel::simulator

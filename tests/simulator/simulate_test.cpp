@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "capture/error.h"
+#include "tests/capture/temporary_folder.h"
 #include "tests/simulator/test_scenes.h"
 
 namespace dualpixel::simulator::testing {
@@ -132,6 +133,53 @@ TEST(Simulate, DigitalNumbersFollowFromNits) {
   EXPECT_NE(capture.frames[0].mosaic.data, capture.frames[1].mosaic.data);
   EXPECT_NEAR(capture.camera.alpha, 1 / (4 * 1.19), 1e-12);
   EXPECT_NEAR(capture.truth->depth_m.at(5, 5), 1, 1e-6);  // glTF's -z is forward
+}
+
+// A quarter of the sensor's noise, at an exposure ten times as long a quarter of what is then, relative to the signal,
+// three times less noise: more samples. What was spent and what error is left goes into the capture.
+TEST(Simulate, SharesSamplesOutByTheSensorsNoise) {
+  json document = minimal();
+  document["sensor"] = {{"width_px", 64}, {"height_px", 64}};
+  document["burst"]["frames"] = 1;
+  document["render"] = {{"noise_fraction", 0.25}, {"photograph_samples_per_pixel", 1}};
+  Scene scene;
+  scene.materials = {diffuse(0.7f)};
+  scene.meshes = {make_quad({-5, -5, -1}, {10, 0, 0}, {0, 10, 0}, 0)};
+  scene.meshes.push_back(make_quad({0, -5, -0.95f}, {5, 0, 0}, {0, 10, 0}, 0));  // shades the wall beside it
+  scene.environment = {2, 1, {glm::vec3(100), glm::vec3(900)}};
+  scene.cameras = {{"camera", glm::mat4(1), {}}};
+  double spent[2];
+  for (int i : {0, 1}) {
+    document["exposure"]["time_s"] = i == 0 ? 0.002 : 0.02;
+    const Capture capture = simulate(read_simulation(document, "s.json"), scene);
+    const TemporaryFolder folder;
+    write_capture(capture, folder / "capture");
+    const Truth truth = *read_capture(folder / "capture", true).truth;
+    EXPECT_EQ(truth.samples.data, capture.truth->samples.data);
+    EXPECT_EQ(truth.render_sigma.data, capture.truth->render_sigma.data);
+    spent[i] = 0;
+    double sum = 0;
+    for (int y = 0; y < 64; ++y) {
+      for (int x = 0; x < 64; ++x) {
+        spent[i] += truth.samples.at(x, y) / 4096;
+        // of half a photosite, before white balance
+        const int c = cfa_color(x, y);
+        const double range = 1023 - 64, balance = capture.exposure.white_balance[c];
+        const double half_dn = truth.all_in_focus.at(x, y, c) / 2 / balance * range;
+        const NoiseProfile& noise = capture.exposure.mosaic_noise;
+        const double sensor_dn = std::sqrt(noise.shot_dn * half_dn + noise.read_dn2);
+        sum += std::pow(truth.render_sigma.at(x, y) / balance * range / sensor_dn, 2) / 4096;
+      }
+    }
+    EXPECT_LT(std::sqrt(sum), 0.25 * 1.1);
+    if (spent[i] > 40) {
+      EXPECT_GT(std::sqrt(sum), 0.25 * 0.8);
+    }
+  }
+  EXPECT_GT(spent[1], 1.5 * spent[0]);
+
+  document["render"]["error"] = 0.01;
+  EXPECT_THROW(read_simulation(document, "s.json"), InputError);
 }
 
 }  // namespace

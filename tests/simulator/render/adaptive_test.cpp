@@ -1,0 +1,142 @@
+// How many samples a picture needs, and what mirrored pairs do for the difference of the views.
+#include "simulator/render/adaptive.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <bit>
+#include <cmath>
+
+#include "simulator/sensor/cfa.h"
+#include "tests/simulator/test_scenes.h"
+
+namespace dualpixel::simulator::testing {
+namespace {
+
+/// A grey wall that a bar in front of it shades from an uneven sky; half of the picture is smooth, half is not.
+Scene barred_wall() {
+  Scene scene;
+  scene.materials = {diffuse(0.7f)};
+  scene.meshes = {make_quad({-1, -1, 1.5f}, {2, 0, 0}, {0, 2, 0}, 0),
+                  make_quad({0, -0.5f, 1.45f}, {0.5f, 0, 0}, {0, 0.5f, 0}, 0)};
+  scene.environment = {4,
+                       2,
+                       {glm::vec3(100), glm::vec3(900), glm::vec3(300), glm::vec3(200), glm::vec3(50), glm::vec3(80),
+                        glm::vec3(20), glm::vec3(10)}};
+  return scene;
+}
+
+constexpr int kWidth = 96, kHeight = 64;
+
+TEST(MirroredPairs, TakeTheNoiseOutOfTheViewsDifference) {
+  Scene scene = barred_wall();
+  scene.meshes.pop_back();
+  const Views views = render_views(RenderScene(scene), phone_camera(0.8, 32, 16), {16, 0, 3});
+  double noise = 0, mean = 0;
+  for (std::size_t i = 0; i < views.left.data.size(); ++i) mean += views.left.data[i] / views.left.data.size();
+  for (std::size_t i = 0; i < views.left.data.size(); ++i) {
+    // the shares of a mirrored pair add up to 1 in each view; the wall is plain, so its light is the same for both
+    EXPECT_NEAR(views.left.data[i], views.right.data[i], 2e-3 * mean);
+    noise += std::pow(views.left.data[i] - mean, 2) / views.left.data.size();
+  }
+  EXPECT_GT(std::sqrt(noise), 0.005 * mean) << "without noise there is nothing to take out";
+}
+
+/// RMS of the error between two renders with one map over the allowed error: what a picture got for what it asked.
+double realised(const RenderScene& world, const CameraView& camera, const ErrorTarget& target, const SampleMap& map) {
+  const Views a = render_views(world, camera, {0, 0, 101}, map), b = render_views(world, camera, {0, 0, 102}, map);
+  double sum = 0;
+  for (int y = 0; y < map.height_px; ++y) {
+    for (int x = 0; x < map.width_px; ++x) {
+      const int c = cfa_color(x, y);
+      for (const auto& [one, other] :
+           {std::pair{a.left.at(x, y, c), b.left.at(x, y, c)}, {a.right.at(x, y, c), b.right.at(x, y, c)}}) {
+        sum += 0.5 * std::pow(one - other, 2) / (target.per_nit[c] * 0.5 * (one + other) + target.constant[c]);
+      }
+    }
+  }
+  return std::sqrt(sum / (2.0 * map.width_px * map.height_px));
+}
+
+TEST(Adaptive, RealisesTheErrorThatItWasAskedFor) {
+  const Scene scene = barred_wall();
+  const RenderScene world(scene);
+  const CameraView camera = phone_camera(0.8, kWidth, kHeight);
+  for (double allowed : {0.01, 0.003}) {  // nits^2 for each nit: of some 100 nits, 1 % and 0.5 %
+    const ErrorTarget target{{allowed, allowed, allowed}, {1e-6, 1e-6, 1e-6}};
+    const Pilot pilot = probe_tiles(world, camera, {0, 0, 9}, target);
+    const SampleMap map = share_samples(pilot, 1);
+    EXPECT_GT(map.total_samples(), 40.0 * kWidth * kHeight) << "the fewest samples were enough";
+    const double ratio = realised(world, camera, target, map);
+    EXPECT_GT(ratio, 0.8) << allowed;
+    EXPECT_LT(ratio, 1.2) << allowed;
+    for (std::uint32_t samples : map.samples) EXPECT_TRUE(std::has_single_bit(samples)) << samples;
+    EXPECT_LT(pilot.samples, 0.5 * map.total_samples());
+  }
+}
+
+// The mean of 64 renders, each with a pilot of its own, against that of 64 with one count for all: were the count to
+// depend on the samples that it counts, dark tiles would stop early.
+TEST(Adaptive, StoppingDoesNotBias) {
+  const Scene scene = barred_wall();
+  const RenderScene world(scene);
+  constexpr int kSide = 32, kRenders = 64, kPhotosites = kSide * kSide;
+  const CameraView camera = phone_camera(0.8, kSide, kSide);
+  const ErrorTarget target{{0.03, 0.03, 0.03}, {1e-6, 1e-6, 1e-6}};
+  std::vector<double> sum[2], sum2[2];
+  for (int kind : {0, 1}) {
+    sum[kind].resize(kPhotosites);
+    sum2[kind].resize(kPhotosites);
+    for (std::uint64_t seed = 1000; seed < 1000 + kRenders; ++seed) {
+      const SampleMap map = kind == 0 ? share_samples(probe_tiles(world, camera, {0, 0, seed}, target), 1)
+                                      : uniform_map(kSide, kSide, 64);
+      const Views views = render_views(world, camera, {0, 0, seed + 5000 * kind}, map);
+      for (int i = 0; i < kPhotosites; ++i) {
+        const double value = views.left.data[3 * i + 1];
+        sum[kind][i] += value;
+        sum2[kind][i] += value * value;
+      }
+    }
+  }
+  double z = 0, z2 = 0;
+  for (int i = 0; i < kPhotosites; ++i) {
+    double difference = 0, variance = 1e-12;
+    for (int kind : {0, 1}) {
+      const double mean = sum[kind][i] / kRenders;
+      difference += kind == 0 ? mean : -mean;
+      variance += (sum2[kind][i] / kRenders - mean * mean) / (kRenders - 1);
+    }
+    z += difference / std::sqrt(variance);
+    z2 += difference * difference / variance;
+  }
+  // Student's t with some 63 degrees of freedom: variance 63/61, and 2.2 that of its square
+  EXPECT_LT(std::abs(z), 3 * std::sqrt(kPhotosites * 63 / 61.0));
+  EXPECT_NEAR(z2 / kPhotosites, 63 / 61.0, 3 * std::sqrt(2.2 / kPhotosites));
+}
+
+TEST(Adaptive, IsTheSameForAnyNumberOfThreads) {
+  const Scene scene = barred_wall();
+  const RenderScene world(scene);
+  const CameraView camera = phone_camera(0.8, kWidth, kHeight);
+  const ErrorTarget target{{0.03, 0.03, 0.03}, {1e-6, 1e-6, 1e-6}};
+  std::vector<std::uint32_t> samples;
+  for (int threads : {1, 3}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const SampleMap map = share_samples(probe_tiles(world, camera, {0, 0, 9}, target), 1);
+    if (samples.empty()) samples = map.samples;
+    EXPECT_EQ(samples, map.samples);
+  }
+}
+
+TEST(Adaptive, DarknessAndImpossibleTargetsEnd) {
+  Scene scene = barred_wall();
+  const CameraView camera = phone_camera(0.8, 32, 16);
+  const Pilot greedy = probe_tiles(RenderScene(scene), camera, {0, 0, 9}, {{0, 0, 0}, {1e-12, 1e-12, 1e-12}}, 64);
+  for (std::uint32_t n : share_samples(greedy, 1, 64).samples) EXPECT_EQ(n, 64u);
+  scene.environment = {};
+  const Pilot dark = probe_tiles(RenderScene(scene), camera, {0, 0, 9}, {{0, 0, 0}, {1e-12, 1e-12, 1e-12}});
+  for (std::uint32_t n : share_samples(dark, 1).samples) EXPECT_EQ(n, 32u);
+}
+
+}  // namespace
+}  // namespace dualpixel::simulator::testing
