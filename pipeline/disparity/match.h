@@ -20,6 +20,7 @@ struct MatchOptions {
 struct TileDisparity {
   Image disparity_dp_px;  ///< always finite, within +- range_px
   Image confidence;       ///< 0..1
+  Image sigma_dp_px;      ///< predicted standard deviation of the error; empty from match_tiles, which predicts none
 };
 
 /// `left` and `right` are normalised views (normalize.h) of one size. Returns d with right(x + d) = left(x): for each
