@@ -98,29 +98,29 @@ Image shading_gain(const Image& left, const Image& right, float clipped) {
   return l;
 }
 
-/// `power` is 1 for the left view, which is multiplied by `gain`, and -1 for the right view, which is divided by it.
-Padded prepare(const Image& view, const Image& gain, int power, int margin, const ViewNoise& noise, float clipped) {
+/// `gain` holds one pixel a tile; the view is multiplied by it.
+Padded prepare(const Image& view, const Image& gain, int margin, const ViewNoise& noise, float clipped) {
   const int stride = gain.width * kTile + 2 * margin;
   const int rows = gain.height * kTile;
   Padded out{margin, Image(stride, rows), Image(stride, rows), Image(stride, rows, 1, kBlind)};
+  const Image across = resize_bilinear(gain, gain.width * kTile, gain.height);
   for_rows(rows, [&](int y) {
     const float* in = view.row(std::min(y, view.height - 1));
     float* signal = out.signal.row(y) + margin;
-    float last = 0;
+    bool finite = true;
     for (int x = 0; x < view.width; ++x) {
-      if (std::isfinite(in[x])) last = std::min(in[x], 2 * clipped);
-      signal[x] = last;
+      finite &= std::isfinite(in[x]);
+      signal[x] = std::min(in[x], 2 * clipped);
+    }
+    if (!finite) {
+      for (int x = 0; x < view.width; ++x) {
+        if (!std::isfinite(in[x])) signal[x] = x > 0 ? signal[x - 1] : 0.0f;
+      }
     }
     const LinearTap line = linear_tap(y, rows, gain.height);
-    for (int x = 0; x < view.width; ++x) {
-      const LinearTap column = linear_tap(x, gain.width * kTile, gain.width);
-      const auto across = [&](int row) {
-        return gain.at(column.low, row) +
-               column.weight_of_high * (gain.at(column.high, row) - gain.at(column.low, row));
-      };
-      const float g = across(line.low) + line.weight_of_high * (across(line.high) - across(line.low));
-      signal[x] *= power > 0 ? g : 1 / g;
-    }
+    const float* low = across.row(line.low);
+    const float* high = across.row(line.high);
+    for (int x = 0; x < view.width; ++x) signal[x] *= low[x] + line.weight_of_high * (high[x] - low[x]);
     std::fill_n(out.signal.row(y), margin, signal[0]);
     std::fill(signal + view.width, out.signal.row(y) + stride, signal[view.width - 1]);
   });
@@ -136,17 +136,17 @@ Padded prepare(const Image& view, const Image& gain, int power, int margin, cons
       smooth[x] = 0.25f * (down(x - 1) + down(x + 1)) + 0.5f * down(x);
     }
     if (y >= view.height) return;
-    float* variance = out.variance.row(y);
-    const LinearTap line = linear_tap(y, rows, gain.height);
-    for (int x = kSpoiled; x < view.width - kSpoiled; ++x) {
-      const float g = gain.at(x / kTile, line.low);
-      const float factor = power > 0 ? g : 1 / g;
-      variance[margin + x] = factor * (noise.shot * std::max(smooth[margin + x], 0.0f) + factor * noise.read);
-    }
     const float* in = view.row(y);
+    const float* factor = across.row(y / kTile);
+    float* variance = out.variance.row(y);
+    bool all_usable = true;
+    for (int x = kSpoiled; x < view.width - kSpoiled; ++x) {
+      variance[margin + x] = factor[x] * (noise.shot * std::max(smooth[margin + x], 0.0f) + factor[x] * noise.read);
+    }
+    for (int x = 0; x < view.width; ++x) all_usable &= usable(in[x], clipped);
+    if (all_usable) return;
     for (int x = 0; x < view.width; ++x) {
-      if (usable(in[x], clipped)) continue;
-      std::fill_n(variance + margin + x - kSpoiled, 2 * kSpoiled + 1, kBlind);
+      if (!usable(in[x], clipped)) std::fill_n(variance + margin + x - kSpoiled, 2 * kSpoiled + 1, kBlind);
     }
   });
   return out;
@@ -365,6 +365,7 @@ struct Refined {
 Refined refine(const Padded& left, const Padded& right, int x0, int y0, float start, float offset, float offset_sigma,
                float farthest) {
   constexpr int kIterations = 4;
+  constexpr float kSmallStep = 3e-3f;     // DP px; what would follow it is its square
   constexpr float kCorrelatedPixels = 3;  // noise is white; what the model gets wrong is alike over some pixels
   Refined out{start};
   for (int iteration = 0;; ++iteration) {
@@ -397,11 +398,9 @@ Refined refine(const Padded& left, const Padded& right, int x0, int y0, float st
         Da - mean_D * (s.b + s.e) - 0.25f * (s.right_noise * slope_D(rt) + s.left_noise * slope_D(lt));
     if (!(hessian > 0)) return {start};
     const float step = std::clamp(-gradient / hessian, -0.5f, 0.5f);
-    if (iteration < kIterations && std::abs(step) > 1e-4f) {
-      out.disparity += step;
-      if (std::abs(out.disparity - start) > farthest) return {start};
-      continue;
-    }
+    out.disparity += step;
+    if (std::abs(out.disparity - start) > farthest) return {start};
+    if (iteration < kIterations && std::abs(step) > kSmallStep) continue;
     // Interpolation has taken noise out of the high frequencies, where the slope's excess lies.
     const float left_share = s.left_noise / pixels;
     const float passed = left_share * lt.value_value + (1 - left_share) * rt.value_value;
@@ -426,9 +425,10 @@ TileDisparity match_by_likelihood(const Image& left, const Image& right, const L
   const ViewNoise noise = options.noise ? *options.noise : estimate_noise(left, right);
   const int range = options.range_px;
   const int margin = range / 2 + 1 + 8;  // half the range, a step of refinement, the taps
-  const Image gain = shading_gain(left, right, options.clipped);
-  const Padded l = prepare(left, gain, 1, margin, noise, options.clipped);
-  const Padded r = prepare(right, gain, -1, margin, noise, options.clipped);
+  Image gain = shading_gain(left, right, options.clipped);
+  const Padded l = prepare(left, gain, margin, noise, options.clipped);
+  for (float& value : gain.data) value = 1 / value;
+  const Padded r = prepare(right, gain, margin, noise, options.clipped);
 
   const int columns = gain.width, rows = gain.height;
   CostVolume costs{range, columns, rows,

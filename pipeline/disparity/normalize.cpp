@@ -26,17 +26,22 @@ Image normalize_locally(const Image& view, const NormalizeOptions& options) {
         squares[x + reach] += value * value;
       }
     }
-    for (int x = 0; x < width; ++x) {
-      double sum = 0, square = 0;
-      for (int k = 0; k <= 2 * reach; ++k) {
-        sum += sums[x + k];
-        square += squares[x + k];
+    // Sums over the window, columns outermost so that pixels are independent of each other: these loops become vectors.
+    std::vector<double> sum(width), square(width);
+    for (int k = 0; k <= 2 * reach; ++k) {
+      for (int x = 0; x < width; ++x) {
+        sum[x] += sums[x + k];
+        square[x] += squares[x + k];
       }
+    }
+    const float* in = view.row(y);
+    float* to = out.row(y);
+    for (int x = 0; x < width; ++x) {
       const int columns = std::min(x + reach, width - 1) - std::max(x - reach, 0) + 1;
-      const double count = static_cast<double>(columns) * (bottom - top + 1);
-      const double mean = sum / count;
-      const double deviation = std::sqrt(std::max(square / count - mean * mean, 0.0));
-      out.row(y)[x] = static_cast<float>((finite(view.row(y)[x]) - mean) / (deviation + options.std_floor));
+      const double share = 1 / (static_cast<double>(columns) * (bottom - top + 1));
+      const double mean = sum[x] * share;
+      const float deviation = std::sqrt(static_cast<float>(std::max(square[x] * share - mean * mean, 0.0)));
+      to[x] = static_cast<float>(finite(in[x]) - mean) / (deviation + options.std_floor);
     }
   });
   return out;
