@@ -22,9 +22,9 @@ using Lanes = std::array<float, kTile>;  // one entry for each column of a tile:
 float square(float value) { return value * value; }
 
 float sum(const Lanes& lanes) {
-  float total = 0;
-  for (const float lane : lanes) total += lane;
-  return total;
+  std::array<float, kTile / 2> half;
+  for (int i = 0; i < kTile / 2; ++i) half[i] = lanes[i] + lanes[i + kTile / 2];
+  return (half[0] + half[2]) + (half[1] + half[3]);
 }
 
 /// Of the difference of two pixels of these variances; 0 where either is blind.
@@ -212,11 +212,14 @@ void tile_costs(const Padded& left, const Padded& right, int width, int column, 
   float worst = 0;
   for (int shift = -range; shift <= range; ++shift) {
     const int a = left_shift(shift), b = shift - a;
-    Lanes squares{}, sums{}, inside;
-    for (int i = 0; i < kTile; ++i) {
-      const int x = x0 + i;
-      inside[i] = std::min(x - a, x + b) >= 0 && std::max(x - a, x + b) < width ? 1.0f : 0.0f;
+    const int first = std::max({0, a - x0, -b - x0});
+    const int last = std::min({kTile, width - x0 + std::min(a, 0), width - x0 - std::max(b, 0)});
+    if (last - first < kTile / 2) {
+      cost[shift + range] = -1;  // too little of it lies inside: filled in below
+      continue;
     }
+    Lanes squares{}, sums{}, inside;
+    for (int i = 0; i < kTile; ++i) inside[i] = i >= first && i < last ? 1.0f : 0.0f;
     for (int y = row * kTile; y < (row + 1) * kTile; y += kRowStep) {
       const float* l = left.smooth.row(y) + left.margin + x0 - a;
       const float* r = right.smooth.row(y) + right.margin + x0 + b;
@@ -226,13 +229,8 @@ void tile_costs(const Padded& left, const Padded& right, int width, int column, 
         squares[i] += difference * difference;
       }
     }
-    const float columns = sum(inside);
     float& out = cost[shift + range];
-    if (columns < kTile / 2) {
-      out = -1;  // too little of it lies inside: filled in below
-      continue;
-    }
-    const float pixels = kRowStep * columns * (kTile / kRowStep);
+    const float pixels = static_cast<float>((last - first) * kTile);
     const float total = kRowStep * sum(sums);
     out = (kRowStep * sum(squares) - total * total / (pixels + prior)) * precision * (kTile * kTile / pixels);
     worst = std::max(worst, out);
