@@ -14,8 +14,9 @@ namespace dualpixel::pipeline {
 namespace {
 
 constexpr int kTile = 8;
-constexpr float kBlind = 1e12f;  // variance of a pixel that says nothing
-constexpr int kSpoiled = 2;      // pixels beside a blind one that interpolation would mix it into
+constexpr float kBlind = 1e12f;           // variance of a pixel that says nothing
+constexpr float kLeastVariance = 1e-12f;  // of shot noise in the dark
+constexpr int kSpoiled = 2;               // pixels beside a blind one that interpolation would mix it into
 
 using Lanes = std::array<float, kTile>;  // one entry for each column of a tile: what the compiler makes vectors of
 
@@ -110,7 +111,7 @@ Padded prepare(const Image& view, const Image& gain, int margin, const ViewNoise
     bool finite = true;
     for (int x = 0; x < view.width; ++x) {
       finite &= std::isfinite(in[x]);
-      signal[x] = std::min(in[x], 2 * clipped);
+      signal[x] = std::clamp(in[x], -clipped, 2 * clipped);
     }
     if (!finite) {
       for (int x = 0; x < view.width; ++x) {
@@ -141,7 +142,8 @@ Padded prepare(const Image& view, const Image& gain, int margin, const ViewNoise
     float* variance = out.variance.row(y);
     bool all_usable = true;
     for (int x = kSpoiled; x < view.width - kSpoiled; ++x) {
-      variance[margin + x] = factor[x] * (noise.shot * std::max(smooth[margin + x], 0.0f) + factor[x] * noise.read);
+      variance[margin + x] =
+          factor[x] * (noise.shot * std::max(smooth[margin + x], 0.0f) + factor[x] * noise.read) + kLeastVariance;
     }
     for (int x = 0; x < view.width; ++x) all_usable &= usable(in[x], clipped);
     if (all_usable) return;
@@ -357,7 +359,8 @@ TileSums sample_tile(const Padded& left, const Padded& right, int x0, int y0, fl
 
 struct Refined {
   float disparity = 0;
-  float variance = INFINITY;
+  float noise = INFINITY;  // variance of the error that the views' noise makes: each tile's own
+  float model = 0;         // and of that from what no shift explains: common to neighbours
 };
 
 Refined refine(const Padded& left, const Padded& right, int x0, int y0, float start, float offset, float offset_sigma,
@@ -403,13 +406,42 @@ Refined refine(const Padded& left, const Padded& right, int x0, int y0, float st
     const float left_share = s.left_noise / pixels;
     const float passed = left_share * lt.value_value + (1 - left_share) * rt.value_value;
     const float noise_square = s.bb + passed * (DD - s.bb) - 2 * mean_D * D + square(mean_D) * s.one;
-    out.variance = (noise_square + square(D - mean_D * s.one) / prior) / square(hessian);
+    out.noise = (noise_square + square(D - mean_D * s.one) / prior) / square(hessian);
     const float expected = pixels * passed - 2;
     const float residual = (s.rr - s.r * s.r / (s.one + prior) - square(gradient) / hessian) / expected;
     const float chance = std::sqrt(2 / expected);  // standard deviation of the residual under noise alone
-    out.variance *= 1 + kCorrelatedPixels * std::max(residual - 1 - chance, 0.0f);
+    out.model = out.noise * kCorrelatedPixels * std::max(residual - 1 - chance, 0.0f);
     return out;
   }
+}
+
+/// Where blur is wider than a tile, the tiles around see much of the same light through other parts of the mirrored
+/// kernels, and err differently: the mean over those that agree, by a weight that reaches as far as the shift is large.
+Refined pooled(const std::vector<Refined>& tiles, int columns, int rows, int column, int row) {
+  constexpr int kReach = 2;
+  constexpr float kTilesPerPixel = 0.25f;  // of the weight's standard deviation, to DP px of shift
+  constexpr float kAgreement = 0.15f;      // difference that still is the same surface, over the shift
+  constexpr float kKernelError = 0.02f;    // of a tile beyond its own prediction, over the shift: keeps weights alike
+  const Refined& tile = tiles[static_cast<std::size_t>(row) * columns + column];
+  const float d = tile.disparity;
+  const float spread = 2 * square(kTilesPerPixel * d);
+  if (spread < 0.25f || !std::isfinite(tile.noise)) return tile;  // below 1.4 px the neighbours' weight vanishes
+  float total = 0, shifts = 0, independent = 0, common = 0;
+  for (int y = std::max(row - kReach, 0); y <= std::min(row + kReach, rows - 1); ++y) {
+    for (int x = std::max(column - kReach, 0); x <= std::min(column + kReach, columns - 1); ++x) {
+      const Refined& other = tiles[static_cast<std::size_t>(y) * columns + x];
+      if (!std::isfinite(other.noise)) continue;
+      const float variance = other.noise + other.model;
+      const float away = square(static_cast<float>(x - column)) + square(static_cast<float>(y - row));
+      const float differs = square(other.disparity - d) / (tile.noise + tile.model + variance + square(kAgreement * d));
+      const float weight = std::exp(-away / spread - 0.5f * differs) / (variance + square(kKernelError * d));
+      total += weight;
+      shifts += weight * other.disparity;
+      independent += square(weight) * other.noise;
+      common += weight * std::sqrt(other.model);
+    }
+  }
+  return {shifts / total, independent / square(total), square(common / total)};
 }
 
 }  // namespace
@@ -419,8 +451,11 @@ TileDisparity match_by_likelihood(const Image& left, const Image& right, const L
   if (left.channels > 1 || right.channels > 1) throw std::invalid_argument("disparity: views must have one channel");
   if (options.range_px < 2 || options.range_px > 64) throw std::invalid_argument("disparity: range must be 2..64 px");
   if (left.empty()) return {};
-
   const ViewNoise noise = options.noise ? *options.noise : estimate_noise(left, right);
+  if (!(noise.shot >= 0 && noise.read >= 0 && noise.shot + noise.read < INFINITY)) {
+    throw std::invalid_argument("disparity: noise must be finite and not negative");
+  }
+
   const int range = options.range_px;
   const int margin = range / 2 + 1 + 8;  // half the range, a step of refinement, the taps
   Image gain = shading_gain(left, right, options.clipped);
@@ -462,18 +497,29 @@ TileDisparity match_by_likelihood(const Image& left, const Image& right, const L
   });
   const Image local_difference = box_mean(difference, 2), local_level = box_mean(level, 2);
 
+  const float limit = static_cast<float>(range);
+  std::vector<Refined> refined(found.size());
+  for_rows(rows, [&](int row) {
+    for (int column = 0; column < columns; ++column) {
+      const std::size_t i = static_cast<std::size_t>(row) * columns + column;
+      const Found& tile = found[i];
+      const float signal = std::max(level.at(column, row), 1e-4f);
+      const float offset = local_difference.at(column, row) / std::max(local_level.at(column, row), 1e-4f) * signal;
+      refined[i] = refine(l, r, column * kTile, row * kTile, static_cast<float>(tile.shift), offset,
+                          options.offset * signal, 1.5f);
+      refined[i].disparity = std::clamp(refined[i].disparity, -limit, limit);
+      refined[i].model += tile.ambiguity;
+      if (tile.at_end) refined[i].noise = INFINITY;
+    }
+  });
+
   TileDisparity tiles{Image(columns, rows), Image(columns, rows), Image(columns, rows)};
   for_rows(rows, [&](int row) {
     for (int column = 0; column < columns; ++column) {
-      const Found& tile = found[static_cast<std::size_t>(row) * columns + column];
-      const float signal = std::max(level.at(column, row), 1e-4f);
-      const float offset = local_difference.at(column, row) / std::max(local_level.at(column, row), 1e-4f) * signal;
-      const Refined refined = refine(l, r, column * kTile, row * kTile, static_cast<float>(tile.shift), offset,
-                                     options.offset * signal, 1.5f);
-      const float limit = static_cast<float>(range);
-      const float variance = refined.variance + tile.ambiguity;
-      tiles.disparity_dp_px.at(column, row) = std::clamp(refined.disparity, -limit, limit);
-      const bool blind = tile.at_end || !(variance < square(limit));
+      const Refined tile = pooled(refined, columns, rows, column, row);
+      const float variance = tile.noise + tile.model;
+      const bool blind = !(variance < square(limit));
+      tiles.disparity_dp_px.at(column, row) = tile.disparity;
       tiles.sigma_dp_px.at(column, row) = blind ? limit : std::sqrt(variance);
       tiles.confidence.at(column, row) = blind ? 0 : 1 / (1 + variance / square(options.confident_sigma_dp_px));
     }

@@ -33,15 +33,17 @@ struct LikelihoodMatchOptions {
 ///      capped, so that a tile without texture takes its neighbours' and a depth edge stays where it is.
 ///   3. Gauss-Newton on the views interpolated by a windowed sinc, each pixel weighed by its noise, the offset
 ///      marginalised (`offset`). What noise alone would add to the equations is known, and taken out of them.
+///   4. Beyond 1.4 px of shift, where blur is wider than a tile, the mean over the neighbours that agree.
 ///
-/// sigma_dp_px is the predicted standard deviation of the error: that of step 3 (noise, offset), its square times
+/// sigma_dp_px is the predicted standard deviation of the error: that of step 3 (noise, offset) and 4, its square times
 /// 1 + 3 x the residual's excess over what noise explains (mirrored kernels, depth edges), and, root-sum-square, the
 /// spread of other shifts that step 2 cannot rule out (repetition, no texture). At most range_px. Confidence is 1 / (1
 /// + (sigma / confident_sigma_dp_px)^2), and 0 where the least cost lies at an end of the range, where step 3 left its
 /// shift by more than 1 px, or nothing was to be seen.
 ///
 /// Pixels that are clipped or not finite are left out. Throws std::invalid_argument where the views' sizes differ, they
-/// have more than one channel, or the range is out of bounds; empty views give an empty answer.
+/// have more than one channel, the range is out of bounds or the noise is negative or not finite; empty views give an
+/// empty answer. The answer does not depend on the number of threads.
 TileDisparity match_by_likelihood(const Image& left, const Image& right, const LikelihoodMatchOptions& options = {});
 
 }  // namespace dualpixel::pipeline

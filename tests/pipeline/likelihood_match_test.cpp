@@ -1,11 +1,13 @@
 #include "pipeline/disparity/likelihood_match.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
 #include <stdexcept>
 
 #include "pipeline/disparity/interpolate.h"
@@ -337,7 +339,7 @@ TEST(LikelihoodMatch, NothingBeyondTheRangeIsBelieved) {
 
 TEST(LikelihoodMatch, SmallAndBrokenViewsAreFiniteAndRefusedWhereTheyDiffer) {
   for (const auto& [width, height] : {std::pair{1, 1}, {3, 500}, {9, 9}, {200, 1}, {61, 45}}) {
-    for (const float fill : {0.0f, 0.5f, 1.0f, std::numeric_limits<float>::quiet_NaN(), INFINITY, -1.0f}) {
+    for (const float fill : {0.0f, 0.5f, 1.0f, std::numeric_limits<float>::quiet_NaN(), INFINITY, -1.0f, -1e30f}) {
       const Image constant(width, height, 1, fill);
       for (const float confidence : match_by_likelihood(constant, constant).confidence.data) EXPECT_EQ(confidence, 0);
     }
@@ -355,6 +357,18 @@ TEST(LikelihoodMatch, SmallAndBrokenViewsAreFiniteAndRefusedWhereTheyDiffer) {
   EXPECT_THROW(match_by_likelihood(Image(8, 8), Image(8, 9)), std::invalid_argument);
   EXPECT_THROW(match_by_likelihood(Image(8, 8, 3), Image(8, 8, 3)), std::invalid_argument);
   EXPECT_THROW(match_by_likelihood(Image(8, 8), Image(8, 8), {.range_px = 1}), std::invalid_argument);
+  EXPECT_THROW(match_by_likelihood(Image(8, 8), Image(8, 8), {.noise = ViewNoise{-1, 0}}), std::invalid_argument);
+}
+
+TEST(LikelihoodMatch, DoesNotDependOnThreads) {
+  Pair pair = shifted_pair(9, 0.3, 0.2, 3.5);
+  add_view_noise(pair.left, 1);
+  add_view_noise(pair.right, 2);
+  const TileDisparity all = match_by_likelihood(pair.left, pair.right, {.noise = kNoise});
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const TileDisparity alone = match_by_likelihood(pair.left, pair.right, {.noise = kNoise});
+  EXPECT_EQ(all.disparity_dp_px.data, alone.disparity_dp_px.data);
+  EXPECT_EQ(all.sigma_dp_px.data, alone.sigma_dp_px.data);
 }
 
 TEST(LikelihoodMatch, BrokenPixelsSpoilOnlyTheirTiles) {
@@ -372,7 +386,7 @@ TEST(LikelihoodMatch, BrokenPixelsSpoilOnlyTheirTiles) {
 }
 
 TEST(SlowLikelihoodMatch, StrongDefocusHasFewOutliers) {
-  for (const double b : {4.0, 8.0, -8.0}) {
+  for (const double b : {4.0, 8.0, -8.0, 12.0, -12.0}) {
     const Errors errors = errors_of(defocused_pair(7, b < 5 && b > -5 ? 0.35 : 0.12, 0.4, b), 4);
     EXPECT_LE(errors.outliers, 0.02) << b;
     RecordProperty("efficiency at " + std::to_string(b), std::to_string(errors.efficiency));
