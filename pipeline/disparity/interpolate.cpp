@@ -50,7 +50,7 @@ SincTaps make_taps(double fraction) {
   for (int k = 0; k < kTaps; ++k) slope[k] = (after[k] - before[k]) / (2 * kStep);
 
   SincTaps taps;
-  double value_value = 0, value_slope = 0, value_smooth = 0, slope_slope = 0, slope_smooth = 0, smooth_smooth = 0;
+  double value_value = 0, slope_slope = 0, slope_smooth = 0, smooth_smooth = 0;
   const auto slope_at = [&](int k) { return k >= 0 && k < kTaps ? slope[k] : 0.0; };
   for (int k = -1; k <= kTaps; ++k) {
     const double smooth = 0.25 * slope_at(k - 1) + 0.5 * slope_at(k) + 0.25 * slope_at(k + 1);
@@ -59,14 +59,10 @@ SincTaps make_taps(double fraction) {
     taps.value[k] = static_cast<float>(value[k]);
     taps.slope[k] = static_cast<float>(slope[k]);
     value_value += value[k] * value[k];
-    value_slope += value[k] * slope[k];
     slope_slope += slope[k] * slope[k];
-    value_smooth += 0.5 * value[k] * smooth;  // the same row alone
     slope_smooth += 0.5 * slope[k] * smooth;
   }
   taps.value_value = static_cast<float>(value_value);
-  taps.value_slope = static_cast<float>(value_slope);
-  taps.value_smooth = static_cast<float>(value_smooth);
   taps.slope_slope = static_cast<float>(slope_slope);
   taps.slope_smooth = static_cast<float>(slope_smooth);
   taps.smooth_smooth = static_cast<float>(smooth_smooth);
@@ -92,8 +88,6 @@ SincTaps sinc_taps(float fraction) {
     taps.slope[k] = mix(a.slope[k], b.slope[k]);
   }
   taps.value_value = mix(a.value_value, b.value_value);
-  taps.value_slope = mix(a.value_slope, b.value_slope);
-  taps.value_smooth = mix(a.value_smooth, b.value_smooth);
   taps.slope_slope = mix(a.slope_slope, b.slope_slope);
   taps.slope_smooth = mix(a.slope_smooth, b.slope_smooth);
   taps.smooth_smooth = mix(a.smooth_smooth, b.smooth_smooth);

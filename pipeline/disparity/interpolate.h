@@ -12,8 +12,6 @@ struct SincTaps {
   // Covariances at this position when every pixel holds independent noise of variance 1. "smooth" is the slope of the
   // view after smoothing by 1/4 1/2 1/4 along x and y.
   float value_value = 0;
-  float value_slope = 0;
-  float value_smooth = 0;
   float slope_slope = 0;
   float slope_smooth = 0;
   float smooth_smooth = 0;

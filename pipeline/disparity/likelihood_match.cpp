@@ -385,16 +385,13 @@ Refined refine(const Padded& left, const Padded& right, int x0, int y0, float st
     const float Db = with_share(s.bb, s.be), De = with_share(s.be, s.ee);
     const float DD = with_share(Db, De);
     const float Da = Db + De;  // a = b + e, the unsmoothed slope
-    const auto value_D = [share](const SincTaps& t) {
-      return t.value_smooth + share * (t.value_slope - t.value_smooth);
-    };
     const auto slope_D = [share](const SincTaps& t) {
       return t.slope_smooth + share * (t.slope_slope - t.slope_smooth);
     };
     // The offset between the views, normal with its standard deviation, marginalised.
     const float prior = 1 / square(offset_sigma);
     const float mean_D = D / (s.one + prior);
-    const float gradient = Dr - mean_D * s.r - 0.5f * (s.right_noise * value_D(rt) - s.left_noise * value_D(lt));
+    const float gradient = Dr - mean_D * s.r;
     const float hessian =
         Da - mean_D * (s.b + s.e) - 0.25f * (s.right_noise * slope_D(rt) + s.left_noise * slope_D(lt));
     if (!(hessian > 0)) return {start};

@@ -32,7 +32,7 @@ struct LikelihoodMatchOptions {
 ///      marginalised (normal, `offset_search`). Neighbours 1, 2 and 4 tiles away add what they say about the shift,
 ///      capped, so that a tile without texture takes its neighbours' and a depth edge stays where it is.
 ///   3. Gauss-Newton on the views interpolated by a windowed sinc, each pixel weighed by its noise, the offset
-///      marginalised (`offset`). What noise alone would add to the equations is known, and taken out of them.
+///      marginalised (`offset`). What noise alone adds to the curvature is known, and taken out of it.
 ///   4. Beyond 1.4 px of shift, where blur is wider than a tile, the mean over the neighbours that agree.
 ///
 /// sigma_dp_px is the predicted standard deviation of the error: that of step 3 (noise, offset) and 4, its square times
