@@ -1,0 +1,48 @@
+#pragma once
+#include <vector>
+
+#include "capture/capture.h"
+#include "capture/image.h"
+
+/// Where each part of the base frame is found in the other frames of a hand-held burst (Hasinoff et al. 2016, "Burst
+/// photography for high dynamic range and low-light imaging on mobile cameras", section 4 and supplement).
+namespace dualpixel::pipeline {
+
+/// The tiles that motion is measured and applied for, in Bayer px (photosites of one colour; two photosites of the
+/// sensor): squares of kMotionTile px, each overlapping the next by half. Tile (i, j) is centred on the corner of
+/// pixels (kMotionStep i, kMotionStep j), so that all four quarters of the picture's outermost pixels are covered.
+inline constexpr int kMotionTile = 16;
+inline constexpr int kMotionStep = kMotionTile / 2;
+
+/// Two channels, x and y, in Bayer px; one pixel for each tile, ceil(plane size / kMotionStep) + 1 of them:
+/// what the base shows at p, the frame shows at p + motion. It holds for all planes and both DP views alike.
+using MotionField = Image;
+
+/// Throws std::invalid_argument, with one line that names frame and field, where there is no frame, mosaics or views
+/// are not of one size (or only some frames have a mosaic), a mosaic's sides are odd, a view is empty, the white level
+/// is not above the black level, or a noise profile is negative or not finite.
+void require_burst(const std::vector<Frame>& frames, const Exposure& exposure);
+
+/// The frame that the others are aligned to: the sharpest of the first three, near to the press of the shutter.
+/// Sharpness is the sum of squared differences between neighbouring photosites of one green plane, or between pixels of
+/// the left view where there is no mosaic. A later frame must be sharper by 1 %: then noise alone, at a phone's size,
+/// does not prefer it, and a static burst keeps its first frame, which docs/capture.md makes the reference.
+/// Throws as require_burst().
+int sharpest_frame(const std::vector<Frame>& frames, const Exposure& exposure);
+
+/// The motion of every frame against frame `base`, whose own field is 0.
+///
+/// Grey is the mean of the four Bayer planes (of a capture without mosaic: the sum of the views, enlarged to the size
+/// that its planes would have, each DP pixel 1 x 2 of them). Its pyramid shrinks by 2, 4, 4; from the coarsest level
+/// up, tiles of 8, 16, 16, 16 px, overlapping by half, are searched over +-4, 4, 4, 1 px around the best of three
+/// coarser motions: the nearest tile's and its next neighbours' in x and in y. The costs are squared differences, at
+/// the finest level absolute ones; each minimum is refined by a bivariate quadratic through the squared differences
+/// around it. Parameters as in the public implementation at IPOL.
+///
+/// The search reaches 4 * 32 + 4 * 8 + 4 * 2 + 1 = 169 Bayer px along each axis. What moved further, or out of the
+/// picture, is given some motion within that reach: merge_burst() finds no likeness there and keeps the base. A tile
+/// without any texture keeps the coarser level's motion.
+/// Throws as require_burst(), and where `base` is none of the frames.
+std::vector<MotionField> align_burst(const std::vector<Frame>& frames, int base, const Exposure& exposure);
+
+}  // namespace dualpixel::pipeline
