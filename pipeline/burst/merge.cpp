@@ -107,19 +107,23 @@ void load_row(const std::uint16_t* first, const std::uint16_t* second, Lanes (&t
   }
 }
 
-/// Both planes' tile at (x0, y0), less black; beyond the planes their outermost pixels are repeated.
+/// Index of the sample that a mirror along the border shows at `i`; far beyond it, of the last one that it can show.
+/// (Repeated border pixels would lack the noise of fine detail that the test of energies expects.)
+int reflected(int i, int size) { return std::clamp(i < 0 ? -1 - i : i < size ? i : 2 * size - 1 - i, 0, size - 1); }
+
+/// Both planes' tile at (x0, y0), less black; beyond the planes it shows their mirror image.
 template <int step>
 void load(const PlanePair<const std::uint16_t>& planes, const PairShape& shape, int x0, int y0, ComplexTile& tile) {
   const bool inside = x0 >= 0 && x0 + kTile <= shape.width;
   for (int y = 0; y < kTile; ++y) {
-    const std::ptrdiff_t row = std::clamp(y0 + y, 0, shape.height - 1) * planes.stride;
+    const std::ptrdiff_t row = reflected(y0 + y, shape.height) * planes.stride;
     if (inside) {
       const std::ptrdiff_t at = row + static_cast<std::ptrdiff_t>(x0) * step;
       load_row<step>(planes.first + at, planes.second + at, tile.re[y], tile.im[y]);
     } else {
       std::uint16_t first[kTile], second[kTile];
       for (int x = 0; x < kTile; ++x) {
-        const std::ptrdiff_t at = row + static_cast<std::ptrdiff_t>(std::clamp(x0 + x, 0, shape.width - 1)) * step;
+        const std::ptrdiff_t at = row + static_cast<std::ptrdiff_t>(reflected(x0 + x, shape.width)) * step;
         first[x] = planes.first[at];
         second[x] = planes.second[at];
       }

@@ -36,12 +36,12 @@ struct MergeOptions {
 /// size): a tile of theirs takes the motion of the Bayer tile at its centre, in its own pixels. Both views are shifted
 /// by the same fraction of a pixel, and share one A_z, with P and V summed over both: every frequency of both views is
 /// then merged with the same weights, so that the disparity of the merged views is that of the frames. Four real
-/// numbers instead of two make A_z steadier: without the test of energies, a noise of 0.432, 0.364 for 6, 9 frames at
-/// c = 8. That test is made apart for |ky| < 4 and above, from 1.9 to 2.3: the views' high vertical frequencies are
-/// aliased (their pixels are twice as high as wide) and must not spoil the rest, which disparity lives on.
+/// numbers instead of two make A_z steadier: a noise of 0.432, 0.364 for 6, 9 frames at c = 8. The test of energies is
+/// made apart for |ky| < 4 and above, from 1.9 to 2.3: the views' high vertical frequencies are aliased (their pixels
+/// are twice as high as wide) and must not spoil the rest, which disparity lives on.
 ///
-/// Where a tile reaches beyond a frame, the frame's outermost pixels are repeated: unlike the base, hence rejected. A
-/// variance below 1/12 DN^2, that of rounding, is taken as 1/12: so a profile of zeros is allowed.
+/// Beyond its border a frame is mirrored: unlike what the base shows there, hence rejected. A variance below
+/// 1/12 DN^2, that of rounding, is taken as 1/12: so a profile of zeros is allowed.
 ///
 /// `motions` holds one field per frame, as align_burst() returns them. Throws as require_burst(), and
 /// std::invalid_argument where `base` is none of the frames, a field's size is wrong or a motion not finite, or the

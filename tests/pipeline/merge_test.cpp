@@ -210,8 +210,9 @@ TEST(Merge, KeepsTheDisparity) {
     }
     const Signals truth = see(target, 256, 192, kHandShake[0], 0.4);
     const MergedBurst merged = merge_burst(frames, 0, align_burst(frames, 0, exposure), exposure);
-    const MergedBurst single = average_burst({frames[0]}, exposure);
-    EXPECT_NEAR(shift_of(merged.right, truth.right), shift_of(merged.left, truth.left), 0.01) << lux;
+    // over ten bursts: 0.014, 0.003, 0.0013 DP px about a mean of 0 within its error (one frame: 0.030, 0.006, 0.0023)
+    EXPECT_NEAR(shift_of(merged.right, truth.right), shift_of(merged.left, truth.left), lux < 100 ? 0.03 : 0.006)
+        << lux;
   }
 }
 
@@ -256,6 +257,29 @@ TEST_P(MovingObject, IsNeverWorseThanTheBase) {
 INSTANTIATE_TEST_SUITE_P(Merge, MovingObject,
                          testing::Values(std::pair{5, 1.5}, std::pair{5, 12}, std::pair{100, 4}, std::pair{100, 20},
                                          std::pair{1000, 4}, std::pair{1000, 20}));
+
+TEST(Merge, DifferencesOfAnyStrengthDoNoHarm) {
+  // The worst case: all other frames agree on a scene that differs from the base's in every frequency alike, by a
+  // fraction of the noise up to several times it.
+  const Exposure exposure = exposure_at(100);
+  const Signals flat{Image(128, 128, 1, 0.108f), Image(64, 32, 1, 0.054f), Image(64, 32, 1, 0.054f)};
+  const auto sigma = [](double signal, const NoiseProfile& noise) {
+    return std::sqrt(noise.shot_dn * signal * 959 + noise.read_dn2) / 959;
+  };
+  const double of_mosaic = sigma(0.108, exposure.mosaic_noise), of_view = sigma(0.054, exposure.dp_noise);
+  for (const double deviations : {0.5, 1.0, 1.25, 1.5, 2.0, 3.0, 5.0}) {
+    Signals changed = flat;
+    add_white_noise(changed.mosaic, 1, deviations * of_mosaic);
+    add_white_noise(changed.left, 2, deviations * of_view);
+    add_white_noise(changed.right, 3, deviations * of_view);
+    std::vector<Frame> frames = {expose(flat, exposure, 4)};
+    for (unsigned z = 1; z < 6; ++z) frames.push_back(expose(changed, exposure, 4 + z));
+    const auto before = errors(average_burst({frames[0]}, exposure), flat, {0, 0, 64, 64});
+    const auto after =
+        errors(merge_burst(frames, 0, motions_of(std::vector<Pose>(6), 64, 64), exposure), flat, {0, 0, 64, 64});
+    for (int plane = 0; plane < 3; ++plane) EXPECT_LE(after[plane], before[plane] * (1 + 1e-5)) << deviations;
+  }
+}
 
 TEST(Merge, ClippedHighlightDoesNotUndershoot) {
   for (const double lux : {5.0, 100.0, 1000.0}) {
