@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "capture/error.h"
-#include "pipeline/burst/average.h"
 #include "pipeline/burst/demosaic.h"
+#include "pipeline/burst/merge.h"
 #include "pipeline/defocus/render.h"
 #include "pipeline/edge_aware/guide.h"
 #include "pipeline/edge_aware/median.h"
@@ -110,7 +110,7 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
   PortraitResult result;
   StageClock stage(result.stages, options.mode == Mode::seg ? 6 : options.mode == Mode::dp ? 8 : 9, progress);
 
-  MergedBurst burst = stage("merge", [&] { return average_burst(capture.frames, capture.exposure); });
+  MergedBurst burst = stage("merge", [&] { return align_and_merge(capture.frames, capture.exposure); });
   result.input = stage("demosaic", [&] { return develop(burst, capture.camera, capture.exposure); });
   burst.mosaic = {};
 

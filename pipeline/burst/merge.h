@@ -2,11 +2,18 @@
 #include <vector>
 
 #include "capture/capture.h"
+#include "capture/image.h"
 #include "pipeline/burst/align.h"
-#include "pipeline/burst/average.h"
 
 /// The aligned burst as one picture with less noise and no ghosts (Hasinoff et al. 2016, section 5).
 namespace dualpixel::pipeline {
+
+/// Signals normalised as (DN - black) / (white - black): 0 is black, 1 is clipped; noise may go below 0.
+struct MergedBurst {
+  Image mosaic;  ///< full sensor size; empty where the frames hold no mosaic
+  Image left;    ///< DP size
+  Image right;
+};
 
 struct MergeOptions {
   /// c of the shrinkage: more merges more, and leaves more of what moved. 8 as in the paper's supplement; 75 is the

@@ -1,30 +1,9 @@
 #include <gtest/gtest.h>
 
-#include "pipeline/burst/average.h"
 #include "pipeline/burst/demosaic.h"
 
 namespace dualpixel::pipeline {
 namespace {
-
-TEST(Average, IsTheMeanOfTheNormalisedFrames) {
-  Exposure exposure;
-  exposure.black_level_dn = 64;
-  exposure.white_level_dn = 1023;
-  std::vector<Frame> frames(3);
-  for (int i = 0; i < 3; ++i) {
-    frames[i].mosaic = ImageU16(4, 4, 1, static_cast<std::uint16_t>(100 + i));
-    frames[i].left = ImageU16(2, 1, 1, static_cast<std::uint16_t>(64));
-    frames[i].right = ImageU16(2, 1, 1, static_cast<std::uint16_t>(1023));
-  }
-  frames[1].mosaic.at(3, 2) = 401;  // others there: 100 and 102
-  const MergedBurst merged = average_burst(frames, exposure);
-  EXPECT_FLOAT_EQ(merged.mosaic.at(0, 0), (101.0f - 64) / 959);
-  EXPECT_FLOAT_EQ(merged.mosaic.at(3, 2), (201.0f - 64) / 959);
-  EXPECT_FLOAT_EQ(merged.left.at(1, 0), 0);
-  EXPECT_FLOAT_EQ(merged.right.at(1, 0), 1);
-  for (Frame& frame : frames) frame.mosaic = {};
-  EXPECT_TRUE(average_burst(frames, exposure).mosaic.empty());
-}
 
 /// A mosaic whose photosites see color(x, y, channel).
 template <typename Color>
