@@ -116,8 +116,7 @@ inline void mirrored_samples(std::uint32_t first, std::uint64_t pixel_key, float
 
 /// A planar net in shuffled order, for whatever follows the lens (`stream` numbers these decisions): its pairing with
 /// the joint coordinates is random, its own stratification is kept. `index_mask` + 1 is the power of two that holds
-/// all points of the pixel. Lanes i and i + `distinct` share a point.
-template <int distinct = kPacket>
+/// all points of the pixel.
 inline void padded_samples(std::uint32_t first, std::uint32_t index_mask, std::uint64_t pixel_key, std::uint32_t stream,
                            float u[kPacket], float v[kPacket]) {
   const std::uint64_t key = hash(pixel_key, 4 + stream);
@@ -127,7 +126,7 @@ inline void padded_samples(std::uint32_t first, std::uint32_t index_mask, std::u
   const auto seed_v = static_cast<std::uint32_t>(seeds >> 32);
   std::uint32_t index[kPacket], x[kPacket], y[kPacket];
   for (int i = 0; i < kPacket; ++i) {
-    index[i] = owen_scramble_reversed(reverse_bits(first + i % distinct), shuffle) & index_mask;
+    index[i] = owen_scramble_reversed(reverse_bits(first + i), shuffle) & index_mask;
   }
   for (int i = 0; i < kPacket; ++i) {
     x[i] = detail::sobol_reversed(0, index[i]);

@@ -35,6 +35,22 @@ TEST(Sobol, FirstTwoDimensionsFillElementaryIntervals) {
   }
 }
 
+TEST(Sobol, MirroredPairsShareTheirPlaceAndOpposeEachOtherInThePupil) {
+  const auto points = joint_points(64, 42);
+  for (int first = 0; first < 64; first += 8) {
+    float pairs[4][kPacket];
+    mirrored_samples(first, 42, pairs);
+    for (int i = 0; i < 8; ++i) {
+      for (int d = 0; d < 4; ++d) {
+        EXPECT_EQ(pairs[d][i], points[first + i][d]);
+        EXPECT_NEAR(pairs[d][i + 8], d < 2 ? pairs[d][i] : 1 - pairs[d][i], 1e-6);
+        EXPECT_GE(pairs[d][i + 8], 0);
+        EXPECT_LT(pairs[d][i + 8], 1);
+      }
+    }
+  }
+}
+
 TEST(Sobol, EveryDimensionIsStratified) {
   constexpr int n = 256;
   const auto points = joint_points(n, 7);
