@@ -125,8 +125,8 @@ TEST(Plan, ALensOutOfFocusIsNotReplacedByOneInFocus) {
 }
 
 TEST(Plan, LessToleranceTakesMoreSamples) {
-  const Plan coarse = plan(small_camera(), glowing_wall(), 0.02, 1);
-  const Plan fine = plan(small_camera(), glowing_wall(), 0.001, 1);
+  const Plan coarse = plan(small_camera(), glowing_wall(), 0.08, 1);
+  const Plan fine = plan(small_camera(), glowing_wall(), 0.002, 1);
   EXPECT_GT(chosen_samples(fine), chosen_samples(coarse));
   for (const Plan* p : {&coarse, &fine}) {
     EXPECT_TRUE(p->met);
