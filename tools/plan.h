@@ -27,9 +27,9 @@
 ///   Bounces  two pairs of renders, n bounces and 8 with the same random numbers; the mean product of the two pairs'
 ///            differences is the mean square of what is no noise. A window whose two pictures correlate by less than
 ///            0.8 shows other things than it should and counts as an error of 1 DP px.
-/// Three standard errors, from the scatter over the windows, are added to each mean square. Windows count whose disparity
-/// the capture's own sensor noise, its burst merged, blurs by no more than the tolerance. Where fewer than 6 windows
-/// have texture, bounces and samples stay as the scene file has them, and the plan says so.
+/// Three standard errors, from the scatter over the windows, are added to each mean square. Windows count whose
+/// disparity the capture's own sensor noise, its burst merged, blurs by no more than the tolerance. Where fewer than 6
+/// windows have texture, bounces and samples stay as the scene file has them, and the plan says so.
 ///
 /// The choice is by counted work, so that it is the same on every machine: a sample through a thin lens costs 1, an
 /// aberrated one 1.1, polynomials 1.4, an exact trace 5.5 (`dualpixel bench lens`), a bounce 1. Times are measured, and
