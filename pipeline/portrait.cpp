@@ -88,6 +88,20 @@ std::optional<double> median_inside(const Image& image, const std::array<double,
   return *middle;
 }
 
+TileDisparity match(const MergedBurst& burst, const Capture& capture, const PortraitOptions& options) {
+  if (options.matcher == Matcher::paper) {
+    return match_tiles(normalize_locally(burst.left, options.normalize),
+                       normalize_locally(burst.right, options.normalize), options.match);
+  }
+  // as if the merge were a plain mean
+  const auto frames = static_cast<double>(capture.frames.size());
+  const double range = capture.exposure.white_level_dn - capture.exposure.black_level_dn;
+  LikelihoodMatchOptions likelihood = options.likelihood_match;
+  likelihood.noise = {static_cast<float>(capture.exposure.dp_noise.shot_dn / (range * frames)),
+                      static_cast<float>(capture.exposure.dp_noise.read_dn2 / (range * range * frames))};
+  return match_by_likelihood(burst.left, burst.right, likelihood);
+}
+
 void require_mask(const std::optional<Image>& mask, Mode mode) {
   if (mode == Mode::dp) return;
   if (!mask || mask->empty()) throw InputError("person mask: missing; modes dp+seg and seg need one");
@@ -124,8 +138,7 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
     result.blur_radius_px = std::move(blurred.radius_px);
   } else {
     PixelDisparity matched = stage("disparity", [&] {
-      const TileDisparity tiles = match_tiles(normalize_locally(burst.left, options.normalize),
-                                              normalize_locally(burst.right, options.normalize), options.match);
+      const TileDisparity tiles = match(burst, capture, options);
       return upsample_tiles(tiles, options.match.tile_px, burst.left.width, burst.left.height, options.tile_upsample);
     });
 

@@ -11,6 +11,7 @@
 #include "pipeline/defocus/layers.h"
 #include "pipeline/defocus/mask_blur.h"
 #include "pipeline/defocus/noise.h"
+#include "pipeline/disparity/likelihood_match.h"
 #include "pipeline/disparity/match.h"
 #include "pipeline/disparity/normalize.h"
 #include "pipeline/disparity/upsample.h"
@@ -30,15 +31,22 @@ enum class Mode {
   seg      ///< person mask alone: a background blur, two layers
 };
 
+enum class Matcher {
+  paper,      ///< normalised views, sums of squared differences, a parabola (match.h)
+  likelihood  ///< linear views, wider range, a predicted error (likelihood_match.h)
+};
+
 /// Each stage's header says what its values mean and where they are from.
 struct PortraitOptions {
   Mode mode = Mode::dp;
+  Matcher matcher = Matcher::paper;
   std::uint64_t seed = 1;  ///< of the synthetic noise
   /// A face counts as well focused, and its median disparity as d_focus, up to this |disparity| in DP px. The paper
   /// asks for "close to zero" (section 5.1) and gives no value.
   double face_in_focus_dp_px = 0.5;
   NormalizeOptions normalize;
   MatchOptions match;
+  LikelihoodMatchOptions likelihood_match;  ///< its noise is the capture's own
   UpsampleOptions tile_upsample;
   MergeMaskOptions merge_mask;
   BilateralGridOptions grid;

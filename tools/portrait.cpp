@@ -24,6 +24,7 @@ struct PortraitCommand {
   std::string capture;
   std::string output;
   std::string mode = "dp";
+  std::string matcher = "paper";
   std::string mask;
   bool true_mask = false;
   std::uint64_t seed = pipeline::PortraitOptions().seed;
@@ -45,6 +46,7 @@ Image read_mask(const std::string& path) {
 void run(const PortraitCommand& command) {
   pipeline::PortraitOptions options;
   options.mode = kModes.at(command.mode);
+  options.matcher = command.matcher == "paper" ? pipeline::Matcher::paper : pipeline::Matcher::likelihood;
   options.seed = command.seed;
   const bool needs_mask = options.mode != pipeline::Mode::dp;
   if (needs_mask && command.mask.empty() && !command.true_mask) {
@@ -73,6 +75,7 @@ void run(const PortraitCommand& command) {
       {"program", "dualpixel " DUALPIXEL_VERSION},
       {"capture", std::filesystem::absolute(command.capture).lexically_normal().string()},
       {"mode", command.mode},
+      {"matcher", command.matcher},
       {"seed", command.seed}};
   if (needs_mask) provenance["mask"] = command.true_mask ? "truth" : command.mask;
   write_result(result, provenance, command.output);
@@ -88,6 +91,10 @@ void add_portrait(CLI::App& program) {
   sub->add_option("-o,--output", command->output, "Result folder to write")->required()->type_name("DIR");
   sub->add_option("--mode", command->mode, "dp: disparity alone; dp+seg: with a person mask; seg: mask alone")
       ->check(CLI::IsMember({"dp", "dp+seg", "seg"}))
+      ->capture_default_str();
+  sub->add_option("--matcher", command->matcher,
+                  "paper: as in Wadhwa et al. 2018, disparities up to 3 DP px; likelihood: up to 16")
+      ->check(CLI::IsMember({"paper", "likelihood"}))
       ->capture_default_str();
   CLI::Option* mask =
       sub->add_option("--mask", command->mask, "Person mask: a picture, white on the person, of any size")

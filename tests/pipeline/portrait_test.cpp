@@ -141,6 +141,31 @@ TEST(Portrait, SwappedViewsPutTheBackgroundInFront) {
   EXPECT_NEAR(mean_of(run_portrait(capture, test_options()).disparity_dp_px, false), -kBackground, 0.08);
 }
 
+// Five DP pixels are beyond the paper's range of three: its method says so by confidence 0, the other one finds them.
+TEST(Portrait, TheLikelihoodMatcherReachesFurther) {
+  const Capture capture = make_capture(5);
+  double within[2] = {}, confidence[2] = {};
+  for (const Matcher matcher : {Matcher::paper, Matcher::likelihood}) {
+    PortraitOptions options = test_options();
+    options.matcher = matcher;
+    const PortraitResult result = run_portrait(capture, options, {});
+    const int which = matcher == Matcher::paper ? 0 : 1;
+    int count = 0;
+    for (int y = 4; y < 12; ++y) {  // above the subject
+      for (int x = 24; x < kWidth / 2 - 24; ++x, ++count) {
+        within[which] += std::abs(result.matched_disparity_dp_px.at(x, y) - 5) < 0.25 ? 1 : 0;
+        confidence[which] += result.matched_confidence.at(x, y);
+      }
+    }
+    within[which] /= count;
+    confidence[which] /= count;
+  }
+  EXPECT_GT(within[1], 0.95);
+  EXPECT_GT(confidence[1], 0.5);
+  EXPECT_LT(within[0], 0.05);
+  EXPECT_LT(confidence[0], 0.2);
+}
+
 TEST(Portrait, FacesSetTheFocus) {
   Capture capture = make_capture(0.3);
   capture.face_px = {40, 10, 400, 60};  // on the background
