@@ -33,9 +33,9 @@ constexpr int kRaysPerPlace = 2048;
 constexpr int kTileColumns = 6, kTileRows = 4;
 constexpr int kTileWidth = (2 * kWindowDpPx + 2) * kPhotositesPerDpPixelX;  ///< two windows and their neighbours
 constexpr int kTileHeight = kWindowDpPx * kPhotositesPerDpPixelY;
-constexpr std::array kPilotSamples = {1, 4, 16, 64};
-constexpr std::array kPilotRenders = {4, 4, 4, 2};  ///< with seeds of their own
-constexpr std::size_t kBouncePilot = 2;             ///< ... of which bounces are judged by this one
+constexpr std::array kPilotSamples = {16, 64};  ///< less than a packet of 16 costs as much
+constexpr std::array kPilotRenders = {4, 2};    ///< with seeds of their own
+constexpr std::size_t kBouncePilot = 0;         ///< ... of which bounces are judged by this one
 constexpr std::array kBounces = {0, 1, 2, 4, kReferenceBounces};
 constexpr int kMostSamples = 65536;
 constexpr double kLeastCorrelation = 0.8;
@@ -236,8 +236,8 @@ double noise_error(const std::vector<std::vector<double>>& renders) {
   return upper_rms(variances);
 }
 
-/// From the largest pilot that is not larger, as 1/sqrt: that much sampling does at least. A curve drawn through 4 and
-/// 16 samples would promise more at 8.
+/// From the largest pilot that is not larger, as 1/sqrt: that much sampling does at least. A curve drawn through 16 and
+/// 64 samples would promise more at 32.
 double error_at(const std::array<double, kPilotSamples.size()>& measured, int samples) {
   std::size_t i = kPilotSamples.size() - 1;
   while (kPilotSamples[i] > samples) --i;
@@ -321,7 +321,7 @@ void choose(Plan& plan, const std::optional<Measured>& measured, int scene_sampl
   double least_work = std::numeric_limits<double>::infinity();
   for (std::size_t l = 0; l < plan.lenses.size(); ++l) {
     for (std::size_t b = 0; b < plan.bounces.size(); ++b) {
-      int samples = measured ? 1 : scene_samples;
+      int samples = measured ? kPilotSamples[0] : scene_samples;
       while (measured && samples < kMostSamples && !(root_of_squares(l, b, samples) <= plan.tolerance_dp_px))
         samples *= 2;
       const double work = samples * (plan.lenses[l].model.work + plan.bounces[b].bounces);
@@ -331,7 +331,8 @@ void choose(Plan& plan, const std::optional<Measured>& measured, int scene_sampl
       plan.lens = l, plan.bounce = b, chosen_samples = samples;
     }
   }
-  const int first = measured ? 1 : chosen_samples, last = measured ? std::min(4 * chosen_samples, kMostSamples) : first;
+  const int first = measured ? kPilotSamples[0] : chosen_samples,
+            last = measured ? std::min(4 * chosen_samples, kMostSamples) : first;
   for (int samples = first; samples <= last; samples *= 2) {
     if (samples == chosen_samples) plan.sample = plan.samples.size();
     plan.samples.push_back({samples, sample_error(plan.bounce, samples)});

@@ -21,7 +21,7 @@
 /// Bounces and samples are measured on pilot renders of tiles spread over the frame (the whole sensor, where it is
 /// small), through the dearest model short of the exact trace, by what they do to a matcher (tools/match_error.h) in
 /// windows that have texture.
-///   Samples  renders that differ by their seeds alone scatter by their error. Measured at 1, 4, 16 and 64 samples with
+///   Samples  renders that differ by their seeds alone scatter by their error. Measured at 16 and 64 samples with
 ///            8 bounces, scaled to fewer bounces by their noise at 16; from there on to the next it is taken to fall as
 ///            1/sqrt(samples), the least that sampling does.
 ///   Bounces  two pairs of renders, n bounces and 8 with the same random numbers; the mean product of the two pairs'
@@ -64,7 +64,7 @@ struct Plan {
   std::uint64_t seed = 0;
   std::vector<LensRung> lenses;     ///< from the cheapest to the reference
   std::vector<BounceRung> bounces;  ///< likewise; as the scene file has it alone where `windows_textured` is too few
-  std::vector<SampleRung> samples;  ///< powers of two, from 1 to beyond the chosen
+  std::vector<SampleRung> samples;  ///< powers of two, from 16 to beyond the chosen
   std::size_t lens = 0, bounce = 0, sample = 0;  ///< the chosen
   std::size_t pilot_lens = 0;                    ///< through which the pilots were rendered
   int windows = 0, windows_textured = 0;
