@@ -1,5 +1,7 @@
 #include "simulator/render/lights.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,7 +13,7 @@ namespace dualpixel::simulator {
 namespace {
 
 constexpr float kPi = 3.14159265358979f;
-constexpr int kNormals = 12;  // cells a side of the octahedral map of normals: about 12 degrees each
+constexpr int kNormals = 48;  // cells a side of the octahedral map of normals, some 3 degrees each
 
 float luminance(glm::vec3 rgb) { return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z; }
 
@@ -135,53 +137,53 @@ Lights::Lights(const Scene& scene, glm::vec3 low, glm::vec3 high) : scene_(scene
   const float radius_squared = std::max(0.25f * glm::dot(high - low, high - low), 1e-12f);
   std::vector<float> powers;
 
-  // mean luminance of each cell, and the direction to its middle
+  // luminance of each cell, and the direction to it, at some places
   constexpr int kProbes = 4;  // per side of a cell
-  std::vector<float> mean(kRows * kColumns, 0.0f);
-  std::vector<glm::vec3> middle(kRows * kColumns);
+  constexpr int kCells = kRows * kColumns, kCellProbes = kProbes * kProbes;
+  std::vector<float> seen(kCells * kCellProbes);
+  std::vector<glm::vec3> towards(seen.size());
   float environment_power = 0;
-  for (int i = 0; i < kRows * kColumns && !scene.environment.radiance_nits.empty(); ++i) {
-    const int row = i / kColumns, column = i % kColumns;
-    for (int probe = 0; probe < kProbes * kProbes; ++probe) {
-      const int i_v = probe / kProbes, i_u = probe % kProbes;
-      const float u = (column + (i_u + 0.5f) / kProbes) / kColumns;
-      const float v = (row + (i_v + 0.5f) / kProbes) / kRows;
-      mean[i] += luminance(radiance_at(scene.environment, u, v)) / (kProbes * kProbes);
-    }
-    environment_power += mean[i] * row_solid_angle(row);
-    const float theta = kPi * (row + 0.5f) / kRows;
-    const float phi = 2 * kPi * ((column + 0.5f) / kColumns - 0.5f);
-    middle[i] = {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
+  for (int i = 0; i < kCells * kCellProbes && !scene.environment.radiance_nits.empty(); ++i) {
+    const int cell = i / kCellProbes, probe = i % kCellProbes;
+    const int row = cell / kColumns, column = cell % kColumns;
+    const float u = (column + (probe % kProbes + 0.5f) / kProbes) / kColumns;
+    const float v = (row + (probe / kProbes + 0.5f) / kProbes) / kRows;
+    seen[i] = luminance(radiance_at(scene.environment, u, v));
+    environment_power += seen[i] * row_solid_angle(row) / kCellProbes;
+    const float theta = kPi * v, phi = 2 * kPi * (u - 0.5f);
+    towards[i] = {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
   }
   if (environment_power > 0) {
-    environment_entries_ = 1;
-    powers.push_back(environment_power / 4);  // mean illuminance on planes of all directions
     environment_tables_.resize(kNormals * kNormals);
-    for (int n = 0; n < kNormals * kNormals; ++n) {
+    const float least = 0.01f * environment_power / (4 * kPi);  // a probe may have missed what shines in its cell
+    tbb::parallel_for(0, kNormals * kNormals, [&](int n) {
       EnvironmentTable& table = environment_tables_[n];
       const glm::vec3 normal = cell_normal(n);
-      float total = 0;
+      float lux = 0;
       for (int row = 0; row < kRows; ++row) {
-        float sum = 0;
+        float nits = 0;
         for (int column = 0; column < kColumns; ++column) {
-          const int i = row * kColumns + column;
-          // Normals of a cell and directions of a cell both spread by some 12 degrees, and no cell may be left out:
-          // the cosine is lifted by 0.15, radiance by a hundredth of its mean.
-          const float cosine = std::max(glm::dot(normal, middle[i]) + 0.15f, 0.0f) + 0.002f;
-          sum += (mean[i] + 0.01f * environment_power / (4 * kPi)) * cosine;
-          table.cells[row][column] = sum;
+          const int cell = row * kColumns + column;
+          for (int i = cell * kCellProbes; i < (cell + 1) * kCellProbes; ++i) {
+            // lifted, as normals of one cell differ: no place that light could come from may be left out
+            const float cosine = std::max(glm::dot(normal, towards[i]) + 0.04f, 0.0f) + 0.002f;
+            nits += (seen[i] + least) * cosine / kCellProbes;
+          }
+          table.cells[row][column] = nits;
         }
-        total += sum * row_solid_angle(row);
-        table.rows[row] = total;
+        lux += nits * row_solid_angle(row);
+        table.rows[row] = lux;
         normalise(table.cells[row].begin(), table.cells[row].end());
       }
+      table.lux = lux;
       normalise(table.rows.begin(), table.rows.end());
-    }
+    });
   }
 
   for (const PunctualLight& light : scene.lights) {
-    const float on_plane = luminance(light.intensity) / 4;
-    powers.push_back(light.kind == PunctualLight::Kind::directional ? on_plane : on_plane / radius_squared);
+    const bool far = light.kind == PunctualLight::Kind::directional;
+    if (far && luminance(light.intensity) > 0) directional_.push_back({light, luminance(light.intensity)});
+    powers.push_back(far ? 0 : luminance(light.intensity) / (4 * radius_squared));
   }
 
   first_triangle_of_mesh_.assign(scene.meshes.size(), -1);
@@ -199,67 +201,87 @@ Lights::Lights(const Scene& scene, glm::vec3 low, glm::vec3 high) : scene_(scene
     }
   }
 
-  double total = 0;
-  for (float power : powers) total += power;
-  if (!(total > 0)) return;
   double sum = 0;
   for (float power : powers) {
     sum += power;
-    cumulative_.push_back(static_cast<float>(sum / total));
+    near_.push_back(static_cast<float>(sum));
   }
-  cumulative_.back() = 1;
+  near_lux_ = static_cast<float>(sum);
+  if (near_lux_ > 0) normalise(near_.begin(), near_.end());
 }
 
-int Lights::pick(float& u, float& probability) const {
-  return pick_from(cumulative_.begin(), cumulative_.end(), u, probability);
+Lights::Choice Lights::choice_at(glm::vec3 normal) const {
+  Choice choice;
+  if (!environment_tables_.empty()) {
+    choice.table = &environment_tables_[normal_cell(normal)];
+    choice.environment_lux = choice.table->lux;
+  }
+  choice.all_lux = choice.environment_lux + near_lux_;
+  for (const Directional& d : directional_)
+    choice.all_lux += d.lux * std::max(-glm::dot(d.light.direction, normal), 0.0f);
+  return choice;
 }
 
 void Lights::sample(const int lanes[kPacket], const Vec3Packet& point, const Vec3Packet& normal, const float u[kPacket],
                     const float v[kPacket], LightPacket& out) const {
   alignas(64) int from_environment[kPacket];
-  alignas(64) float rest_of_u[kPacket], probability[kPacket];
+  alignas(64) Choice choices[kPacket];
+  alignas(64) float rest_of_u[kPacket];
   bool any_environment = false;
   for (int i = 0; i < kPacket; ++i) {
     from_environment[i] = 0;
-    rest_of_u[i] = u[i];
-    probability[i] = 0;
     if (!lanes[i]) continue;
+    const Choice& choice = choices[i] = choice_at(normal.at(i));
+    float lux = u[i] * choice.all_lux;
+    if (lux < choice.environment_lux) {
+      from_environment[i] = -1;
+      rest_of_u[i] = lux / choice.environment_lux;
+      any_environment = true;
+      continue;
+    }
+    lux -= choice.environment_lux;
     LightSample sample;
-    auto entry = static_cast<std::size_t>(cumulative_.empty() ? 0 : pick(rest_of_u[i], probability[i]));
-    if (probability[i] > 0) {
-      if (entry < environment_entries_) {
-        from_environment[i] = -1;
-        any_environment = true;
-        continue;
+    std::size_t far = 0;
+    for (; far < directional_.size(); ++far) {
+      const Directional& d = directional_[far];
+      const float own_lux = d.lux * std::max(-glm::dot(d.light.direction, normal.at(i)), 0.0f);
+      if (lux < own_lux) {
+        sample = sample_punctual(d.light, point.at(i));
+        sample.radiance *= choice.all_lux / own_lux;
+        break;
       }
-      entry -= environment_entries_;
-      sample = entry < scene_.lights.size()
-                   ? sample_punctual(scene_.lights[entry], point.at(i))
-                   : sample_triangle(entry - scene_.lights.size(), point.at(i), rest_of_u[i], v[i]);
-      sample.radiance /= probability[i];
-      sample.pdf *= probability[i];
+      lux -= own_lux;
+    }
+    if (far == directional_.size() && near_lux_ > 0) {
+      float place = std::min(lux / near_lux_, 0x1.fffffep-1f), share;
+      const auto entry = static_cast<std::size_t>(pick_from(near_.begin(), near_.end(), place, share));
+      const float probability = share * near_lux_ / choice.all_lux;
+      sample = entry < scene_.lights.size() ? sample_punctual(scene_.lights[entry], point.at(i))
+                                            : sample_triangle(entry - scene_.lights.size(), point.at(i), place, v[i]);
+      sample.radiance /= probability;
+      sample.pdf *= probability;
     }
     out.direction.set(i, sample.direction);
     out.radiance.set(i, sample.radiance);
     out.distance_m[i] = sample.distance_m;
     out.pdf[i] = sample.pdf;
   }
-  if (any_environment) sample_environment(from_environment, normal, rest_of_u, v, probability, out);
+  if (any_environment) sample_environment(from_environment, choices, rest_of_u, v, out);
 }
 
-void Lights::sample_environment(const int lanes[kPacket], const Vec3Packet& normal, const float u[kPacket],
-                                const float v[kPacket], const float probability[kPacket], LightPacket& out) const {
+void Lights::sample_environment(const int lanes[kPacket], const Choice choices[kPacket], const float u[kPacket],
+                                const float v[kPacket], LightPacket& out) const {
   alignas(64) float height[kPacket], around[kPacket], density[kPacket];  // height: cosine from straight up
   for (int i = 0; i < kPacket; ++i) {
     height[i] = around[i] = density[i] = 0;
     if (!lanes[i]) continue;
-    const EnvironmentTable& table = environment_tables_[normal_cell(normal.at(i))];
-    float row_probability, cell_probability, place_u = u[i], place_v = v[i];
-    const int row = pick_from<kRows>(table.rows.data(), place_v, row_probability);
-    const int column = pick_from<kColumns>(table.cells[row].data(), place_u, cell_probability);
+    const EnvironmentTable& table = *choices[i].table;
+    float row_share, cell_share, place_u = u[i], place_v = v[i];
+    const int row = pick_from<kRows>(table.rows.data(), place_v, row_share);
+    const int column = pick_from<kColumns>(table.cells[row].data(), place_u, cell_share);
     height[i] = kRowCosine[row] + place_v * (kRowCosine[row + 1] - kRowCosine[row]);
     around[i] = (static_cast<float>(column) + place_u) / kColumns;
-    density[i] = probability[i] * row_probability * cell_probability / row_solid_angle(row);
+    density[i] = table.lux / choices[i].all_lux * row_share * cell_share / row_solid_angle(row);
   }
   alignas(64) float sine[kPacket], cosine[kPacket], down[kPacket];
   for (int i = 0; i < kPacket; ++i) {
@@ -334,23 +356,25 @@ LightSample Lights::sample_triangle(std::size_t index, glm::vec3 point, float u,
 
 float Lights::environment_pdf(glm::vec3 normal, glm::vec3 direction) const {
   if (environment_tables_.empty()) return 0;
-  const EnvironmentTable& table = environment_tables_[normal_cell(normal)];
   const float u = std::atan2(direction.x, -direction.z) / (2 * kPi) + 0.5f;
   const float v = std::acos(std::clamp(direction.y, -1.0f, 1.0f)) / kPi;
   const int row = std::clamp(static_cast<int>(v * kRows), 0, kRows - 1);
   const int column = std::clamp(static_cast<int>(u * kColumns), 0, kColumns - 1);
-  const float row_probability = table.rows[row] - (row > 0 ? table.rows[row - 1] : 0);
-  const auto& cells = table.cells[row];
-  const float cell_probability = cells[column] - (column > 0 ? cells[column - 1] : 0);
-  return cumulative_[0] * row_probability * cell_probability / row_solid_angle(row);
+  const Choice choice = choice_at(normal);
+  const EnvironmentTable& table = *choice.table;
+  const float row_share = table.rows[row] - (row > 0 ? table.rows[row - 1] : 0);
+  const float cell_share = table.cells[row][column] - (column > 0 ? table.cells[row][column - 1] : 0);
+  return table.lux / choice.all_lux * row_share * cell_share / row_solid_angle(row);
 }
 
-float Lights::triangle_pdf(unsigned mesh, unsigned triangle, float distance_m, float abs_cos_at_light) const {
+float Lights::triangle_pdf(glm::vec3 normal, unsigned mesh, unsigned triangle, float distance_m,
+                           float abs_cos_at_light) const {
   const int first = first_triangle_of_mesh_[mesh];
   if (first < 0 || !(abs_cos_at_light > 1e-6f)) return 0;
   const std::size_t index = static_cast<std::size_t>(first) + triangle;
-  const std::size_t entry = environment_entries_ + scene_.lights.size() + index;
-  const float probability = cumulative_[entry] - (entry > 0 ? cumulative_[entry - 1] : 0);
+  const std::size_t entry = scene_.lights.size() + index;
+  const float share = near_[entry] - (entry > 0 ? near_[entry - 1] : 0);
+  const float probability = share * near_lux_ / choice_at(normal).all_lux;
   return probability * distance_m * distance_m / (abs_cos_at_light * triangles_[index].area_m2);
 }
 

@@ -6,8 +6,9 @@
 #include "simulator/render/vec3_packet.h"
 #include "simulator/scene/scene.h"
 
-/// Choosing where light may come from: environment, punctual lights and emissive triangles, in proportion to the
-/// light that they throw on an average place of the scene.
+/// Choosing where light may come from: environment and directional lights in proportion to the light that they throw on
+/// a surface with its normal if nothing is in their way, near lights (punctual ones, emissive triangles) in proportion
+/// to what they throw on an average place of the scene.
 namespace dualpixel::simulator {
 
 struct LightSample {
@@ -27,20 +28,36 @@ class Lights {
   /// Keeps a pointer to `scene`. `low`, `high`: the scene's bounds.
   Lights(const Scene& scene, glm::vec3 low, glm::vec3 high);
 
-  bool empty() const { return cumulative_.empty(); }
   /// A sample for each lane with lanes[i] != 0; 0 <= u, v < 1. `normal`: of the surface to be lit, so that light from
   /// behind it is rarely asked for.
   void sample(const int lanes[kPacket], const Vec3Packet& point, const Vec3Packet& normal, const float u[kPacket],
               const float v[kPacket], LightPacket& out) const;
 
-  /// Densities with which sample() would have found what a ray met by other means.
+  /// Densities with which sample() at a surface with this normal would have found what a ray met by other means.
   float environment_pdf(glm::vec3 normal, glm::vec3 direction) const;
-  float triangle_pdf(unsigned mesh, unsigned triangle, float distance_m, float abs_cos_at_light) const;
+  float triangle_pdf(glm::vec3 normal, unsigned mesh, unsigned triangle, float distance_m,
+                     float abs_cos_at_light) const;
 
  private:
-  int pick(float& u, float& probability) const;
-  void sample_environment(const int lanes[kPacket], const Vec3Packet& normal, const float u[kPacket],
-                          const float v[kPacket], const float probability[kPacket], LightPacket& out) const;
+  /// Where in the environment to look from a surface with a normal like this one: running sums over kRows x kColumns
+  /// cells of the sphere, rows equal in angle, of radiance times cosine.
+  struct EnvironmentTable {
+    static constexpr int kRows = 16;
+    static constexpr int kColumns = 32;
+    float lux = 0;  ///< in all
+    std::array<float, kRows> rows{};
+    std::array<std::array<float, kColumns>, kRows> cells{};  ///< of each row by itself
+  };
+  static constexpr int kRows = EnvironmentTable::kRows;
+  static constexpr int kColumns = EnvironmentTable::kColumns;
+  /// Unoccluded illuminance on a surface, which shares out the samples.
+  struct Choice {
+    const EnvironmentTable* table = nullptr;
+    float environment_lux = 0, all_lux = 0;
+  };
+  Choice choice_at(glm::vec3 normal) const;
+  void sample_environment(const int lanes[kPacket], const Choice choices[kPacket], const float u[kPacket],
+                          const float v[kPacket], LightPacket& out) const;
   LightSample sample_punctual(const PunctualLight& light, glm::vec3 point) const;
   LightSample sample_triangle(std::size_t index, glm::vec3 point, float u, float v) const;
 
@@ -49,22 +66,16 @@ class Lights {
     float area_m2 = 0;
   };
   const Scene& scene_;
-  // entries of the choice: the environment (if lit), then punctual lights, then emissive triangles
-  std::vector<float> cumulative_;
+  struct Directional {
+    PunctualLight light;
+    float lux = 0;
+  };
+  std::vector<Directional> directional_;
+  std::vector<float> near_;  ///< running sums of the shares of punctual lights (directional: 0), then of triangles_
+  float near_lux_ = 0;       ///< ... which throw this in all on an average place
   std::vector<EmissiveTriangle> triangles_;
   std::vector<int> first_triangle_of_mesh_;  ///< index into triangles_, -1: the mesh does not emit
-  std::size_t environment_entries_ = 0;
 
-  /// Where in the environment to look from a surface with a normal like this one: running sums over kRows x kColumns
-  /// cells of the sphere, rows equal in angle, of radiance times cosine.
-  struct EnvironmentTable {
-    static constexpr int kRows = 16;
-    static constexpr int kColumns = 32;
-    std::array<float, kRows> rows{};
-    std::array<std::array<float, kColumns>, kRows> cells{};  ///< of each row by itself
-  };
-  static constexpr int kRows = EnvironmentTable::kRows;
-  static constexpr int kColumns = EnvironmentTable::kColumns;
   std::vector<EnvironmentTable> environment_tables_;  ///< one for each cell of an octahedral map of normals
 };
 

@@ -118,7 +118,8 @@ void scatter(const RenderScene& world, unsigned mesh_id, const int lanes[kPacket
       const float weight =
           paths.pdf[i] == kInfinity
               ? 1
-              : mis_weight(paths.pdf[i], world.lights.triangle_pdf(mesh_id, rays.hit.primID[i], distance[i], cosine));
+              : mis_weight(paths.pdf[i], world.lights.triangle_pdf(paths.normal.at(i), mesh_id, rays.hit.primID[i],
+                                                                   distance[i], cosine));
       add_light(paths, i, surface.emission_nits.at(i) * weight);
     }
   }
@@ -221,7 +222,7 @@ glm::vec3 sum_of(const Vec3Packet& lanes) {
 HalfRadiance render_pixel(const RenderScene& world, const CameraView& camera, const PathOptions& options, int x, int y,
                           std::uint32_t samples, std::uint64_t pixel_key) {
   constexpr int kPairs = kPacket / 2;
-  const std::uint32_t index_mask = std::bit_ceil(std::max(samples, 16u)) - 1;
+  const std::uint32_t index_mask = std::bit_ceil(std::max(samples, std::uint32_t{kPacket})) / 2 - 1;
   alignas(64) float joint[4][kPacket];
   LensPacket packet;
   alignas(64) RTCRayHit16 rays;
@@ -250,7 +251,7 @@ HalfRadiance render_pixel(const RenderScene& world, const CameraView& camera, co
     for (int bounce = 0;; ++bounce) {
       const bool last = bounce == options.max_bounces;
       if (bounce > 0) reset(rays);
-      advance(world, rays, paths, {first, index_mask, pixel_key}, bounce, last);
+      advance(world, rays, paths, {first / 2, index_mask, pixel_key}, bounce, last);
       if (last || first_set(paths.active) == kPacket) break;
     }
     for (int i = 0; i < kPacket; ++i) {

@@ -98,7 +98,7 @@ inline void joint_samples(std::uint32_t first, std::uint64_t pixel_key, float ou
 }
 
 /// Eight points, `first` a multiple of 8, as mirrored pairs: lanes i and i + 8 are at one place of the pixel and at
-/// opposite ones of the pupil.
+/// opposite ones of the pupil, lanes 0 to 7 in its left half (third coordinate under 1/2).
 inline void mirrored_samples(std::uint32_t first, std::uint64_t pixel_key, float out[4][kPacket]) {
   constexpr int kPairs = kPacket / 2;
   constexpr float kLast = 0x1.fffffep-1f;
@@ -112,29 +112,40 @@ inline void mirrored_samples(std::uint32_t first, std::uint64_t pixel_key, float
       out[d][i + kPairs] = d < 2 ? s : kLast - s;
     }
   }
+  for (int i = 0; i < kPairs; ++i) {
+    const bool swap = out[2][i] >= 0.5f;
+    for (int d = 2; d < 4; ++d) {
+      const float s = out[d][i], mirrored = out[d][i + kPairs];
+      out[d][i] = swap ? mirrored : s;
+      out[d][i + kPairs] = swap ? s : mirrored;
+    }
+  }
 }
 
-/// A planar net in shuffled order, for whatever follows the lens (`stream` numbers these decisions): its pairing with
-/// the joint coordinates is random, its own stratification is kept. `index_mask` + 1 is the power of two that holds
-/// all points of the pixel.
+/// Planar nets in shuffled order, for whatever follows the lens (`stream` numbers these decisions): one for lanes 0 to
+/// 7, the left half of the pupil, one for the others, points first, first + 1, ... of each. Their pairing with the
+/// joint coordinates is random, their own stratification is kept, within each half of the pupil: from one net for both,
+/// each view would get a random half. `index_mask` + 1 is the power of two that holds all points of either.
 inline void padded_samples(std::uint32_t first, std::uint32_t index_mask, std::uint64_t pixel_key, std::uint32_t stream,
                            float u[kPacket], float v[kPacket]) {
-  const std::uint64_t key = hash(pixel_key, 4 + stream);
-  const auto shuffle = static_cast<std::uint32_t>(key);
-  const std::uint64_t seeds = hash(key);
-  const auto seed_u = static_cast<std::uint32_t>(seeds);
-  const auto seed_v = static_cast<std::uint32_t>(seeds >> 32);
-  std::uint32_t index[kPacket], x[kPacket], y[kPacket];
-  for (int i = 0; i < kPacket; ++i) {
-    index[i] = owen_scramble_reversed(reverse_bits(first + i), shuffle) & index_mask;
+  constexpr int kHalf = kPacket / 2;
+  std::uint32_t index[kPacket], x[kPacket], y[kPacket], seed_u[kPacket], seed_v[kPacket];
+  for (int half = 0; half < 2; ++half) {
+    const std::uint64_t key = hash(pixel_key, 4 + 2 * stream + half), seeds = hash(key);
+    const auto shuffle = static_cast<std::uint32_t>(key);
+    for (int i = half * kHalf; i < (half + 1) * kHalf; ++i) {
+      index[i] = owen_scramble_reversed(reverse_bits(first + i % kHalf), shuffle) & index_mask;
+      seed_u[i] = static_cast<std::uint32_t>(seeds);
+      seed_v[i] = static_cast<std::uint32_t>(seeds >> 32);
+    }
   }
   for (int i = 0; i < kPacket; ++i) {
     x[i] = detail::sobol_reversed(0, index[i]);
     y[i] = detail::sobol_reversed(1, index[i]);
   }
   for (int i = 0; i < kPacket; ++i) {
-    u[i] = unit_float(owen_scramble_reversed(x[i], seed_u));
-    v[i] = unit_float(owen_scramble_reversed(y[i], seed_v));
+    u[i] = unit_float(owen_scramble_reversed(x[i], seed_u[i]));
+    v[i] = unit_float(owen_scramble_reversed(y[i], seed_v[i]));
   }
 }
 

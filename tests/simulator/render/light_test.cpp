@@ -5,6 +5,7 @@
 
 #include "simulator/render/bsdf.h"
 #include "simulator/render/lights.h"
+#include "simulator/sampling/sobol.h"
 #include "tests/simulator/test_scenes.h"
 
 namespace dualpixel::simulator::testing {
@@ -138,6 +139,45 @@ TEST(Lights, EnvironmentDensityIntegratesToOneAndIsTheSamplers) {
           std::abs(lights.environment_pdf(normal, s.direction.at(lane)) - s.pdf[lane]) > 1e-3f * s.pdf[lane];
     }
     EXPECT_LT(disagreements, 10);
+  }
+}
+
+// A sample is worth the light that all lights together throw on the surface, whichever light it went to: here a
+// uniform sky of 1000 nits, pi * 1000 lx, and a sun that stands 30 degrees above the surface, or behind it. The sky's
+// table overstates it by its lifted cosine: (1.04^2 + 0.02) where cosines sum to 1.
+TEST(Lights, ShareTheSamplesByWhatTheyThrowOnTheSurface) {
+  Scene scene;
+  scene.environment = {8, 4, std::vector<glm::vec3>(32, glm::vec3(1000))};
+  PunctualLight sun;
+  sun.kind = PunctualLight::Kind::directional;
+  sun.intensity = glm::vec3(20000);
+  sun.direction = {0, -0.5f, -std::sqrt(0.75f)};
+  scene.lights = {sun};
+  const Lights lights(scene, {-1, -1, 0}, {1, 1, 1});
+  for (float side : {1.0f, -1.0f}) {
+    const glm::vec3 normal(0, side, 0);
+    const double sun_lux = side > 0 ? 10000 : 0, sky_lux = M_PI * 1000;
+    int lanes[kPacket];
+    float u[kPacket], v[kPacket];
+    Vec3Packet points{}, normals{};
+    for (int i = 0; i < kPacket; ++i) lanes[i] = -1, normals.set(i, normal);
+    int from_sun = 0, count = 0;
+    double sum = 0;
+    for (int first = 0; first < 4096; first += kPacket / 2) {
+      padded_samples(first, 4095, 3, 0, u, v);
+      LightPacket s;
+      lights.sample(lanes, points, normals, u, v, s);
+      for (int i = 0; i < kPacket; ++i, ++count) {
+        const double lux = s.radiance.at(i).g * std::max(glm::dot(normal, s.direction.at(i)), 0.0f);
+        sum += lux;
+        if (s.pdf[i] > 0) continue;
+        ++from_sun;
+        EXPECT_GT(lux, sun_lux + sky_lux);
+        EXPECT_LT(lux, sun_lux + 1.11 * sky_lux);
+      }
+    }
+    EXPECT_NEAR(sum / count, sun_lux + sky_lux, 0.002 * (sun_lux + sky_lux));
+    EXPECT_NEAR(from_sun, count * sun_lux / (sun_lux + 1.05 * sky_lux), 0.02 * count);
   }
 }
 

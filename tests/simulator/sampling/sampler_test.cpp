@@ -41,8 +41,10 @@ TEST(Sobol, MirroredPairsShareTheirPlaceAndOpposeEachOtherInThePupil) {
     float pairs[4][kPacket];
     mirrored_samples(first, 42, pairs);
     for (int i = 0; i < 8; ++i) {
+      const int own = points[first + i][2] < 0.5f ? i : i + 8;  // the left half comes first
+      EXPECT_LT(pairs[2][i], 0.5f);
       for (int d = 0; d < 4; ++d) {
-        EXPECT_EQ(pairs[d][i], points[first + i][d]);
+        EXPECT_EQ(pairs[d][own], points[first + i][d]);
         EXPECT_NEAR(pairs[d][i + 8], d < 2 ? pairs[d][i] : 1 - pairs[d][i], 1e-6);
         EXPECT_GE(pairs[d][i + 8], 0);
         EXPECT_LT(pairs[d][i + 8], 1);
@@ -69,19 +71,25 @@ TEST(Sobol, PupilQuadrantsGetEqualShares) {
   for (int c : count) EXPECT_EQ(c, 16);
 }
 
-TEST(Sobol, PaddedNetIsStratifiedAndOrderIsShuffled) {
+// In each half of the pupil by itself, and not in the same places.
+TEST(Sobol, PaddedNetsAreStratifiedAndTheirOrderIsShuffled) {
   constexpr int n = 64;
-  std::vector<int> count(n, 0);
+  std::vector<int> count[2] = {std::vector<int>(n, 0), std::vector<int>(n, 0)};
   float u[kPacket], v[kPacket];
-  for (int first = 0; first < n; first += kPacket) {
+  int ascending = 0;
+  for (int first = 0; first < n; first += kPacket / 2) {
     padded_samples(first, n - 1, 11, 0, u, v);
     for (int i = 0; i < kPacket; ++i) {
-      ++count[static_cast<int>(u[i] * 8) * 8 + static_cast<int>(v[i] * 8)];
+      ++count[i / 8][static_cast<int>(u[i] * 8) * 8 + static_cast<int>(v[i] * 8)];
       EXPECT_GE(v[i], 0);
       EXPECT_LT(v[i], 1);
+      ascending += i % 8 > 0 && u[i] > u[i - 1];
+      EXPECT_NE(u[i], u[(i + 8) % kPacket]);
     }
   }
-  EXPECT_EQ(*std::max_element(count.begin(), count.end()), 1);
+  EXPECT_EQ(*std::max_element(count[0].begin(), count[0].end()), 1);
+  EXPECT_EQ(*std::max_element(count[1].begin(), count[1].end()), 1);
+  EXPECT_NEAR(ascending, 56, 4 * std::sqrt(112 * 0.25));
 }
 
 // A smooth function's error falls as for a net, far below 1/sqrt(N): at 1024 points random sampling errs by 0.0022.
