@@ -173,18 +173,6 @@ ErrorTarget scaled(ErrorTarget target, double factor) {
   return target;
 }
 
-/// The variance that the sensor adds to a half photosite, nits^2: shot noise and one read-out.
-ErrorTarget sensor_noise(const SensorOptions& sensor, const ExposureOptions& exposure, double lux_per_nit) {
-  ErrorTarget target;
-  for (int c = 0; c < 3; ++c) {
-    const double electrons_per_nit = lux_per_nit * exposure.time_s * sensor.electrons_per_lux_s[c];
-    const double read_nits = sensor.read_noise_e / electrons_per_nit;
-    target.per_nit[c] = 1 / electrons_per_nit;
-    target.constant[c] = std::max(read_nits * read_nits, 1e-12);
-  }
-  return target;
-}
-
 void describe_sampling(const SampleMap& map, const Views& views, const ErrorTarget& target, double unit_per_nit,
                        Truth& truth) {
   truth.samples = truth.render_sigma = Image(map.width_px, map.height_px);
@@ -294,6 +282,17 @@ CameraView place_camera(const Simulation& s, const Scene& scene) {
   }
 }
 
+ErrorTarget sensor_noise(const Simulation& s, double lux_per_nit) {
+  ErrorTarget target;
+  for (int c = 0; c < 3; ++c) {
+    const double electrons_per_nit = lux_per_nit * s.exposure.time_s * s.sensor.electrons_per_lux_s[c];
+    const double read_nits = s.sensor.read_noise_e / electrons_per_nit;
+    target.per_nit[c] = 1 / electrons_per_nit;
+    target.constant[c] = std::max(read_nits * read_nits, 1e-12);
+  }
+  return target;
+}
+
 Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& stage) {
   const auto report = [&](const char* name) -> ProgressCallback {
     if (!stage) return {};
@@ -329,7 +328,7 @@ Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& s
     Views views;
     if (s.noise_fraction || s.render_error) {
       const double share = s.noise_fraction ? *s.noise_fraction : *s.render_error / unit_per_nit;
-      const ErrorTarget target = scaled(s.noise_fraction ? sensor_noise(s.sensor, s.exposure, view.lens.lux_per_nit())
+      const ErrorTarget target = scaled(s.noise_fraction ? sensor_noise(s, view.lens.lux_per_nit())
                                                          : ErrorTarget{.constant = {1, 1, 1}},
                                         share * share);
       const Pilot pilot = probe_tiles(world, view, s.render, target, kMostSamples, report("error of the two views"));

@@ -8,6 +8,7 @@
 
 #include "capture/capture.h"
 #include "simulator/lens/lens.h"
+#include "simulator/render/adaptive.h"
 #include "simulator/render/views.h"
 #include "simulator/scene/environment.h"
 #include "simulator/scene/scene.h"
@@ -65,6 +66,9 @@ SensorGrid sensor_grid(const Simulation& simulation);
 /// The camera of `simulation` as it stands in `scene`, its lens made ready (up to a second for a prescription). Throws
 /// InputError where the node is missing.
 CameraView place_camera(const Simulation& simulation, const Scene& scene);
+
+/// The variance that the sensor adds to a half photosite: shot noise and one read-out.
+ErrorTarget sensor_noise(const Simulation& simulation, double lux_per_nit);
 
 /// `stage` is called with what is being done and the fraction of it that is.
 using StageCallback = std::function<void(const std::string& stage, double fraction)>;

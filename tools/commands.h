@@ -24,8 +24,9 @@ void add_plan(CLI::App& program);
 /// --tolerance-px of `plan` and of `simulate --auto`.
 CLI::Option* add_tolerance_option(CLI::App& command, double& tolerance_dp_px);
 void add_bench(CLI::App& program);
-/// `bench lens`, a subcommand of `bench`.
+/// `bench lens` and `bench render`, subcommands of `bench`.
 void add_bench_lens(CLI::App& bench);
+void add_bench_render(CLI::App& bench);
 
 /// A bar with time left, on stderr, only where stderr is a terminal. Call with the fraction done; 1 ends the line.
 class Progress {

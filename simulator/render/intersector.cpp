@@ -29,48 +29,162 @@ void check(RTCDevice device, const char* what) {
 }  // namespace
 
 #if RTC_VERSION_MAJOR >= 4
-void Intersector::intersect(const int* valid, RTCRayHit16& rays, bool coherent) const {
+namespace {
+
+RTCIntersectArguments to_intersect(bool coherent) {
   RTCIntersectArguments args;
   rtcInitIntersectArguments(&args);
   args.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
-  rtcIntersect16(valid, embree_scene_.get(), &rays, &args);
+  return args;
 }
-
-void Intersector::occluded(const int* valid, RTCRay16& rays, bool coherent) const {
+RTCOccludedArguments to_occlude(bool coherent) {
   RTCOccludedArguments args;
   rtcInitOccludedArguments(&args);
   args.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
-  rtcOccluded16(valid, embree_scene_.get(), &rays, &args);
+  return args;
 }
 
-void Intersector::intersect(RTCRayHit& ray) const { rtcIntersect1(embree_scene_.get(), &ray); }
+void trace(const int* active, RTCScene scene, RTCIntersectArguments& args, RTCRayHit16& rays) {
+  rtcIntersect16(active, scene, &rays, &args);
+}
+void trace(const int* active, RTCScene scene, RTCIntersectArguments& args, RTCRayHit8& rays) {
+  rtcIntersect8(active, scene, &rays, &args);
+}
+void trace(const int*, RTCScene scene, RTCIntersectArguments& args, RTCRayHit& ray) {
+  rtcIntersect1(scene, &ray, &args);
+}
+void occlude(const int* active, RTCScene scene, RTCOccludedArguments& args, RTCRay16& rays) {
+  rtcOccluded16(active, scene, &rays, &args);
+}
+void occlude(const int* active, RTCScene scene, RTCOccludedArguments& args, RTCRay8& rays) {
+  rtcOccluded8(active, scene, &rays, &args);
+}
+void occlude(const int*, RTCScene scene, RTCOccludedArguments& args, RTCRay& ray) { rtcOccluded1(scene, &ray, &args); }
+
+}  // namespace
 #else
 namespace {
 
-RTCIntersectContext context(bool coherent) {
+RTCIntersectContext to_intersect(bool coherent) {
   RTCIntersectContext result;
   rtcInitIntersectContext(&result);
   result.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   return result;
 }
+RTCIntersectContext to_occlude(bool coherent) { return to_intersect(coherent); }
+
+void trace(const int* active, RTCScene scene, RTCIntersectContext& context, RTCRayHit16& rays) {
+  rtcIntersect16(active, scene, &context, &rays);
+}
+void trace(const int* active, RTCScene scene, RTCIntersectContext& context, RTCRayHit8& rays) {
+  rtcIntersect8(active, scene, &context, &rays);
+}
+void trace(const int*, RTCScene scene, RTCIntersectContext& context, RTCRayHit& ray) {
+  rtcIntersect1(scene, &context, &ray);
+}
+void occlude(const int* active, RTCScene scene, RTCIntersectContext& context, RTCRay16& rays) {
+  rtcOccluded16(active, scene, &context, &rays);
+}
+void occlude(const int* active, RTCScene scene, RTCIntersectContext& context, RTCRay8& rays) {
+  rtcOccluded8(active, scene, &context, &rays);
+}
+void occlude(const int*, RTCScene scene, RTCIntersectContext& context, RTCRay& ray) {
+  rtcOccluded1(scene, &context, &ray);
+}
+
+}  // namespace
+#endif
+
+namespace {
+
+/// Field `i` of Embree's packets, which are arrays, and of its single rays, which are not.
+template <typename T>
+T& lane(T& field, int) {
+  return field;
+}
+template <typename T, int N>
+T& lane(T (&field)[N], int i) {
+  return field[i];
+}
+
+/// Debian's Embree ends the program where an inactive lane holds no number, too.
+template <int Width, typename Rays>
+void fill(Rays& to, const int active[kPacket], const RayPacket& rays, int first) {
+  for (int i = 0; i < Width; ++i) {
+    const int k = first + i;
+    lane(to.org_x, i) = active[k] ? rays.origin_x[k] : 0.0f;
+    lane(to.org_y, i) = active[k] ? rays.origin_y[k] : 0.0f;
+    lane(to.org_z, i) = active[k] ? rays.origin_z[k] : 0.0f;
+    lane(to.dir_x, i) = active[k] ? rays.direction_x[k] : 0.0f;
+    lane(to.dir_y, i) = active[k] ? rays.direction_y[k] : 0.0f;
+    lane(to.dir_z, i) = active[k] ? rays.direction_z[k] : 1.0f;
+    lane(to.tfar, i) = active[k] ? rays.far[k] : 0.0f;
+    lane(to.tnear, i) = lane(to.time, i) = 0;
+    lane(to.mask, i) = ~0u;
+    lane(to.flags, i) = 0;
+  }
+}
+
+template <int Width>
+bool any(const int* active) {
+  int found = 0;
+  for (int i = 0; i < Width; ++i) found |= active[i];
+  return found != 0;
+}
+
+template <int Width, typename Hits>
+void intersect_in(RTCScene scene, const int active[kPacket], RayPacket& rays, bool coherent) {
+  alignas(64) Hits embree;
+  auto how = to_intersect(coherent);
+  for (int first = 0; first < kPacket; first += Width) {
+    if (!any<Width>(active + first)) continue;
+    fill<Width>(embree.ray, active, rays, first);
+    for (int i = 0; i < Width; ++i) lane(embree.hit.geomID, i) = RTC_INVALID_GEOMETRY_ID;
+    for (int i = 0; i < Width; ++i) lane(embree.hit.instID[0], i) = RTC_INVALID_GEOMETRY_ID;
+    trace(active + first, scene, how, embree);
+    for (int i = 0; i < Width; ++i) {
+      const bool wanted = active[first + i] != 0;
+      rays.far[first + i] = wanted ? lane(embree.ray.tfar, i) : rays.far[first + i];
+      rays.mesh[first + i] = wanted ? lane(embree.hit.geomID, i) : rays.mesh[first + i];
+      rays.triangle[first + i] = wanted ? lane(embree.hit.primID, i) : rays.triangle[first + i];
+      rays.u[first + i] = wanted ? lane(embree.hit.u, i) : rays.u[first + i];
+      rays.v[first + i] = wanted ? lane(embree.hit.v, i) : rays.v[first + i];
+    }
+  }
+}
+
+template <int Width, typename Rays>
+void occluded_in(RTCScene scene, const int active[kPacket], const RayPacket& rays, bool coherent, int hidden[kPacket]) {
+  alignas(64) Rays embree;
+  auto how = to_occlude(coherent);
+  for (int first = 0; first < kPacket; first += Width) {
+    for (int i = 0; i < Width; ++i) hidden[first + i] = 0;
+    if (!any<Width>(active + first)) continue;
+    fill<Width>(embree, active, rays, first);
+    occlude(active + first, scene, how, embree);
+    for (int i = 0; i < Width; ++i) hidden[first + i] = lane(embree.tfar, i) < 0 ? active[first + i] : 0;
+  }
+}
 
 }  // namespace
 
-void Intersector::intersect(const int* valid, RTCRayHit16& rays, bool coherent) const {
-  RTCIntersectContext flags = context(coherent);
-  rtcIntersect16(valid, embree_scene_.get(), &flags, &rays);
+void Intersector::intersect(const int active[kPacket], RayPacket& rays, bool coherent, int width) const {
+  if (width == 1) return intersect_in<1, RTCRayHit>(embree_scene_.get(), active, rays, coherent);
+  if (width == 16) return intersect_in<16, RTCRayHit16>(embree_scene_.get(), active, rays, coherent);
+  intersect_in<8, RTCRayHit8>(embree_scene_.get(), active, rays, coherent);
 }
 
-void Intersector::occluded(const int* valid, RTCRay16& rays, bool coherent) const {
-  RTCIntersectContext flags = context(coherent);
-  rtcOccluded16(valid, embree_scene_.get(), &flags, &rays);
+void Intersector::occluded(const int active[kPacket], const RayPacket& rays, bool coherent, int hidden[kPacket],
+                           int width) const {
+  if (width == 1) return occluded_in<1, RTCRay>(embree_scene_.get(), active, rays, coherent, hidden);
+  if (width == 16) return occluded_in<16, RTCRay16>(embree_scene_.get(), active, rays, coherent, hidden);
+  occluded_in<8, RTCRay8>(embree_scene_.get(), active, rays, coherent, hidden);
 }
 
 void Intersector::intersect(RTCRayHit& ray) const {
-  RTCIntersectContext flags = context(false);
-  rtcIntersect1(embree_scene_.get(), &flags, &ray);
+  auto how = to_intersect(false);
+  trace(nullptr, embree_scene_.get(), how, ray);
 }
-#endif
 
 Intersector::Intersector(const Scene& scene) {
   device_.reset(rtcNewDevice(nullptr));

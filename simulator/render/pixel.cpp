@@ -16,11 +16,11 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-void set_ray(RTCRay16& rays, int i, glm::vec3 origin, glm::vec3 direction, float tfar) {
-  rays.org_x[i] = origin.x, rays.org_y[i] = origin.y, rays.org_z[i] = origin.z;
-  rays.dir_x[i] = direction.x, rays.dir_y[i] = direction.y, rays.dir_z[i] = direction.z;
-  rays.tnear[i] = 0;
-  rays.tfar[i] = tfar;
+void set_ray(RayPacket& rays, int i, glm::vec3 origin, glm::vec3 direction, float far) {
+  rays.origin_x[i] = origin.x, rays.origin_y[i] = origin.y, rays.origin_z[i] = origin.z;
+  rays.direction_x[i] = direction.x, rays.direction_y[i] = direction.y, rays.direction_z[i] = direction.z;
+  rays.far[i] = far;
+  rays.mesh[i] = kNoMesh;
 }
 
 /// Light carried along the sixteen paths of one packet.
@@ -31,20 +31,63 @@ struct Paths {
   Vec3Packet normal;               ///< of the surface that the ray left; unset for camera rays
 };
 
-/// Which of a pixel's samples a packet holds.
+/// Which of a pixel's samples a packet holds: `first` of each half packet.
 struct SamplePlace {
   std::uint32_t first, index_mask;
   std::uint64_t pixel_key;
 };
 
+void random_samples(const SamplePlace& place, std::uint32_t stream, float out[kPacket]) {
+  for (int i = 0; i < kPacket; ++i) {
+    out[i] = unit_float(static_cast<std::uint32_t>(hash(place.pixel_key, 2 * place.first + i, stream) >> 32));
+  }
+}
+
+/// The four coordinates on pixel and pupil.
+void camera_samples(Sampling sampling, const SamplePlace& place, float out[4][kPacket]) {
+  constexpr std::uint32_t kPixelStream = 0x1000, kPupilStream = 0x1001;  // beyond those of bounces
+  switch (sampling) {
+    case Sampling::random:
+      for (int d = 0; d < 4; ++d) random_samples(place, d, out[d]);
+      return;
+    case Sampling::padded:
+      padded_samples(place.first, place.index_mask, place.pixel_key, kPixelStream, out[0], out[1]);
+      padded_samples(place.first, place.index_mask, place.pixel_key, kPupilStream, out[2], out[3]);
+      return;
+    case Sampling::joint:
+      joint_samples(2 * place.first, place.pixel_key, out);
+      return;
+    case Sampling::mirrored:
+      // Pairs integrate a texture that slopes across the blur exactly: a fifth of the error at 32 samples.
+      mirrored_samples(place.first, place.pixel_key, out);
+      return;
+  }
+}
+
 struct Padded {
   alignas(64) float u[kPacket], v[kPacket];
 };
 
+/// Numbers for the decision `stream` of each path. Each of a mirrored pair has its own: with one light sample for both,
+/// the views would share their noise, and noise that lies at one place in both pulls disparity to 0.
+void path_samples(Sampling sampling, const SamplePlace& place, std::uint32_t stream, Padded& out) {
+  if (sampling == Sampling::random) {
+    random_samples(place, 4 + 2 * stream, out.u);
+    random_samples(place, 5 + 2 * stream, out.v);
+  } else {
+    padded_samples(place.first, place.index_mask, place.pixel_key, stream, out.u, out.v);
+  }
+}
+
+void write_down(RayLog& log, const int active[kPacket], const RayPacket& rays, bool shadow, bool coherent) {
+  LoggedRays& packet = log.emplace_back(LoggedRays{rays, {}, shadow, coherent});
+  std::copy_n(active, kPacket, packet.active);
+}
+
 /// Rays towards the lights, and what each adds to its path if nothing is in its way.
 struct ShadowRays {
   alignas(64) int active[kPacket];
-  RTCRay16 rays;
+  RayPacket rays;
   Vec3Packet arriving;
 };
 
@@ -68,16 +111,16 @@ void add_light(Paths& paths, int i, glm::vec3 light) {
   paths.radiance.set(i, paths.radiance.at(i) + paths.throughput.at(i) * light);
 }
 
-void see_environment(const RenderScene& world, const RTCRayHit16& rays, Paths& paths, int i) {
+void see_environment(const RenderScene& world, const RayPacket& rays, Paths& paths, int i) {
   const Environment& environment = world.scene.environment;
   if (environment.radiance_nits.empty()) return;
-  const glm::vec3 d = glm::normalize(glm::vec3(rays.ray.dir_x[i], rays.ray.dir_y[i], rays.ray.dir_z[i]));
+  const glm::vec3 d = glm::normalize(glm::vec3(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]));
   const float weight =
       paths.pdf[i] == kInfinity ? 1 : mis_weight(paths.pdf[i], world.lights.environment_pdf(paths.normal.at(i), d));
   add_light(paths, i, environment_radiance(environment, d) * weight);
 }
 
-void see_unlit(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RTCRayHit16& rays, Paths& paths) {
+void see_unlit(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RayPacket& rays, Paths& paths) {
   Vec3Packet color;
   base_colors_at(scene, mesh, lanes, rays, color);
   Vec3Packet& r = paths.radiance;
@@ -94,17 +137,17 @@ void see_unlit(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], c
 
 /// The paths of `lanes`, all at one mesh: emission at the hit, a light sample, and, where a reflection is still to
 /// come, the next ray.
-void scatter(const RenderScene& world, unsigned mesh_id, const int lanes[kPacket], RTCRayHit16& rays, Paths& paths,
+void scatter(const RenderScene& world, unsigned mesh_id, const int lanes[kPacket], RayPacket& rays, Paths& paths,
              const Padded& light, const Padded* reflection, ShadowRays& shadow) {
   SurfacePacket surface;
   surfaces_at(world.scene, world.scene.meshes[mesh_id], lanes, rays, surface);
   Vec3Packet to_eye, start;  // `start`: off the surface by more than the hit's rounding error
   alignas(64) float distance[kPacket];
   for (int i = 0; i < kPacket; ++i) {
-    const float dx = rays.ray.dir_x[i], dy = rays.ray.dir_y[i], dz = rays.ray.dir_z[i];
+    const float dx = rays.direction_x[i], dy = rays.direction_y[i], dz = rays.direction_z[i];
     const float length = std::sqrt(dx * dx + dy * dy + dz * dz);
     to_eye.x[i] = -dx / length, to_eye.y[i] = -dy / length, to_eye.z[i] = -dz / length;
-    distance[i] = rays.ray.tfar[i] * length;
+    distance[i] = rays.far[i] * length;
     const float px = surface.position.x[i], py = surface.position.y[i], pz = surface.position.z[i];
     const float off = 1e-5f * std::max(std::max(std::abs(px), std::abs(py)), std::max(std::abs(pz), distance[i]));
     start.x[i] = px + off * surface.geometric_normal.x[i];
@@ -118,7 +161,7 @@ void scatter(const RenderScene& world, unsigned mesh_id, const int lanes[kPacket
       const float weight =
           paths.pdf[i] == kInfinity
               ? 1
-              : mis_weight(paths.pdf[i], world.lights.triangle_pdf(paths.normal.at(i), mesh_id, rays.hit.primID[i],
+              : mis_weight(paths.pdf[i], world.lights.triangle_pdf(paths.normal.at(i), mesh_id, rays.triangle[i],
                                                                    distance[i], cosine));
       add_light(paths, i, surface.emission_nits.at(i) * weight);
     }
@@ -150,23 +193,24 @@ void scatter(const RenderScene& world, unsigned mesh_id, const int lanes[kPacket
       paths.throughput.set(i, paths.throughput.at(i) * bsdf(s, to_eye.at(i), direction) * (n_l / pdf));
       paths.pdf[i] = pdf;
       paths.normal.set(i, s.normal);
-      set_ray(rays.ray, i, start.at(i), direction, kInfinity);
+      set_ray(rays, i, start.at(i), direction, kInfinity);
       paths.active[i] = -1;
     }
   }
 }
 
 /// One step of all active paths: nearest hits, light found there, shadow rays.
-void advance(const RenderScene& world, RTCRayHit16& rays, Paths& paths, const SamplePlace& place, int bounce,
-             bool last) {
+void advance(const RenderScene& world, const PathOptions& options, RayPacket& rays, Paths& paths,
+             const SamplePlace& place, int bounce, bool last) {
   const Scene& scene = world.scene;
   const bool coherent = bounce == 0;
+  if (options.log) write_down(*options.log, paths.active, rays, false, coherent);
   world.intersector.intersect(paths.active, rays, coherent);
 
   alignas(64) int waiting[kPacket];  // paths that have met a mesh and not been looked at
   bool any_missed = false;
   for (int i = 0; i < kPacket; ++i) {
-    waiting[i] = rays.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID ? 0 : paths.active[i];
+    waiting[i] = rays.mesh[i] == kNoMesh ? 0 : paths.active[i];
     any_missed |= waiting[i] != paths.active[i];
   }
   for (int i = 0; any_missed && i < kPacket; ++i) {
@@ -177,10 +221,10 @@ void advance(const RenderScene& world, RTCRayHit16& rays, Paths& paths, const Sa
   Padded light, reflection;
   bool sampled = false;
   for (int first; (first = first_set(waiting)) < kPacket;) {  // mesh by mesh: most packets see but one
-    const unsigned mesh_id = rays.hit.geomID[first];
+    const unsigned mesh_id = rays.mesh[first];
     alignas(64) int lanes[kPacket];
     for (int i = 0; i < kPacket; ++i) {
-      lanes[i] = rays.hit.geomID[i] == mesh_id ? waiting[i] : 0;
+      lanes[i] = rays.mesh[i] == mesh_id ? waiting[i] : 0;
       waiting[i] &= ~lanes[i];
     }
     const Mesh& mesh = scene.meshes[mesh_id];
@@ -189,25 +233,19 @@ void advance(const RenderScene& world, RTCRayHit16& rays, Paths& paths, const Sa
       continue;
     }
     if (!sampled) {
-      padded_samples(place.first, place.index_mask, place.pixel_key, 2 * bounce, light.u, light.v);
-      if (!last)
-        padded_samples(place.first, place.index_mask, place.pixel_key, 2 * bounce + 1, reflection.u, reflection.v);
+      path_samples(options.sampling, place, 2 * bounce, light);
+      if (!last) path_samples(options.sampling, place, 2 * bounce + 1, reflection);
       sampled = true;
     }
     scatter(world, mesh_id, lanes, rays, paths, light, last ? nullptr : &reflection, shadow);
   }
 
   if (first_set(shadow.active) == kPacket) return;
+  if (options.log) write_down(*options.log, shadow.active, shadow.rays, true, false);
+  alignas(64) int hidden[kPacket];
+  world.intersector.occluded(shadow.active, shadow.rays, false, hidden);
   for (int i = 0; i < kPacket; ++i) {
-    if (!shadow.active[i]) set_ray(shadow.rays, i, glm::vec3(0), glm::vec3(0, 0, 1), 0);
-    shadow.rays.time[i] = 0;
-    shadow.rays.mask[i] = ~0u;
-    shadow.rays.flags[i] = 0;
-  }
-  world.intersector.occluded(shadow.active, shadow.rays, coherent);
-  for (int i = 0; i < kPacket; ++i) {
-    if (shadow.active[i] && shadow.rays.tfar[i] >= 0)
-      paths.radiance.set(i, paths.radiance.at(i) + shadow.arriving.at(i));
+    if (shadow.active[i] && !hidden[i]) paths.radiance.set(i, paths.radiance.at(i) + shadow.arriving.at(i));
   }
 }
 
@@ -225,16 +263,14 @@ HalfRadiance render_pixel(const RenderScene& world, const CameraView& camera, co
   const std::uint32_t index_mask = std::bit_ceil(std::max(samples, std::uint32_t{kPacket})) / 2 - 1;
   alignas(64) float joint[4][kPacket];
   LensPacket packet;
-  alignas(64) RTCRayHit16 rays;
+  alignas(64) RayPacket rays;
   alignas(64) Paths paths;
   const int color = camera.lens.has_color() ? cfa_color(x, y) : 1;
   Vec3Packet left_sum{}, right_sum{};
   for (std::uint32_t first = 0; first < samples; first += kPacket) {
     const int lanes = static_cast<int>(std::min<std::uint32_t>(kPacket, samples - first));
-    // Pairs integrate a texture that slopes across the blur exactly: a fifth of the error at 32 samples. Each of a pair
-    // has a light sample of its own: with one for both, the views would share their noise, and noise that lies at one
-    // place in both pulls disparity to 0.
-    mirrored_samples(first / 2, pixel_key, joint);
+    const SamplePlace place{first / 2, index_mask, pixel_key};
+    camera_samples(options.sampling, place, joint);
     if (options.ideal_aperture_scale) {
       camera.lens.sample_ideal(x, y, joint, static_cast<float>(*options.ideal_aperture_scale), packet);
     } else {
@@ -250,8 +286,7 @@ HalfRadiance render_pixel(const RenderScene& world, const CameraView& camera, co
     }
     for (int bounce = 0;; ++bounce) {
       const bool last = bounce == options.max_bounces;
-      if (bounce > 0) reset(rays);
-      advance(world, rays, paths, {first / 2, index_mask, pixel_key}, bounce, last);
+      advance(world, options, rays, paths, place, bounce, last);
       if (last || first_set(paths.active) == kPacket) break;
     }
     for (int i = 0; i < kPacket; ++i) {

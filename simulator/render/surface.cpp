@@ -142,13 +142,13 @@ struct TrianglePacket {
   bool one = true;  ///< the same in all lanes
 };
 
-TrianglePacket triangles_of(const Mesh& mesh, const int lanes[kPacket], const RTCRayHit16& rays) {
+TrianglePacket triangles_of(const Mesh& mesh, const int lanes[kPacket], const RayPacket& rays) {
   int first = 0;
   while (!lanes[first]) ++first;
-  const unsigned first_id = rays.hit.primID[first];
+  const unsigned first_id = rays.triangle[first];
   TrianglePacket t;
   for (int i = 0; i < kPacket; ++i) {
-    const unsigned id = lanes[i] ? rays.hit.primID[i] : first_id;
+    const unsigned id = lanes[i] ? rays.triangle[i] : first_id;
     t.one = t.one && id == first_id;
     t.corners[i] = mesh.triangles[id];
   }
@@ -173,7 +173,7 @@ struct Corners {
 };
 
 /// Where the slot's texture is to be looked up; false where there is none.
-bool texture_coordinates(const Mesh& mesh, const TextureSlot& slot, const TrianglePacket& t, const RTCRayHit16& rays,
+bool texture_coordinates(const Mesh& mesh, const TextureSlot& slot, const TrianglePacket& t, const RayPacket& rays,
                          float out_u[kPacket], float out_v[kPacket]) {
   if (slot.texture < 0) return false;
   const auto& uvs = uv_set(mesh, slot);
@@ -190,7 +190,7 @@ bool texture_coordinates(const Mesh& mesh, const TextureSlot& slot, const Triang
   }
 #pragma GCC ivdep
   for (int i = 0; i < kPacket; ++i) {
-    const float b1 = rays.hit.u[i], b2 = rays.hit.v[i], b0 = 1 - b1 - b2;
+    const float b1 = rays.u[i], b2 = rays.v[i], b0 = 1 - b1 - b2;
     const float x = b0 * u[0][i] + b1 * u[1][i] + b2 * u[2][i], y = b0 * v[0][i] + b1 * v[1][i] + b2 * v[2][i];
     out_u[i] = m[0] * x + m[1] * y + m[2];
     out_v[i] = m[3] * x + m[4] * y + m[5];
@@ -199,7 +199,7 @@ bool texture_coordinates(const Mesh& mesh, const TextureSlot& slot, const Triang
 }
 
 void base_colors_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const TrianglePacket& t,
-                    const RTCRayHit16& rays, Vec3Packet& out) {
+                    const RayPacket& rays, Vec3Packet& out) {
   const Material& material = scene.materials[mesh.material];
   for (int i = 0; i < kPacket; ++i) out.set(i, glm::vec3(material.base_color));
   alignas(64) float u[kPacket], v[kPacket];
@@ -216,7 +216,7 @@ void base_colors_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacke
   if (mesh.colors.empty()) return;
   for (int i = 0; i < kPacket; ++i) {
     if (!lanes[i]) continue;
-    out.set(i, out.at(i) * glm::vec3(interpolate(mesh.colors, t.corners[i], rays.hit.u[i], rays.hit.v[i])));
+    out.set(i, out.at(i) * glm::vec3(interpolate(mesh.colors, t.corners[i], rays.u[i], rays.v[i])));
   }
 }
 
@@ -227,12 +227,12 @@ Surface SurfacePacket::at(int i) const {
           base_color.at(i), lambertian ? 0.0f : metallic[i], lambertian ? 1.0f : roughness[i]};
 }
 
-void base_colors_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RTCRayHit16& rays,
+void base_colors_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RayPacket& rays,
                     Vec3Packet& out) {
   base_colors_at(scene, mesh, lanes, triangles_of(mesh, lanes, rays), rays, out);
 }
 
-void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RTCRayHit16& rays,
+void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RayPacket& rays,
                  SurfacePacket& s) {
   const Material& material = scene.materials[mesh.material];
   const TrianglePacket t = triangles_of(mesh, lanes, rays);
@@ -240,7 +240,7 @@ void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket],
   Vec3Packet &g = s.geometric_normal, &n = s.normal;
 #pragma GCC ivdep
   for (int i = 0; i < kPacket; ++i) {
-    const float u = rays.hit.u[i], v = rays.hit.v[i];
+    const float u = rays.u[i], v = rays.v[i];
     const float ax = p.second.x[i] - p.first.x[i], bx = p.third.x[i] - p.first.x[i];
     const float ay = p.second.y[i] - p.first.y[i], by = p.third.y[i] - p.first.y[i];
     const float az = p.second.z[i] - p.first.z[i], bz = p.third.z[i] - p.first.z[i];
@@ -249,7 +249,7 @@ void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket],
     s.position.z[i] = p.first.z[i] + u * az + v * bz;
     const float nx = ay * bz - az * by, ny = az * bx - ax * bz, nz = ax * by - ay * bx;
     const float length = std::sqrt(nx * nx + ny * ny + nz * nz);
-    const float facing = nx * rays.ray.dir_x[i] + ny * rays.ray.dir_y[i] + nz * rays.ray.dir_z[i];
+    const float facing = nx * rays.direction_x[i] + ny * rays.direction_y[i] + nz * rays.direction_z[i];
     const float scale = 1 / length, side = facing > 0 ? -scale : scale;
     n.x[i] = nx * scale, n.y[i] = ny * scale, n.z[i] = nz * scale;
     g.x[i] = nx * side, g.y[i] = ny * side, g.z[i] = nz * side;
@@ -257,7 +257,7 @@ void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket],
   if (!mesh.normals.empty()) {
     const Corners c(mesh.normals, t);
     for (int i = 0; i < kPacket; ++i) {
-      const float b1 = rays.hit.u[i], b2 = rays.hit.v[i], b0 = 1 - b1 - b2;
+      const float b1 = rays.u[i], b2 = rays.v[i], b0 = 1 - b1 - b2;
       const float x = b0 * c.first.x[i] + b1 * c.second.x[i] + b2 * c.third.x[i];
       const float y = b0 * c.first.y[i] + b1 * c.second.y[i] + b2 * c.third.y[i];
       const float z = b0 * c.first.z[i] + b1 * c.second.z[i] + b2 * c.third.z[i];
@@ -271,7 +271,7 @@ void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket],
   }
   if (material.normal_texture.texture >= 0) {
     for (int i = 0; i < kPacket; ++i) {
-      if (lanes[i]) n.set(i, mapped_normal(scene, mesh, material, t.corners[i], rays.hit.u[i], rays.hit.v[i], n.at(i)));
+      if (lanes[i]) n.set(i, mapped_normal(scene, mesh, material, t.corners[i], rays.u[i], rays.v[i], n.at(i)));
     }
   }
   for (int i = 0; i < kPacket; ++i) {
@@ -289,7 +289,7 @@ void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket],
       s.roughness[i] = material.roughness;
       if (!textured || !lanes[i]) continue;
       const glm::vec4 texel =
-          sample_slot(scene, mesh, material.metallic_roughness_texture, t.corners[i], rays.hit.u[i], rays.hit.v[i]);
+          sample_slot(scene, mesh, material.metallic_roughness_texture, t.corners[i], rays.u[i], rays.v[i]);
       s.roughness[i] *= texel.y;
       s.metallic[i] *= texel.z;
     }
@@ -297,7 +297,7 @@ void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket],
   s.emits = material.emission_nits != glm::vec3(0);
   if (s.emits) {
     for (int i = 0; i < kPacket; ++i) {
-      if (lanes[i]) s.emission_nits.set(i, emission_at(scene, mesh, rays.hit.primID[i], rays.hit.u[i], rays.hit.v[i]));
+      if (lanes[i]) s.emission_nits.set(i, emission_at(scene, mesh, rays.triangle[i], rays.u[i], rays.v[i]));
     }
   }
 }

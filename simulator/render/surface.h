@@ -1,7 +1,7 @@
 #pragma once
 #include <glm/glm.hpp>
 
-#include "simulator/render/intersector.h"
+#include "simulator/render/ray_packet.h"
 #include "simulator/render/vec3_packet.h"
 #include "simulator/scene/scene.h"
 
@@ -34,11 +34,11 @@ glm::vec4 sample_texture(const Texture& texture, glm::vec2 uv);
 
 /// The lanes of `rays` with lanes[i] != 0, at least one, all of which hit `mesh`; other lanes of `out` are finite but
 /// mean nothing.
-void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RTCRayHit16& rays,
+void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RayPacket& rays,
                  SurfacePacket& out);
 
 /// base_color alone, which is all of an unlit surface.
-void base_colors_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RTCRayHit16& rays,
+void base_colors_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RayPacket& rays,
                     Vec3Packet& out);
 
 /// Unit, on the side that the ray came from.

@@ -16,6 +16,7 @@ struct RenderOptions {
   int max_bounces = 0;         ///< as in PathOptions
   std::uint64_t seed = 1;
   std::optional<double> ideal_aperture_scale;  ///< as in PathOptions
+  Sampling sampling = Sampling::mirrored;      ///< as in PathOptions
 };
 
 /// Both halves of every photosite, full sensor size, linear RGB. left + right is the radiance in nits that the

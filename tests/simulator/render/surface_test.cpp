@@ -1,4 +1,5 @@
 #include "simulator/render/surface.h"
+#include "simulator/render/intersector.h"
 
 #include <gtest/gtest.h>
 
@@ -60,26 +61,26 @@ TEST(Intersector, AlphaCutOutsLetRaysThrough) {
   scene.meshes = {make_quad({-1, -1, 1}, {2, 0, 0}, {0, 2, 0}, 0)};
   const Intersector intersector(scene);
   for (float x : {-0.5f, 0.5f}) {
-    RTCRayHit ray{};
-    ray.ray.org_x = x;
-    ray.ray.dir_z = 1;
-    ray.ray.tfar = 10;
-    ray.ray.mask = ~0u;
-    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    intersector.intersect(ray);
-    EXPECT_EQ(ray.hit.geomID != RTC_INVALID_GEOMETRY_ID, x > 0);
-
-    alignas(64) RTCRay16 shadow{};
-    alignas(64) int valid[16];
-    for (int i = 0; i < 16; ++i) {
-      valid[i] = -1;
-      shadow.org_x[i] = x;
-      shadow.dir_z[i] = 1;
-      shadow.tfar[i] = 10;
-      shadow.mask[i] = ~0u;
+    RayPacket rays{};
+    int active[kPacket] = {};
+    for (int i = 0; i < kPacket; ++i) {
+      rays.origin_x[i] = x;
+      rays.direction_z[i] = 1;
+      rays.far[i] = 10;
+      rays.mesh[i] = kNoMesh;
+      active[i] = i % 3 ? -1 : 0;
     }
-    intersector.occluded(valid, shadow, true);
-    EXPECT_EQ(shadow.tfar[3]<0, x> 0);
+    for (int width : {1, 8, 16}) {
+      RayPacket met = rays;
+      int hidden[kPacket];
+      intersector.intersect(active, met, true, width);
+      intersector.occluded(active, rays, true, hidden, width);
+      for (int i = 0; i < kPacket; ++i) {
+        EXPECT_EQ(met.mesh[i] != kNoMesh, active[i] && x > 0);
+        EXPECT_NEAR(met.far[i], active[i] && x > 0 ? 1 : 10, 1e-6);
+        EXPECT_EQ(hidden[i], x > 0 ? active[i] : 0);
+      }
+    }
   }
 }
 
@@ -92,11 +93,11 @@ TEST(Surface, NormalMapFollowsTextureAxes) {
   scene.materials = {diffuse(0.5f)};
   scene.materials[0].normal_texture.texture = 0;
   const Mesh quad = make_quad({0, 0, 1}, {1, 0, 0}, {0, 1, 0}, 0);
-  RTCRayHit16 rays{};  // all meet triangle 0
+  RayPacket rays{};  // all meet triangle 0
   int lanes[kPacket] = {};
   lanes[5] = -1;
-  rays.hit.u[5] = rays.hit.v[5] = 0.3f;
-  rays.ray.dir_z[5] = 1;
+  rays.u[5] = rays.v[5] = 0.3f;
+  rays.direction_z[5] = 1;
   SurfacePacket packet;
   surfaces_at(scene, quad, lanes, rays, packet);
   const Surface s = packet.at(5);

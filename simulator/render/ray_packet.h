@@ -1,0 +1,18 @@
+#pragma once
+#include "simulator/sampling/packet.h"
+
+namespace dualpixel::simulator {
+
+inline constexpr unsigned kNoMesh = ~0u;
+
+/// Sixteen rays, and what they meet. They begin at t = 0; a direction's length is t's unit.
+struct RayPacket {
+  alignas(64) float origin_x[kPacket], origin_y[kPacket], origin_z[kPacket];
+  alignas(64) float direction_x[kPacket], direction_y[kPacket], direction_z[kPacket];
+  alignas(64) float far[kPacket];      ///< t where the ray ends; after Intersector::intersect() that of the hit
+  alignas(64) unsigned mesh[kPacket];  ///< of Scene::meshes; kNoMesh: nothing was met
+  alignas(64) unsigned triangle[kPacket];
+  alignas(64) float u[kPacket], v[kPacket];  ///< barycentric weights of the triangle's second and third corner
+};
+
+}  // namespace dualpixel::simulator
