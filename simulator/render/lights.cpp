@@ -19,16 +19,17 @@ float luminance(glm::vec3 rgb) { return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.07
 
 /// u runs once around from +z over -x, -z (the middle), +x; v from straight up to straight down.
 glm::vec3 radiance_at(const Environment& e, float u, float v) {
-  const float x = u * e.width - 0.5f;
+  const float x = u * e.width - 0.5f;  // 0 <= u <= 1: at most half a column beyond either edge
   const float y = v * e.height - 0.5f;
   const float left = std::floor(x);
   const float top = std::floor(y);
   const float fx = x - left;
   const float fy = y - top;
-  const int x0 = (static_cast<int>(left) + e.width) % e.width;
-  const int x1 = x0 + 1 == e.width ? 0 : x0 + 1;
-  const int y0 = std::clamp(static_cast<int>(top), 0, e.height - 1);
-  const int y1 = std::clamp(static_cast<int>(top) + 1, 0, e.height - 1);
+  const int column_left = static_cast<int>(left), row_above = static_cast<int>(top);
+  const int x0 = column_left < 0 ? e.width - 1 : std::min(column_left, e.width - 1);
+  const int x1 = column_left + 1 >= e.width ? 0 : column_left + 1;
+  const int y0 = std::clamp(row_above, 0, e.height - 1);
+  const int y1 = std::clamp(row_above + 1, 0, e.height - 1);
   const auto at = [&](int column, int row) {
     return e.radiance_nits[static_cast<std::size_t>(row) * e.width + column];
   };
