@@ -30,7 +30,7 @@ struct Camera {
   double pixel_pitch_um = 0;  ///< of one photosite
   std::string cfa = "RGGB";   ///< colours of the top-left 2x2 photosites, row by row
   int dp_downsample_x = 2;    ///< photosites per DP pixel, horizontally
-  int dp_downsample_y = 4;    ///< ... and vertically; green photosites only
+  int dp_downsample_y = 4;    ///< ... and vertically; green photosites only, but where it is 1 x 1
   double focal_length_mm = 0;
   double f_number = 0;
   double focus_distance_m = 0;                 ///< z, from the entrance pupil; infinity is allowed
@@ -75,10 +75,10 @@ struct Frame {
   Matrix4 camera_from_world = kIdentity4;  ///< pose, metres
 };
 
-/// What the simulator knows and a phone does not. All images have the full sensor's size; geometry is that of the
-/// pinhole ray through the pixel's centre, unfiltered. Pictures are linear RGB in the frames' normalised signal after
-/// white balance (1.0 = green's white level), noiseless and unclipped. Where `valid` is 0 (nothing was hit), depth is
-/// infinity and blur and disparity are those of an infinitely distant point.
+/// What the simulator knows and a phone does not, of the first frame's scene and camera. All images have the full
+/// sensor's size; geometry is that of the pinhole ray through the pixel's centre, unfiltered. Pictures are linear RGB
+/// in the frames' normalised signal after white balance (1.0 = green's white level), noiseless and unclipped. Where
+/// `valid` is 0 (nothing was hit), depth is infinity and blur and disparity are those of an infinitely distant point.
 struct Truth {
   Image depth_m;          ///< planar depth D
   Image blur_px;          ///< signed blur diameter on the sensor, photosites
@@ -90,6 +90,9 @@ struct Truth {
   Image all_in_focus;     ///< RGB through a pinhole
   Image photograph;       ///< RGB through the wider aperture
   double photograph_aperture_scale = 0;  ///< its pupil diameter over the capture's
+  /// Of a burst in which something moved, for each frame but the first: x and y in photosites, such that the point that
+  /// the first frame's pixel sees is at pixel + motion in that frame; infinite behind that frame's camera.
+  std::vector<Image> motion;
   // Where samples were shared out by error; otherwise empty, and every photosite has as many.
   Image samples;       ///< of each photosite
   Image render_sigma;  ///< expected standard error of a half photosite in its own filter's colour, normalised signal

@@ -31,6 +31,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMostFrames = 1000;
 constexpr float kLargestHalf = 65504;
 
+/// Of the motion from the first frame to frame i + 1.
+std::string motion_file(std::size_t i) { return fmt::format("truth/motion_{:03}.exr", i + 1); }
+
 void run_parallel(const std::vector<Task>& tasks) {
   tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) { tasks[i](); });
 }
@@ -92,6 +95,13 @@ void check_truth(const Truth& truth, const Camera& camera, const Check& check) {
   check.size(truth.all_in_focus, width, height, 3, "/truth/all_in_focus");
   check.size(truth.photograph, width, height, 3, "/truth/photograph");
 
+  for (std::size_t i = 0; i < truth.motion.size(); ++i) {
+    const std::string field = fmt::format("/truth/motion/{}", i);
+    check.size(truth.motion[i], width, height, 2, field);
+    check.that(std::none_of(truth.motion[i].data.begin(), truth.motion[i].data.end(),
+                            [](float v) { return std::isnan(v) || v == -kInfinity; }),
+               field, "must be finite, or infinite behind the camera");
+  }
   if (!truth.samples.empty() || !truth.render_sigma.empty()) {
     check.size(truth.samples, width, height, 1, "/truth/samples");
     check.size(truth.render_sigma, width, height, 1, "/truth/render_sigma");
@@ -142,7 +152,11 @@ void check_capture(const Capture& capture, const std::string& where) {
   for (std::size_t i = 0; i < capture.frames.size(); ++i) {
     check_frame(capture.frames[i], capture, fmt::format("/frames/{}", i), check);
   }
-  if (capture.truth) check_truth(*capture.truth, camera, check);
+  if (!capture.truth) return;
+  check_truth(*capture.truth, camera, check);
+  const std::size_t moved = capture.truth->motion.size();
+  check.that(moved == 0 || moved == capture.frames.size() - 1, "/truth/motion",
+             fmt::format("{} of them: one for each frame but the first, or none", moved));
 }
 
 // ---- JSON ----
@@ -341,6 +355,11 @@ void write_truth(const Truth& truth, const Capture& capture, const std::string& 
   };
   picture(kAllInFocusFile, truth.all_in_focus, kInfinity);
   picture(kPhotographFile, truth.photograph, capture.camera.f_number / truth.photograph_aperture_scale);
+  for (std::size_t i = 0; i < truth.motion.size(); ++i) {
+    tasks.push_back([&image = truth.motion[i], file = folder + "/" + motion_file(i)] {
+      write_exr(file, {{"x", &image, 0}, {"y", &image, 1}}, false);
+    });
+  }
   if (truth.samples.empty()) return;
   tasks.push_back([&truth, file = folder + "/" + kSamplingFile] {
     write_exr(file, {{"samples", &truth.samples}, {"sigma", &truth.render_sigma}}, false, nullptr, {});
@@ -356,7 +375,20 @@ void read_truth(Fields fields, const Folder& folder, Truth& truth, std::vector<T
   fields.required("photograph_aperture_scale");
   fields.number("photograph_aperture_scale", truth.photograph_aperture_scale, 1e-3, 1e3);
   fields.text("sampling", sampling);
+  const nlohmann::json& motion = fields.raw("motion");
+  check.that(motion.is_null() || (motion.is_array() && motion.size() < kMostFrames), "/truth/motion",
+             "must be an array of paths, one for each frame but the first");
   fields.done();
+  truth.motion.resize(motion.size());
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    const std::string pointer = fmt::format("/truth/motion/{}", i);
+    check.that(motion[i].is_string(), pointer, "must be a path");
+    tasks.push_back([&folder, &image = truth.motion[i], name = motion[i].get<std::string>(), pointer] {
+      const std::vector<Image> planes = read_exr(folder.verified(name, pointer), {"x", "y"});
+      image = Image(planes[0].width, planes[0].height, 2);
+      for (std::size_t j = 0; j < image.data.size(); ++j) image.data[j] = planes[j % 2].data[j / 2];
+    });
+  }
   if (!sampling.empty()) {
     tasks.push_back([&folder, &truth, sampling] {
       std::vector<Image> planes = read_exr(folder.verified(sampling, "/truth/sampling"), {"samples", "sigma"});
@@ -435,6 +467,10 @@ void write_capture(const Capture& capture, const std::string& path) {
                          {"all_in_focus", kAllInFocusFile},
                          {"photograph", kPhotographFile},
                          {"photograph_aperture_scale", capture.truth->photograph_aperture_scale}};
+    for (std::size_t i = 0; i < capture.truth->motion.size(); ++i) {
+      names.push_back(motion_file(i));
+      document["truth"]["motion"].push_back(names.back());
+    }
     if (!capture.truth->samples.empty()) {
       names.emplace_back(kSamplingFile);
       document["truth"]["sampling"] = kSamplingFile;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 
@@ -17,6 +18,8 @@
 #include "simulator/render/truth.h"
 #include "simulator/sampling/hash.h"
 #include "simulator/scene/gltf.h"
+#include "simulator/sensor/hand_shake.h"
+#include "simulator/sensor/motion.h"
 
 namespace dualpixel::simulator {
 namespace {
@@ -61,9 +64,30 @@ void read_sensor(Fields sensor, SensorOptions& s) {
   }
   sensor.number("full_well_e", s.full_well_e, 1, 1e7);
   sensor.number("read_noise_e", s.read_noise_e, 0, 1e4);
+  sensor.number("read_noise_after_gain_dn", s.read_noise_after_gain_dn, 0, 1e4);
+  sensor.number("prnu", s.prnu, 0, 0.5);
+  sensor.number("dark_offset_dn", s.dark_offset_dn, 0, 1e4);
+  sensor.integer("fixed_pattern_seed", s.fixed_pattern_seed, 0, std::numeric_limits<std::uint64_t>::max());
+  sensor.integer("dp_downsample_x", s.dp_downsample_x, 1, 2);
+  sensor.integer("dp_downsample_y", s.dp_downsample_y, 1, 4);
+  const int dp_x = s.dp_downsample_x, dp_y = s.dp_downsample_y;
+  if (!(dp_x == 2 && (dp_y == 2 || dp_y == 4)) && !(dp_x == 1 && dp_y == 1)) {
+    sensor.fail("dp_downsample_y", fmt::format("{} x {}: a DP pixel must be 2 x 4, 2 x 2 or 1 x 1", dp_x, dp_y));
+  }
   sensor.integer("bits", s.bits, 8, 16);
   sensor.number("black_level_dn", s.black_level_dn, 0, std::exp2(s.bits) / 2);
   sensor.done();
+}
+
+void read_burst(Fields burst, Simulation& s) {
+  burst.integer("frames", s.burst_frames, 1, 1000);
+  burst.number("hand_shake", s.hand_shake, 0, 100);
+  burst.integer("hand_shake_seed", s.hand_shake_seed, 0, std::numeric_limits<std::uint64_t>::max());
+  s.frame_interval_s = std::max(s.frame_interval_s, s.exposure.time_s);
+  burst.number("interval_s", s.frame_interval_s, s.exposure.time_s, 1e5);
+  burst.integer("exposure_poses", s.exposure_poses, 1, 64);
+  burst.boolean("animation", s.animation);
+  burst.done();
 }
 
 void read_environment_fields(Fields environment, Simulation& s, const std::string& path) {
@@ -105,9 +129,14 @@ void read_render(Fields render, Simulation& s) {
   render.done();
 }
 
-/// What simulate() holds at once for each photosite: two views, two truth pictures, the geometry, electrons, frames.
+bool moves(const Simulation& s) { return s.hand_shake > 0 || s.animation; }
+
+/// What simulate() holds at once for each photosite: two views, two truth pictures, the geometry, electrons, frames;
+/// where something moves, the motion to each frame and the sum over the poses of an exposure.
 void check_memory(Fields& sensor, const Simulation& s) {
-  const double bytes_per_photosite = 4 * (2 * 3 + 2 * 3 + 9 + 2) + 2.5 * s.burst_frames;
+  const double frame_bytes = 2 + 4.0 / (s.sensor.dp_downsample_x * s.sensor.dp_downsample_y);
+  const double bytes_per_photosite =
+      4 * (2 * 3 + 2 * 3 + 9 + 2) + frame_bytes * s.burst_frames + (moves(s) ? 4 * 2 * (s.burst_frames + 3) : 0);
   const double needed = bytes_per_photosite * s.sensor.width_px * s.sensor.height_px;
   const double available = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
   if (needed > available) {
@@ -131,6 +160,8 @@ Camera describe_camera(const Simulation& s, const CameraView& view) {
   c.width_px = s.sensor.width_px;
   c.height_px = s.sensor.height_px;
   c.pixel_pitch_um = s.sensor.pixel_pitch_um;
+  c.dp_downsample_x = s.sensor.dp_downsample_x;
+  c.dp_downsample_y = s.sensor.dp_downsample_y;
   const ThinLens& thin = s.lens.thin;
   c.focal_length_mm = thin.focal_length_m * 1e3;
   c.f_number = thin.f_number;
@@ -194,6 +225,65 @@ void scale(Image& image, double factor) {
   for (float& value : image.data) value = static_cast<float>(value * factor);
 }
 
+glm::mat4 world_from_camera(const Simulation& s, const Scene& scene) {
+  if (s.pose) {
+    const glm::dvec3 forward = glm::normalize(to_vec(s.pose->look_at_m) - to_vec(s.pose->position_m));
+    const glm::dvec3 right = glm::normalize(glm::cross(forward, to_vec(s.pose->up)));
+    const glm::dvec3 down = glm::cross(forward, right);
+    return glm::mat4(glm::dmat4(glm::dvec4(right, 0), glm::dvec4(down, 0), glm::dvec4(forward, 0),
+                                glm::dvec4(to_vec(s.pose->position_m), 1)));
+  }
+  // glTF's camera looks along -z with y up
+  return camera_node(s, scene).world_from_node * glm::mat4(1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1);
+}
+
+/// Scene and camera at one time of a burst.
+struct Moment {
+  std::unique_ptr<Scene> scene;            ///< only where it is not the first frame's
+  std::unique_ptr<RenderScene> own_world;  ///< of `scene`
+  const RenderScene* world = nullptr;
+  CameraView view;
+};
+
+Moment moment(const Simulation& s, const RenderScene& first_world, const CameraView& first, double time_s) {
+  Moment now{nullptr, nullptr, &first_world, first};
+  if (s.animation && time_s != 0) {
+    now.scene = std::make_unique<Scene>(load_scene(s, time_s));
+    now.own_world = std::make_unique<RenderScene>(*now.scene);
+    now.world = now.own_world.get();
+    now.view.world_from_camera = world_from_camera(s, *now.scene);
+  }
+  const glm::dmat4 shake = hand_shake(s.hand_shake_seed, time_s, s.hand_shake);
+  now.view.world_from_camera = glm::mat4(glm::dmat4(now.view.world_from_camera) * shake);
+  return now;
+}
+
+/// The mean over the poses of frame `frame`'s exposure, each of which takes its share of the samples of `map`.
+Views render_frame(const Simulation& s, const RenderScene& first_world, const CameraView& first, SampleMap map,
+                   int frame, const ProgressCallback& progress) {
+  const int poses = moves(s) ? s.exposure_poses : 1;
+  for (std::uint32_t& samples : map.samples) samples = std::max(samples / poses, 1u);
+  Views mean;
+  for (int i = 0; i < poses; ++i) {
+    const double middle_s = frame * s.frame_interval_s;
+    const Moment now = moment(s, first_world, first, middle_s + ((i + 0.5) / poses - 0.5) * s.exposure.time_s);
+    RenderOptions options = s.render;
+    if (frame > 0 || i > 0) options.seed = hash(s.render.seed, 4, frame * poses + i);
+    Views views =
+        render_views(*now.world, now.view, options, map, [&](double fraction) { progress((i + fraction) / poses); });
+    if (poses > 1) scale(views.left, 1.0 / poses), scale(views.right, 1.0 / poses);
+    if (i == 0) {
+      mean = std::move(views);
+      continue;
+    }
+    for (std::size_t j = 0; j < mean.left.data.size(); ++j) {
+      mean.left.data[j] += views.left.data[j];
+      mean.right.data[j] += views.right.data[j];
+    }
+  }
+  return mean;
+}
+
 }  // namespace
 
 Simulation read_simulation(const nlohmann::json& json, const std::string& path) {
@@ -215,9 +305,7 @@ Simulation read_simulation(const nlohmann::json& json, const std::string& path) 
   exposure.number("time_s", s.exposure.time_s, 1e-7, 1e4);
   exposure.number("iso", s.exposure.iso, 1, 1e6);
   exposure.done();
-  Fields burst = root.object("burst");
-  burst.integer("frames", s.burst_frames, 1, 1000);
-  burst.done();
+  read_burst(root.object("burst"), s);
   read_environment_fields(root.object("environment"), s, path);
   root.number("unlit_white_nits", s.unlit_white_nits, 0, 1e9);
   if (root.has("face_px")) {
@@ -237,8 +325,8 @@ Simulation read_simulation(const nlohmann::json& json, const std::string& path) 
   return s;
 }
 
-Scene load_scene(const Simulation& s) {
-  Scene scene = read_gltf(s.gltf_path);
+Scene load_scene(const Simulation& s, double time_s) {
+  Scene scene = read_gltf(s.gltf_path, s.animation ? std::optional(time_s) : std::nullopt);
   scene.unlit_white_nits = static_cast<float>(s.unlit_white_nits);
   if (s.environment_model == "constant") {
     const glm::vec3 nits(s.environment_nits[0], s.environment_nits[1], s.environment_nits[2]);
@@ -263,20 +351,8 @@ SensorGrid sensor_grid(const Simulation& s) {
 }
 
 CameraView place_camera(const Simulation& s, const Scene& scene) {
-  glm::mat4 world_from_camera;
-  if (s.pose) {
-    const glm::dvec3 forward = glm::normalize(to_vec(s.pose->look_at_m) - to_vec(s.pose->position_m));
-    const glm::dvec3 right = glm::normalize(glm::cross(forward, to_vec(s.pose->up)));
-    const glm::dvec3 down = glm::cross(forward, right);
-    world_from_camera = glm::mat4(glm::dmat4(glm::dvec4(right, 0), glm::dvec4(down, 0), glm::dvec4(forward, 0),
-                                             glm::dvec4(to_vec(s.pose->position_m), 1)));
-  } else {
-    // glTF's camera looks along -z with y up
-    world_from_camera =
-        camera_node(s, scene).world_from_node * glm::mat4(1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1);
-  }
   try {
-    return {world_from_camera, LensSampler(s.lens, sensor_grid(s))};
+    return {world_from_camera(s, scene), LensSampler(s.lens, sensor_grid(s))};
   } catch (const std::invalid_argument& error) {
     throw InputError(printable(s.path) + ": /lens: " + error.what());
   }
@@ -286,7 +362,8 @@ ErrorTarget sensor_noise(const Simulation& s, double lux_per_nit) {
   ErrorTarget target;
   for (int c = 0; c < 3; ++c) {
     const double electrons_per_nit = lux_per_nit * s.exposure.time_s * s.sensor.electrons_per_lux_s[c];
-    const double read_nits = s.sensor.read_noise_e / electrons_per_nit;
+    const double after_gain_e = s.sensor.read_noise_after_gain_dn / gain_dn_per_electron(s.sensor, s.exposure.iso);
+    const double read_nits = std::hypot(s.sensor.read_noise_e, after_gain_e) / electrons_per_nit;
     target.per_nit[c] = 1 / electrons_per_nit;
     target.constant[c] = std::max(read_nits * read_nits, 1e-12);
   }
@@ -311,6 +388,7 @@ Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& s
   const double lux_s_per_nit = view.lens.lux_per_nit() * s.exposure.time_s;
   const double unit_per_nit = lux_s_per_nit / capture.exposure.lux_s_per_unit;
   capture.truth = trace_truth(world, view);
+  scale(capture.truth->disparity_dp_px, 2.0 / s.sensor.dp_downsample_x);  // it takes DP pixels to be 2 photosites wide
   RenderOptions options = s.render;
   options.ideal_aperture_scale = 0;
   options.samples_per_pixel = s.all_in_focus_samples_per_pixel;
@@ -324,25 +402,30 @@ Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& s
   scale(capture.truth->all_in_focus, unit_per_nit);
   scale(capture.truth->photograph, unit_per_nit);
 
-  const Image electrons = [&] {
-    Views views;
-    if (s.noise_fraction || s.render_error) {
-      const double share = s.noise_fraction ? *s.noise_fraction : *s.render_error / unit_per_nit;
-      const ErrorTarget target = scaled(s.noise_fraction ? sensor_noise(s, view.lens.lux_per_nit())
-                                                         : ErrorTarget{.constant = {1, 1, 1}},
-                                        share * share);
-      const Pilot pilot = probe_tiles(world, view, s.render, target, kMostSamples, report("error of the two views"));
-      const SampleMap map = share_samples(pilot, 1, kMostSamples);
-      views = render_views(world, view, s.render, map, report("left and right view"));
-      describe_sampling(map, views, target, unit_per_nit, *capture.truth);
-    } else {
-      views = render_views(world, view, s.render, report("left and right view"));
-    }
-    return expected_electrons(views.left, views.right, s.sensor, s.exposure, view.lens.lux_per_nit());
-  }();
+  std::optional<ErrorTarget> target;
+  SampleMap map = uniform_map(s.sensor.width_px, s.sensor.height_px, s.render.samples_per_pixel);
+  if (s.noise_fraction || s.render_error) {
+    const double share = s.noise_fraction ? *s.noise_fraction : *s.render_error / unit_per_nit;
+    target = scaled(s.noise_fraction ? sensor_noise(s, view.lens.lux_per_nit())
+                                     : ErrorTarget{.constant = {1, 1, 1}},
+                    share * share);
+    const Pilot pilot = probe_tiles(world, view, s.render, *target, kMostSamples, report("error of the two views"));
+    map = share_samples(pilot, 1, kMostSamples);
+  }
+  const int rendered_frames = moves(s) ? s.burst_frames : 1;
+  Image electrons;
   for (int i = 0; i < s.burst_frames; ++i) {
+    const Moment middle = moment(s, world, view, i * s.frame_interval_s);
+    if (i < rendered_frames) {
+      const Views views = render_frame(s, world, view, map, i, [&](double fraction) {
+        if (stage) stage("left and right view", (i + fraction) / rendered_frames);
+      });
+      if (i == 0 && target) describe_sampling(map, views, *target, unit_per_nit, *capture.truth);
+      if (i > 0) capture.truth->motion.push_back(trace_motion(world, view, middle.world->scene, middle.view));
+      electrons = expected_electrons(views.left, views.right, s.sensor, s.exposure, view.lens.lux_per_nit());
+    }
     capture.frames.push_back(expose(electrons, s.sensor, s.exposure, hash(s.render.seed, 3, i)));
-    capture.frames.back().camera_from_world = row_major(glm::inverse(view.world_from_camera));
+    capture.frames.back().camera_from_world = row_major(glm::inverse(middle.view.world_from_camera));
     if (stage) stage("sensor", (i + 1.0) / s.burst_frames);
   }
   capture.provenance["scene"] = s.json;

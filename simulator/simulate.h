@@ -34,6 +34,11 @@ struct Simulation {
   SensorOptions sensor;
   ExposureOptions exposure;
   int burst_frames = 9;
+  double hand_shake = 0;  ///< scale of hand_shake()'s amplitudes; 0: the camera stands still
+  std::uint64_t hand_shake_seed = 1;
+  double frame_interval_s = 0.04;          ///< from one frame's exposure to the next; at least the exposure time
+  int exposure_poses = 1;                  ///< poses over each exposure that the frame is the mean of
+  bool animation = false;                  ///< glTF's animations play: frame i shows the scene at i * frame_interval_s
   std::string environment_model = "none";  ///< "none", "constant", "sky", "file"
   std::array<double, 3> environment_nits{};
   SkyOptions sky;
@@ -57,8 +62,9 @@ struct Simulation {
 /// would not fit into this machine's memory.
 Simulation read_simulation(const nlohmann::json& json, const std::string& path);
 
-/// Reads glTF and environment that `simulation` names. Throws InputError, also where nothing in them gives light.
-Scene load_scene(const Simulation& simulation);
+/// Reads glTF and environment that `simulation` names, animated objects where they are at `time_s` if
+/// Simulation::animation is set. Throws InputError, also where nothing in them gives light.
+Scene load_scene(const Simulation& simulation, double time_s = 0);
 
 /// Its photosites, the axis in the middle.
 SensorGrid sensor_grid(const Simulation& simulation);
@@ -72,6 +78,9 @@ ErrorTarget sensor_noise(const Simulation& simulation, double lux_per_nit);
 
 /// `stage` is called with what is being done and the fraction of it that is.
 using StageCallback = std::function<void(const std::string& stage, double fraction)>;
+
+/// `scene` is load_scene(simulation). A burst in which nothing moves is rendered once and exposed frame by frame;
+/// otherwise each frame is rendered at its own time, and truth is the first frame's, with the motion to the others.
 Capture simulate(const Simulation& simulation, const Scene& scene, const StageCallback& stage = {});
 
 }  // namespace dualpixel::simulator

@@ -11,6 +11,7 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "simulator/scene/gltf_accessor.h"
+#include "simulator/scene/gltf_animation.h"
 #include "simulator/scene/gltf_check.h"
 #include "simulator/scene/gltf_files.h"
 #include "simulator/scene/gltf_material.h"
@@ -171,13 +172,15 @@ void add_camera(const GltfFile& file, int node_index, const glm::dmat4& world, S
 
 }  // namespace
 
-Scene read_gltf(const std::string& path) {
+Scene read_gltf(const std::string& path, std::optional<double> time_s) {
   const std::string bytes = read_file(path, kLargestFileBytes);
-  return read_gltf_bytes(bytes, path, std::filesystem::absolute(path).parent_path().string());
+  return read_gltf_bytes(bytes, path, std::filesystem::absolute(path).parent_path().string(), time_s);
 }
 
-Scene read_gltf_bytes(const std::string& bytes, const std::string& name, const std::string& folder) {
-  const GltfFile file = load_gltf(bytes, name, folder);
+Scene read_gltf_bytes(const std::string& bytes, const std::string& name, const std::string& folder,
+                      std::optional<double> time_s) {
+  GltfFile file = load_gltf(bytes, name, folder, time_s.has_value());
+  if (time_s) pose_nodes(file, *time_s);
   Scene scene;
   scene.warnings = file.warnings;
   read_materials(file, scene);

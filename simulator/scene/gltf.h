@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 
 #include "simulator/scene/scene.h"
@@ -16,10 +17,15 @@ namespace dualpixel::simulator {
 /// The file is hostile until checked: accessor and view ranges, index and vertex values, finite numbers, node cycles,
 /// texture sizes; every URI must name a regular file inside the glTF file's own folder. Whatever fails, and every
 /// unknown *required* extension, throws InputError with one line that names file, field, value and what is allowed.
-Scene read_gltf(const std::string& path);
+///
+/// With `time_s` all animations play at once, and nodes stand where they do then: translation, rotation and scale, step
+/// and linear interpolation; the first key before it, the last one after it. Morph weights and cubic splines are
+/// ignored, with a warning. Without `time_s` all animations are, and not even checked.
+Scene read_gltf(const std::string& path, std::optional<double> time_s = {});
 
 /// The same from a file's bytes. `name` stands in messages; URIs of files are looked up in `folder`, none where it is
 /// empty.
-Scene read_gltf_bytes(const std::string& bytes, const std::string& name, const std::string& folder);
+Scene read_gltf_bytes(const std::string& bytes, const std::string& name, const std::string& folder,
+                      std::optional<double> time_s = {});
 
 }  // namespace dualpixel::simulator

@@ -133,6 +133,7 @@ class Checker {
     light_count_ = array(lights, "lights").size();
     each(root_, "nodes", [&](Item& node) { check_node(node); });
     check_tree();
+    each(root_, "animations", [&](Item& animation) { check_animation(animation); });
     each(root_, "scenes", [&](Item& scene) { check_scene(scene); });
     if (array(root_, "scenes").empty()) fail("/scenes", "is required: it says what to show");
     reference(root_, "scene", "scenes");
@@ -467,6 +468,51 @@ class Checker {
                                      accessor.count, format_name(accessor), joints));
       }
     }
+  }
+
+  /// Every sampler that a channel uses has as many values as its path and interpolation ask for.
+  void check_animation(Item& animation) const {
+    struct Sampler {
+      std::uint64_t keys = 0, output = 0;
+      bool cubic = false;
+    };
+    std::vector<Sampler> samplers;
+    each(animation, "samplers", [&](Item& item) {
+      std::string interpolation = "LINEAR";
+      item.fields.choice("interpolation", interpolation, {"LINEAR", "STEP", "CUBICSPLINE"});
+      const std::uint64_t input = required_reference(item, "input", "accessors");
+      const Accessor& times = accessors_[input];
+      if (times.type != "SCALAR" || times.component_type != kFloat || times.count == 0) {
+        item.fields.fail("input", fmt::format("{}: is {} {}: must be SCALAR of FLOAT, at least one", input, times.count,
+                                              format_name(times)));
+      }
+      samplers.push_back(
+          {times.count, required_reference(item, "output", "accessors"), interpolation == "CUBICSPLINE"});
+    });
+    each(animation, "channels", [&](Item& channel) {
+      int index = 0;
+      channel.fields.required("sampler").integer("sampler", index, 0, static_cast<int>(samplers.size()) - 1);
+      channel.fields.required("target");
+      Item target = child(channel, "target");
+      std::string path;
+      target.fields.required("path").choice("path", path, {"translation", "rotation", "scale", "weights"});
+      const auto node = reference(target, "node", "nodes");
+      if (!node || path == "weights") return;  // not taken over
+      if (root_.value["nodes"][*node].contains("matrix")) {
+        target.fields.fail("node", fmt::format("{}: must not have a matrix", *node));
+      }
+      const Sampler& sampler = samplers[index];
+      const Accessor& values = accessors_[sampler.output];
+      const bool rotation = path == "rotation";
+      const std::uint64_t count = sampler.keys * (sampler.cubic ? 3 : 1);
+      if (values.type != (rotation ? "VEC4" : "VEC3") || values.count != count ||
+          !(values.component_type == kFloat || (rotation && values.normalized))) {
+        channel.fields.fail(
+            "sampler",
+            fmt::format("{}: its output is {} {}: {} must have {} {}", index, values.count, format_name(values), path,
+                        count, rotation ? "VEC4 of FLOAT or normalized integers" : "VEC3 of FLOAT"));
+      }
+    });
   }
 
   void check_light(Item& light) const {

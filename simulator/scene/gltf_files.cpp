@@ -182,21 +182,22 @@ std::vector<std::string> ignored_features(const json& root, const std::string& n
           fmt::format("{}: extension {} is ignored", printable(name), printable(extension.get<std::string>())));
     }
   }
-  if (root.contains("animations")) {
-    warnings.push_back(printable(name) + ": animations are ignored: nodes keep the pose that the file gives them");
-  }
   return warnings;
 }
 
 }  // namespace
 
-GltfFile load_gltf(const std::string& bytes, const std::string& name, const std::string& folder) {
+GltfFile load_gltf(const std::string& bytes, const std::string& name, const std::string& folder, bool with_animations) {
   const Container container = open_container(bytes, name);
   json root = parse_json(container.json_text, name);
+  // what is not read is not checked
+  const bool ignored = !with_animations && root.is_object() && root.erase("animations") > 0;
   check_gltf(root, name, container.bin ? std::optional(container.bin->size()) : std::nullopt);
 
   GltfFile file{name, {}, ignored_features(root, name)};
-  root.erase("animations");  // not read, hence not checked
+  if (ignored) {
+    file.warnings.push_back(printable(name) + ": animations are ignored: nodes keep the pose that the file gives them");
+  }
   Bytes uri_bytes = take_uris(root, container.bin, folder, name);
   const std::string text = root.dump();
   root = nullptr;

@@ -17,7 +17,7 @@ struct GltfFile {
 /// Takes the container apart (GLB header and chunks), checks the JSON, and reads what the URIs name: data URIs, and
 /// regular files that lie, links resolved, in `folder` or below it. An empty `folder` allows no files.
 /// tinygltf never opens a file itself: it is given JSON in which every URI is a key of what was read here.
-/// Throws InputError.
-GltfFile load_gltf(const std::string& bytes, const std::string& name, const std::string& folder);
+/// Without `with_animations` they are left out, with a warning. Throws InputError.
+GltfFile load_gltf(const std::string& bytes, const std::string& name, const std::string& folder, bool with_animations);
 
 }  // namespace dualpixel::simulator

@@ -53,6 +53,27 @@ class Draws {
   bool has_spare_ = false;
 };
 
+/// What never changes about a photosite: the sensitivity of its halves, and the offsets of its read-outs, DN.
+struct FixedPattern {
+  double left_gain = 1, right_gain = 1;
+  double whole_offset_dn = 0, left_offset_dn = 0, right_offset_dn = 0;
+};
+
+FixedPattern fixed_pattern(const SensorOptions& sensor, std::uint64_t place) {
+  if (sensor.prnu == 0 && sensor.dark_offset_dn == 0) return {};
+  Draws draws(hash(sensor.fixed_pattern_seed, 5, place));
+  const double deviation = std::sqrt(2.0) * sensor.prnu;  // of one half
+  const auto gain = [&] { return std::max(0.0, 1 + deviation * draws.normal()); };
+  const auto offset = [&] { return sensor.dark_offset_dn * draws.normal(); };
+  return {gain(), gain(), offset(), offset(), offset()};
+}
+
+/// Half-photosites that a DP pixel is the mean of.
+int binned(const SensorOptions& sensor) {
+  const int photosites = sensor.dp_downsample_x * sensor.dp_downsample_y;
+  return photosites == 1 ? 1 : photosites / 2;
+}
+
 }  // namespace
 
 double gain_dn_per_electron(const SensorOptions& sensor, double iso) {
@@ -62,16 +83,16 @@ double gain_dn_per_electron(const SensorOptions& sensor, double iso) {
 
 Exposure describe_exposure(const SensorOptions& sensor, const ExposureOptions& exposure) {
   const double gain = gain_dn_per_electron(sensor, exposure.iso);
-  const double read = gain * gain * sensor.read_noise_e * sensor.read_noise_e + 1.0 / 12;
-  constexpr double kBinned = 4;  // green half-photosites in a DP pixel
+  const double read = gain * gain * sensor.read_noise_e * sensor.read_noise_e +
+                      sensor.read_noise_after_gain_dn * sensor.read_noise_after_gain_dn;
   Exposure e;
   e.time_s = exposure.time_s;
   e.iso = exposure.iso;
   e.bits = sensor.bits;
   e.black_level_dn = sensor.black_level_dn;
   e.white_level_dn = std::exp2(sensor.bits) - 1;
-  e.mosaic_noise = {gain, read};
-  e.dp_noise = {gain / kBinned, gain * gain * sensor.read_noise_e * sensor.read_noise_e / kBinned + 1.0 / 12};
+  e.mosaic_noise = {gain, read + 1.0 / 12};
+  e.dp_noise = {gain / binned(sensor), read / binned(sensor) + 1.0 / 12};
   for (int c = 0; c < 3; ++c) e.white_balance[c] = sensor.electrons_per_lux_s[1] / sensor.electrons_per_lux_s[c];
   e.lux_s_per_unit = (e.white_level_dn - e.black_level_dn) / gain / sensor.electrons_per_lux_s[1];
   return e;
@@ -100,33 +121,42 @@ Frame expose(const Image& electrons, const SensorOptions& sensor, const Exposure
   const auto level = [&](double counted) { return sensor.black_level_dn + gain * counted; };
   const auto digitise = [&](double dn) { return static_cast<std::uint16_t>(std::clamp(std::round(dn), 0.0, white)); };
 
+  const int block_width = sensor.dp_downsample_x, block_height = sensor.dp_downsample_y;
+  const bool dense = block_width * block_height == 1;
   Frame frame;
   frame.seed = seed;
   frame.mosaic = ImageU16(width, height);
-  frame.left = ImageU16(width / 2, height / 4);
-  frame.right = ImageU16(width / 2, height / 4);
-  tbb::parallel_for(0, height / 4, [&](int block_y) {
-    std::vector<double> sums(width, 0.0);  // left, right of each DP pixel, DN
-    for (int y = 4 * block_y; y < 4 * block_y + 4; ++y) {
+  frame.left = ImageU16(width / block_width, height / block_height);
+  frame.right = frame.left;
+  tbb::parallel_for(0, frame.left.height, [&](int block_y) {
+    std::vector<double> sums(2 * static_cast<std::size_t>(frame.left.width), 0.0);  // left, right of each DP pixel, DN
+    for (int y = block_height * block_y; y < block_height * (block_y + 1); ++y) {
       for (int x = 0; x < width; ++x) {
-        Draws draws(hash(seed, static_cast<std::uint64_t>(y) << 32 | static_cast<unsigned>(x)));
-        double left = draws.poisson(electrons.at(x, y, 0));
-        double right = draws.poisson(electrons.at(x, y, 1));
+        const std::uint64_t place = static_cast<std::uint64_t>(y) << 32 | static_cast<unsigned>(x);
+        const FixedPattern fixed = fixed_pattern(sensor, place);
+        Draws draws(hash(seed, place));
+        const auto read_out = [&](double counted, double offset_dn) {
+          double dn = level(counted + sensor.read_noise_e * draws.normal()) + offset_dn;
+          if (sensor.read_noise_after_gain_dn > 0) dn += sensor.read_noise_after_gain_dn * draws.normal();
+          return dn;
+        };
+        double left = draws.poisson(fixed.left_gain * electrons.at(x, y, 0));
+        double right = draws.poisson(fixed.right_gain * electrons.at(x, y, 1));
         const double fill = (left + right) / sensor.full_well_e;
         if (fill > 1) {
           left /= fill;
           right /= fill;
         }
-        frame.mosaic.at(x, y) = digitise(level(left + right + sensor.read_noise_e * draws.normal()));
-        if (cfa_color(x, y) == 1) {
-          sums[x / 2 * 2] += level(left + sensor.read_noise_e * draws.normal());
-          sums[x / 2 * 2 + 1] += level(right + sensor.read_noise_e * draws.normal());
+        frame.mosaic.at(x, y) = digitise(read_out(left + right, fixed.whole_offset_dn));
+        if (dense || cfa_color(x, y) == 1) {
+          sums[2 * (x / block_width)] += read_out(left, fixed.left_offset_dn);
+          sums[2 * (x / block_width) + 1] += read_out(right, fixed.right_offset_dn);
         }
       }
     }
-    for (int x = 0; x < width / 2; ++x) {
-      frame.left.at(x, block_y) = digitise(sums[2 * x] / 4);
-      frame.right.at(x, block_y) = digitise(sums[2 * x + 1] / 4);
+    for (int x = 0; x < frame.left.width; ++x) {
+      frame.left.at(x, block_y) = digitise(sums[2 * x] / binned(sensor));
+      frame.right.at(x, block_y) = digitise(sums[2 * x + 1] / binned(sensor));
     }
   });
   return frame;

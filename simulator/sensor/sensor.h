@@ -8,8 +8,8 @@
 
 /// From light to digital numbers. Each half of a photosite counts photons; the photosite's electrons are the sum of
 /// its halves, so mosaic and DP views share their shot noise as on a real sensor, and each read-out adds its own read
-/// noise. A DP pixel is the mean of the green half-photosites of its 2 x 4 block, read one by one and digitised
-/// together.
+/// noise. A DP pixel is the mean of the green half-photosites of its block, read one by one and digitised together; of
+/// a block of one, the half-photosite under its own filter.
 namespace dualpixel::simulator {
 
 struct SensorOptions {
@@ -19,10 +19,17 @@ struct SensorOptions {
   /// Electrons that 1 lx s of a neutral light on one undivided photosite frees under its R, G, B filter. At 555 nm one
   /// lx s is 4.1e15 photons/m^2, 8000 on 1.4 um square; filter and quantum efficiency leave about half.
   std::array<double, 3> electrons_per_lux_s = {3600, 4000, 3200};
-  double full_well_e = 6000;  ///< of the undivided photosite; the white level at ISO 100
-  double read_noise_e = 2.0;  ///< standard deviation of one read-out
+  double full_well_e = 6000;            ///< of the undivided photosite; the white level at ISO 100
+  double read_noise_e = 2.0;            ///< standard deviation of one read-out, ahead of the gain
+  double read_noise_after_gain_dn = 0;  ///< likewise, behind it
+  // Fixed pattern, the same in every frame of one camera and no part of its noise profile; normal.
+  double prnu = 0;            ///< standard deviation of a photosite's sensitivity over its mean; its halves vary apart
+  double dark_offset_dn = 0;  ///< ... of a read-out's offset; a photosite and each of its halves have their own
+  std::uint64_t fixed_pattern_seed = 1;  ///< which camera
   int bits = 10;
   double black_level_dn = 64;
+  int dp_downsample_x = 2;  ///< photosites per DP pixel: 2 x 4, 2 x 2, or 1 x 1 (dense, all colours)
+  int dp_downsample_y = 4;
 };
 
 struct ExposureOptions {
@@ -33,7 +40,9 @@ struct ExposureOptions {
 /// Digital numbers per electron: the full well reaches the white level at ISO 100.
 double gain_dn_per_electron(const SensorOptions& sensor, double iso);
 
-/// Levels and the noise profiles that follow from shot noise, read noise and quantisation (variance 1/12 DN^2).
+/// Levels and the noise profiles that follow from shot noise, read noise and quantisation (variance 1/12 DN^2): what
+/// differs from frame to frame. Quantisation is even where the noise before it is above half a DN, and so is clipping
+/// at 0 and at white without effect where the mean is three standard deviations away.
 Exposure describe_exposure(const SensorOptions& sensor, const ExposureOptions& exposure);
 
 /// Mean electrons of each half-photosite under its colour filter; two channels: left, right. `left` and `right` are

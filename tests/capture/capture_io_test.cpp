@@ -74,6 +74,8 @@ Capture small_capture(bool with_truth) {
     truth.photograph = pattern<float>(16, 8, 3, 7);
     truth.photograph.data[0] = 1e6f;  // beyond half: the whole picture is stored as float
     truth.photograph_aperture_scale = 4;
+    truth.motion = {pattern<float>(16, 8, 2, 8), pattern<float>(16, 8, 2, 9)};
+    truth.motion[1].data[6] = truth.motion[1].data[7] = kInfinity;  // behind the camera
   }
   return capture;
 }
@@ -154,6 +156,24 @@ TEST(CaptureIo, EverythingSurvivesTheRoundTrip) {
   EXPECT_EQ(a.all_in_focus.data, b.all_in_focus.data);  // whole numbers below 1000 are exact in half
   EXPECT_EQ(a.photograph.data, b.photograph.data);
   EXPECT_EQ(a.photograph_aperture_scale, 4);
+  ASSERT_EQ(a.motion.size(), 2u);
+  for (int i : {0, 1}) EXPECT_EQ(a.motion[i].data, b.motion[i].data);
+}
+
+TEST(CaptureIo, MotionIsThereForEveryFrameButTheFirstOrForNone) {
+  Capture capture = small_capture(true);
+  capture.truth->motion.pop_back();
+  EXPECT_NE(write_refusal(capture).find("/truth/motion: 1 of them"), std::string::npos);
+  capture.truth->motion.assign(2, Image(16, 8, 1));
+  EXPECT_NE(write_refusal(capture).find("/truth/motion/0: 16 x 8 pixels of 1 channels"), std::string::npos);
+  capture.truth->motion.assign(2, Image(16, 8, 2, NAN));
+  EXPECT_NE(write_refusal(capture).find("/truth/motion/0: must be finite"), std::string::npos);
+  const TemporaryFolder folder;
+  for (const json& wrong : {json(3), json::array({1, 2}), json::array({"no.exr", "truth/motion_002.exr"})}) {
+    write_capture(small_capture(true), folder / "out");
+    edit(folder / "out", [&](json& d) { d["truth"]["motion"] = wrong; });
+    EXPECT_NE(read_refusal(folder / "out"), "") << wrong;
+  }
 }
 
 TEST(CaptureIo, TruthIsReadOnlyWhenAskedFor) {

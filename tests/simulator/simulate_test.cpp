@@ -61,8 +61,13 @@ TEST(SceneFile, RefusesWhatCannotBeAndNamesIt) {
       {"/sensor/height_px", 34, {"/sensor/height_px", "34", "multiple of 4"}},
       {"/sensor/pixel_pitch_um", -1, {"/sensor/pixel_pitch_um"}},
       {"/sensor/bits", 7, {"/sensor/bits", "7"}},
+      {"/sensor/prnu", -0.1, {"/sensor/prnu", "-0.1"}},
+      {"/sensor/dp_downsample_y", 1, {"/sensor/dp_downsample_y", "2 x 1"}},
       {"/sensor/full_well_e", 0, {"/sensor/full_well_e"}},
       {"/burst/frames", 0, {"/burst/frames", "0"}},
+      {"/burst/hand_shake", -1, {"/burst/hand_shake", "-1"}},
+      {"/burst/interval_s", 0.005, {"/burst/interval_s", "0.005", "0.01"}},  // shorter than the exposure
+      {"/burst/exposure_poses", 0, {"/burst/exposure_poses", "0"}},
       {"/render/samples_per_pixel", 0, {"/render/samples_per_pixel", "0"}},
       {"/environment/model", "moon", {"/environment/model", "moon", "sky"}},
       {"/version", 2, {"/version", "2"}},
@@ -133,6 +138,44 @@ TEST(Simulate, DigitalNumbersFollowFromNits) {
   EXPECT_NE(capture.frames[0].mosaic.data, capture.frames[1].mosaic.data);
   EXPECT_NEAR(capture.camera.alpha, 1 / (4 * 1.19), 1e-12);
   EXPECT_NEAR(capture.truth->depth_m.at(5, 5), 1, 1e-6);  // glTF's -z is forward
+}
+
+// What stands still is rendered once, whatever its seed; what shakes, frame by frame: each with its own pose, and the
+// motion that the pose gives. The first frame and its truth are those of the burst that stands still.
+TEST(Simulate, RendersEachFrameOfAHandHeldBurstAtItsOwnPose) {
+  json document = minimal();
+  document["sensor"] = {{"width_px", 64}, {"height_px", 64}};
+  document["burst"] = {{"frames", 3}, {"hand_shake_seed", 5}};
+  document["render"]["samples_per_pixel"] = 4;
+  Scene scene;
+  scene.materials = {diffuse(0.7f)};
+  scene.meshes = {make_quad({-5, -5, -1}, {10, 0, 0}, {0, 10, 0}, 0)};
+  scene.environment = {2, 1, {glm::vec3(100), glm::vec3(900)}};
+  scene.cameras = {{"camera", glm::mat4(1), {}}};
+  const Capture still = simulate(read_simulation(document, "s.json"), scene);
+  EXPECT_TRUE(still.truth->motion.empty());
+  EXPECT_EQ(still.frames[2].camera_from_world, still.frames[0].camera_from_world);
+
+  document["burst"]["hand_shake"] = 1;
+  const Simulation simulation = read_simulation(document, "s.json");
+  const Capture shaken = simulate(simulation, scene);
+  EXPECT_EQ(shaken.frames[0].mosaic.data, still.frames[0].mosaic.data);
+  EXPECT_EQ(shaken.truth->depth_m.data, still.truth->depth_m.data);
+  ASSERT_EQ(shaken.truth->motion.size(), 2u);
+  const double focal_px = simulation.lens.thin.image_distance_m() / 1.4e-6;
+  for (int i : {1, 2}) {
+    // The wall lies across the axis at 1 m: its middle is seen where pose * (0, 0, 1) lands. World axes: x, -y, -z.
+    const Matrix4& pose = shaken.frames[i].camera_from_world;
+    const double x = -pose[2] + pose[3], y = -pose[6] + pose[7], z = -pose[10] + pose[11];
+    // pixel (31, 31) has its middle half a photosite from the axis
+    EXPECT_NEAR(shaken.truth->motion[i - 1].at(31, 31, 0), focal_px * x / z, 0.02);
+    EXPECT_NEAR(shaken.truth->motion[i - 1].at(31, 31, 1), focal_px * y / z, 0.02);
+    EXPECT_GT(std::abs(focal_px * x / z) + std::abs(focal_px * y / z), 0.5);
+  }
+  document["burst"]["exposure_poses"] = 2;
+  const Capture blurred = simulate(read_simulation(document, "s.json"), scene);
+  EXPECT_EQ(blurred.truth->motion[1].data, shaken.truth->motion[1].data);
+  EXPECT_NE(blurred.frames[0].mosaic.data, shaken.frames[0].mosaic.data);
 }
 
 // A quarter of the sensor's noise, at an exposure ten times as long a quarter of what is then, relative to the signal,
