@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <memory>
@@ -58,6 +59,20 @@ std::string one_line(const std::string& library_message) {
   return library_message.empty() ? "unknown error" : printable(library_message.substr(0, library_message.find('\n')));
 }
 
+/// Refuses a PNG that ends before its last chunk: libpng would write lines of its own to stderr (PNG specification,
+/// section 5.3: chunks of a big-endian length, a name, data and a checksum).
+void require_whole_png(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(8);
+  std::array<char, 8> head{};
+  while (file.read(head.data(), head.size()) && std::string_view(&head[4], 4) != "IEND") {
+    std::int64_t length = 0;
+    for (int i = 0; i < 4; ++i) length = length << 8 | static_cast<unsigned char>(head[i]);
+    file.seekg(length + 4, std::ios::cur);
+  }
+  if (!file) fail(path, "cannot be read: the file ends before the PNG does");
+}
+
 std::unique_ptr<ImageInput> open_picture(const std::string& path) {
   const std::string format = format_of(path);
   std::unique_ptr<ImageInput> input = ImageInput::create(format);
@@ -67,6 +82,7 @@ std::unique_ptr<ImageInput> open_picture(const std::string& path) {
   if (!input->open(path, spec, as_stored)) fail(path, "cannot be read: " + one_line(input->geterror()));
   if (spec.deep) fail(path, "deep EXR is not supported");
   check_size(path, spec.width, spec.height, spec.nchannels);
+  if (format == "png") require_whole_png(path);
   if (spec.depth > 1) fail(path, "volumes are not supported");
   if (spec.tile_width > 0) check_size(path, spec.tile_width, spec.tile_height, spec.nchannels);
   if (format == "openexr") {
@@ -233,9 +249,9 @@ void write_png8(const std::string& path, const Image& image) {
   write_picture(path, "png", spec, TypeDesc::FLOAT, image.data.data());
 }
 
-void write_png16(const std::string& path, const ImageU16& image) {
+void write_png16(const std::string& path, const ImageU16& image, bool srgb) {
   ImageSpec spec(image.width, image.height, image.channels, TypeDesc::UINT16);
-  spec["oiio:ColorSpace"] = "Linear";
+  spec["oiio:ColorSpace"] = srgb ? "sRGB" : "Linear";
   spec["png:compressionLevel"] = 1;  // sensor noise does not compress further, it only takes longer
   write_picture(path, "png", spec, TypeDesc::UINT16, image.data.data());
 }

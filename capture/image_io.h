@@ -41,8 +41,8 @@ ImageU32 read_exr_ids(const std::string& path);
 
 /// 8-bit PNG; `image` holds display-ready values 0..1, one or three channels.
 void write_png8(const std::string& path, const Image& image);
-/// 16-bit PNG of raw digital numbers, one channel.
-void write_png16(const std::string& path, const ImageU16& image);
+/// 16-bit PNG of integers as they stand, one or three channels; the header calls them linear, or sRGB.
+void write_png16(const std::string& path, const ImageU16& image, bool srgb = false);
 
 /// sRGB transfer function (IEC 61966-2-1), clamped to 0..1.
 float srgb_from_linear(float linear);

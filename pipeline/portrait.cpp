@@ -93,12 +93,11 @@ TileDisparity match(const MergedBurst& burst, const Capture& capture, const Port
     return match_tiles(normalize_locally(burst.left, options.normalize),
                        normalize_locally(burst.right, options.normalize), options.match);
   }
-  // as if the merge were a plain mean
-  const auto frames = static_cast<double>(capture.frames.size());
+  const double variance = merged_view_variance(static_cast<int>(capture.frames.size()));
   const double range = capture.exposure.white_level_dn - capture.exposure.black_level_dn;
   LikelihoodMatchOptions likelihood = options.likelihood_match;
-  likelihood.noise = {static_cast<float>(capture.exposure.dp_noise.shot_dn / (range * frames)),
-                      static_cast<float>(capture.exposure.dp_noise.read_dn2 / (range * range * frames))};
+  likelihood.noise = {static_cast<float>(variance * capture.exposure.dp_noise.shot_dn / range),
+                      static_cast<float>(variance * capture.exposure.dp_noise.read_dn2 / (range * range))};
   return match_by_likelihood(burst.left, burst.right, likelihood);
 }
 
@@ -120,6 +119,10 @@ Image stretched(const Image& mask, int width, int height) {
 PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options,
                             const std::optional<Image>& person_mask, const PortraitProgress& progress) {
   require_mask(person_mask, options.mode);
+  if (capture.camera.dp_downsample_x * capture.camera.dp_downsample_y == 1) {
+    throw InputError(
+        "capture: /camera/dp_downsample_x: 1 x 1: views under a colour mosaic cannot be matched; 2 x 2 can");
+  }
   const int width = capture.camera.width_px, height = capture.camera.height_px;
   PortraitResult result;
   StageClock stage(result.stages, options.mode == Mode::seg ? 6 : options.mode == Mode::dp ? 8 : 9, progress);
@@ -127,6 +130,7 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
   MergedBurst burst = stage("merge", [&] { return align_and_merge(capture.frames, capture.exposure); });
   result.input = stage("demosaic", [&] { return develop(burst, capture.camera, capture.exposure); });
   burst.mosaic = {};
+  result.base_frame = burst.base_frame;
 
   Defocused defocused;
   if (options.mode == Mode::seg) {

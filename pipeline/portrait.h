@@ -79,6 +79,7 @@ struct PortraitResult {
   Image mask;            ///< person mask, 0..1: edge-aware filtered in mode seg, as given in dp_seg, empty in dp
   Image blur_radius_px;  ///< r(x) of Eq. 5, full-resolution pixels
   double focus_disparity_dp_px = 0;
+  int base_frame = 0;  ///< of the burst: whose scene and pose the pictures and maps show
   std::vector<StageTime> stages;
 };
 
@@ -91,7 +92,8 @@ using PortraitProgress = std::function<void(const std::string& stage, double fra
 /// d_focus is the median disparity over Capture::face_px where that face is well focused, in mode dp_seg otherwise the
 /// person's disparity, and 0 (trust the autofocus) in mode dp.
 ///
-/// Throws InputError where a mode lacks its mask, or the mask is not one channel of finite values.
+/// Throws InputError where a mode lacks its mask, or the mask is not one channel of finite values, and where the DP
+/// views are dense (1 x 1): under a colour mosaic there is nothing to match.
 PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options = {},
                             const std::optional<Image>& person_mask = {}, const PortraitProgress& progress = {});
 

@@ -67,6 +67,8 @@ int main(int argc, char** argv) {
   dualpixel::tools::add_lens(program);
   dualpixel::tools::add_plan(program);
   dualpixel::tools::add_bench(program);
+  dualpixel::tools::add_experiment(program);
+  dualpixel::tools::add_export(program);
 
   try {
     program.parse(argc, argv);

@@ -46,14 +46,15 @@ Color diverging_color(float t) {
                          chroma * std::sin(hue));
 }
 
-std::string base64(const std::vector<unsigned char>& bytes) {
+std::string base64(const std::string& bytes) {
   constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
   text.reserve((bytes.size() + 2) / 3 * 4);
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
     unsigned group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (k < count ? bytes[i + k] : 0u);
+    for (std::size_t k = 0; k < 3; ++k)
+      group = group << 8 | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0u);
     for (std::size_t k = 0; k < 4; ++k) text += k <= count ? kDigits[group >> (18 - 6 * k) & 63] : '=';
   }
   return text;
@@ -117,7 +118,7 @@ float percentile(const Image& image, double share) {
   return *nth;
 }
 
-std::string jpeg_data_uri(const Image& srgb, int quality) {
+std::string jpeg(const Image& srgb, int quality) {
   OIIO::ImageSpec spec(srgb.width, srgb.height, srgb.channels, OIIO::TypeDesc::UINT8);
   spec["compression"] = fmt::format("jpeg:{}", quality);
   std::vector<unsigned char> bytes;
@@ -127,7 +128,11 @@ std::string jpeg_data_uri(const Image& srgb, int quality) {
       !output->write_image(OIIO::TypeDesc::FLOAT, srgb.data.data()) || !output->close()) {
     throw std::runtime_error("this build of OpenImageIO cannot write JPEG");
   }
-  return "data:image/jpeg;base64," + base64(bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
+std::string jpeg_data_uri(const Image& srgb, int quality) {
+  return "data:image/jpeg;base64," + base64(jpeg(srgb, quality));
 }
 
 }  // namespace dualpixel::tools

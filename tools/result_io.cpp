@@ -88,6 +88,7 @@ void write_result(const PortraitResult& result, const nlohmann::json& provenance
                                  {"version", kResultFormatVersion},
                                  {"provenance", provenance},
                                  {"focus_disparity_dp_px", result.focus_disparity_dp_px},
+                                 {"base_frame", result.base_frame},
                                  {"stages", nlohmann::ordered_json::array()}};
   for (const pipeline::StageTime& stage : result.stages) {
     json["stages"].push_back({{"name", stage.name}, {"ms", stage.ms}, {"peak_rss_mb", stage.peak_rss_mb}});
@@ -109,6 +110,7 @@ StoredResult read_result(const std::string& path) {
   fields.required("version").integer("version", version, kResultFormatVersion, kResultFormatVersion);
   if (!fields.required("provenance").raw("provenance").is_object()) fields.fail("provenance", "must be an object");
   fields.number("focus_disparity_dp_px", result.focus_disparity_dp_px, -1e6, 1e6);
+  fields.integer("base_frame", result.base_frame, 0, 999);
   result.stages = read_stages(fields.required("stages").raw("stages"), fields, file(kMarker));
   fields.done();
 

@@ -5,7 +5,8 @@
 #include "pipeline/portrait.h"
 
 /// A portrait result on disk. A folder, written to a temporary sibling and renamed:
-///   result.json              format, version, provenance, focus_disparity_dp_px, stages [{name, ms, peak_rss_mb}]
+///   result.json              format, version, provenance, focus_disparity_dp_px, base_frame, stages [{name, ms,
+///                            peak_rss_mb}]
 ///   input.exr portrait.exr   linear RGB (half float)
 ///   portrait.png             8-bit sRGB
 ///   maps.exr                 full size, float: those of disparity_dp_px, confidence, mask, blur_radius_px that exist

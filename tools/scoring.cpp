@@ -1,9 +1,12 @@
 #include "tools/scoring.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "capture/error.h"
 #include "tools/image_metrics.h"
@@ -12,6 +15,39 @@ namespace dualpixel::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// What `image`, which shows a later frame, shows of the points that the first frame sees: bilinear at pixel + motion,
+/// outside of the picture its border, or `outside` where that is given.
+Image seen_from_first(const Image& image, const Image& motion, std::optional<float> outside = {}) {
+  if (image.empty()) return image;
+  Image moved(image.width, image.height, image.channels);
+  tbb::parallel_for(0, image.height, [&](int y) {
+    for (int x = 0; x < image.width; ++x) {
+      const float u = static_cast<float>(x) + motion.at(x, y, 0), v = static_cast<float>(y) + motion.at(x, y, 1);
+      const float right = static_cast<float>(image.width - 1), bottom = static_cast<float>(image.height - 1);
+      const bool inside = u >= -0.5f && v >= -0.5f && u <= right + 0.5f && v <= bottom + 0.5f;
+      const float near_u = std::clamp(u, 0.0f, right), near_v = std::clamp(v, 0.0f, bottom);
+      const int i = static_cast<int>(near_u), j = static_cast<int>(near_v);
+      const int next_i = std::min(i + 1, image.width - 1), next_j = std::min(j + 1, image.height - 1);
+      const float a = near_u - static_cast<float>(i), b = near_v - static_cast<float>(j);
+      for (int c = 0; c < image.channels; ++c) {
+        const float sum = (1 - b) * ((1 - a) * image.at(i, j, c) + a * image.at(next_i, j, c)) +
+                          b * ((1 - a) * image.at(i, next_j, c) + a * image.at(next_i, next_j, c));
+        moved.at(x, y, c) = inside ? sum : outside.value_or(sum);
+      }
+    }
+  });
+  return moved;
+}
+
+pipeline::PortraitResult seen_from_first(pipeline::PortraitResult result, const Truth& truth) {
+  const Image& motion = truth.motion[result.base_frame - 1];
+  result.input = seen_from_first(result.input, motion);
+  result.portrait = seen_from_first(result.portrait, motion);
+  result.disparity_dp_px = seen_from_first(result.disparity_dp_px, motion, NAN);
+  result.confidence = seen_from_first(result.confidence, motion, 0);
+  return result;
+}
 
 Json or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
@@ -151,14 +187,21 @@ std::string figure_text(const Json& value, int decimals) {
 
 Json score_result(const Capture& capture, const std::string& capture_path, const StoredResult& stored,
                   const std::string& result_path) {
-  const pipeline::PortraitResult& result = stored.result;
   if (!capture.truth) throw InputError(printable(capture_path) + ": holds no truth to score against");
   const Truth& truth = *capture.truth;
-  if (!result.input.same_size(truth.photograph)) {
+  if (!stored.result.input.same_size(truth.photograph)) {
     throw InputError(fmt::format("{}: {} x {} pixels; the capture {} has {} x {}", printable(result_path),
-                                 result.input.width, result.input.height, printable(capture_path),
+                                 stored.result.input.width, stored.result.input.height, printable(capture_path),
                                  truth.photograph.width, truth.photograph.height));
   }
+
+  const int base = stored.result.base_frame;
+  if (base >= static_cast<int>(capture.frames.size())) {
+    throw InputError(fmt::format("{}: /base_frame: {}; the capture {} has {} frames", printable(result_path), base,
+                                 printable(capture_path), capture.frames.size()));
+  }
+  const bool moved = base > 0 && !truth.motion.empty();
+  const pipeline::PortraitResult result = moved ? seen_from_first(stored.result, truth) : stored.result;
 
   Json score = {{"format", "dualpixel-score"}, {"version", 1}, {"capture", capture_path}, {"result", result_path}};
   score["mode"] = stored.json["provenance"].value("mode", nlohmann::json("unknown"));

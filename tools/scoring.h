@@ -21,6 +21,8 @@
 ///   image.<metric>   against the true photograph through the wider aperture, of the portrait and of the un-blurred
 ///     input: psnr_srgb_db, psnr_linear_db, ssim_srgb, ssim_linear, and each as <metric>_input. Linear: signal clipped
 ///     to 0..1. sRGB: the same, encoded. psnr_db, psnr_input_db, ssim, ssim_input are the sRGB ones.
+/// Truth is the first frame's. Where a result's base is a later one, its maps and pictures are first looked up where
+/// truth says that frame sees the first one's points; what lies outside of them counts as not estimated.
 ///   stages.<name>.ms, .peak_rss_mb
 ///   notes   why a figure is null: one line each
 namespace dualpixel::tools {

@@ -4,7 +4,7 @@
 fast=false
 if [ "${1:-}" = --fast ]; then fast=true; fi
 set --
-source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" clang-format clang-tidy
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" clang-format clang-tidy libraw-bin
 
 sources() { git ls-files '*.h' '*.cpp'; }
 sources | xargs clang-format --dry-run --Werror

@@ -348,6 +348,7 @@ MergedBurst merge_burst(const std::vector<Frame>& frames, int base, const std::v
   shape.strength = static_cast<float>(options.strength);
   std::vector<PlanePair<const std::uint16_t>> pairs(frames.size());
   MergedBurst merged;
+  merged.base_frame = base;
   if (!first.mosaic.empty()) {
     merged.mosaic = Image(first.mosaic.width, first.mosaic.height);
     shape.width = width;

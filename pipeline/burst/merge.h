@@ -13,7 +13,14 @@ struct MergedBurst {
   Image mosaic;  ///< full sensor size; empty where the frames hold no mosaic
   Image left;    ///< DP size
   Image right;
+  int base_frame = 0;  ///< whose scene and pose it shows
 };
+
+/// Variance that merging a static burst at the default strength leaves in a mosaic and in the views, over that of one
+/// frame: 1/N of the mean, and what the shrinkage keeps of the base, which is 0.040 and 0.025 of (1 - 1/N) within 5 %
+/// for N from 3 on (expectation of the formula below over Gaussian noise, by Monte Carlo).
+inline double merged_mosaic_variance(int frames) { return 1.0 / frames + 0.040 * (1 - 1.0 / frames); }
+inline double merged_view_variance(int frames) { return 1.0 / frames + 0.025 * (1 - 1.0 / frames); }
 
 struct MergeOptions {
   /// c of the shrinkage: more merges more, and leaves more of what moved. 8 as in the paper's supplement; 75 is the

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "pipeline/burst/demosaic.h"
+#include "pipeline/burst/merge.h"
 #include "pipeline/edge_aware/filter_mask.h"
 #include "pipeline/rows.h"
 
@@ -79,7 +80,8 @@ std::vector<NoisePatch> make_noise_patches(std::uint64_t seed, const NoiseOption
 
 NoiseLevel merged_noise(const Exposure& exposure, int frames) {
   const double range = exposure.white_level_dn - exposure.black_level_dn;
-  return {exposure.mosaic_noise.shot_dn / (range * frames), exposure.mosaic_noise.read_dn2 / (range * range * frames),
+  const double left = merged_mosaic_variance(frames);
+  return {left * exposure.mosaic_noise.shot_dn / range, left * exposure.mosaic_noise.read_dn2 / (range * range),
           exposure.white_balance};
 }
 

@@ -34,7 +34,7 @@ struct NoiseLevel {
   std::array<double, 3> gains = {1, 1, 1};
 };
 
-/// Of the mean of `frames` mosaics.
+/// Of a merged burst of `frames` mosaics (merge.h).
 NoiseLevel merged_noise(const Exposure& exposure, int frames);
 
 /// B_noisy = B + sigma(B) M_blur sum_i N_i(x mod l_i), in place; pixels with `blurred` 0 stay as they are.

@@ -319,7 +319,7 @@ TEST(Noise, FollowsTheProfileWhereBlurred) {
     for (int c = 0; c < 3; ++c) variance[c] += std::pow(rgb.data[3 * i + c] - signal, 2) / (400 * 150);
   }
   const auto expected = [&](double gain) {
-    return gain * gain * (0.16 * (signal / gain) * 959 + 40) / (959.0 * 959 * 9);
+    return gain * gain * (0.16 * (signal / gain) * 959 + 40) * (0.3816 * 0.3816) / (959.0 * 959);
   };
   // Patches repeat, so they count as about 12 000 correlated samples: 1.3 % and more.
   EXPECT_NEAR(variance[1] / (expected(1) * 0.78125), 1, 0.07);

@@ -136,6 +136,19 @@ TEST_F(BadInput, ImageBeyondMemory) {
   expect_refusal({"/sensor", "GB"}, "--set sensor.width_px=32768 --set sensor.height_px=32768 --set burst.frames=1000");
 }
 
+TEST_F(BadInput, AnimationThatLetsTrianglesVanish) {
+  const int times = gltf.add_accessor<float>({0, 1}, "SCALAR");
+  const int scales = gltf.add_accessor<float>({1, 1, 1, 0, 0, 0}, "VEC3");
+  const json sampler = {{"input", times}, {"output", scales}, {"interpolation", "STEP"}};
+  const json channel = {{"sampler", 0}, {"target", {{"node", 0}, {"path", "scale"}}}};
+  gltf.root["animations"] = json::array({{{"samplers", {sampler}}, {"channels", {channel}}}});
+  expect_refusal({"triangle"}, "--set burst.animation=true --set burst.frames=2 --set burst.interval_s=2");
+}
+
+TEST_F(BadInput, FramesCloserThanTheirExposure) {
+  expect_refusal({"/burst/interval_s", "0.001"}, "--set burst.interval_s=0.001");
+}
+
 TEST_F(BadInput, OutputIntoAMissingFolder) { expect_refusal({"missing/out"}, "", "missing/out"); }
 
 TEST_F(BadInput, OutputThatIsAFile) {

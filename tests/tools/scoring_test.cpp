@@ -48,6 +48,38 @@ TEST(Score, CutsRegionsAsDefined) {
   EXPECT_EQ(regions["person"]["pixels"], 32 * 24);
 }
 
+// A result that shows a later frame, where all is 2.5 photosites to the right and 3 further down, is scored where the
+// first frame's points are: all figures stay but for the columns and rows that left the picture.
+TEST(Score, LooksUpALaterBaseFrameAlongTheMotion) {
+  Capture capture = synthetic_capture();
+  capture.frames.push_back(capture.frames.front());
+  StoredResult stored = synthetic_stored(capture);
+  for (Image* image : {&stored.result.disparity_dp_px, &stored.result.input, &stored.result.portrait}) {
+    const Image still = *image;
+    for (int y = 3; y < 48; ++y) {
+      for (int x = 3; x < 64; ++x) {
+        for (int c = 0; c < image->channels; ++c) {
+          image->at(x, y, c) = 0.5f * (still.at(x - 3, y - 3, c) + still.at(x - 2, y - 3, c));
+        }
+      }
+    }
+  }
+  const double before = score(capture, stored)["disparity"]["everything"]["rmse_affine_px"];
+  EXPECT_GT(before, 0.2);
+  stored.result.base_frame = 1;
+  EXPECT_EQ(score(capture, stored)["disparity"]["everything"]["rmse_affine_px"], before);  // no motion: static
+  capture.truth->motion = {Image(64, 48, 2, 3.0f)};
+  for (std::size_t i = 0; i < capture.truth->motion[0].data.size(); i += 2) capture.truth->motion[0].data[i] = 2.5f;
+  const Json figures = score(capture, stored);
+  EXPECT_EQ(figures["disparity"]["everything"]["pixels"], 62 * 45);
+  // smeared twice by half a pixel: at the jump of 1.5 two columns err by a quarter of it
+  EXPECT_NEAR(figures["disparity"]["everything"]["rmse_affine_px"].get<double>(), 0.375 * std::sqrt(2.0 / 62), 0.01);
+  EXPECT_NEAR(figures["disparity"]["everything"]["bad_0p1_affine"].get<double>(), 2.0 / 62, 1e-6);
+  EXPECT_EQ(figures["disparity"]["person"]["pixels"], 32 * 24);
+  stored.result.base_frame = 2;
+  EXPECT_THROW(score(capture, stored), InputError);
+}
+
 TEST(Score, LeavesOutPixelsWithoutTruthOrEstimate) {
   const Capture capture = synthetic_capture();
   StoredResult stored = synthetic_stored(capture);

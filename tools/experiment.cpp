@@ -1,0 +1,12 @@
+#include "tools/commands.h"
+
+namespace dualpixel::tools {
+
+void add_experiment(CLI::App& program) {
+  CLI::App* experiment = program.add_subcommand(
+      "experiment", "Measure what the simulator and the pipeline do, over a sweep: charts and JSON.");
+  experiment->require_subcommand(1);
+  add_experiment_noise(*experiment);
+}
+
+}  // namespace dualpixel::tools
