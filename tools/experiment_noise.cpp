@@ -202,10 +202,7 @@ Json to_json(const NoiseExperiment& experiment, const NoiseExperimentOptions& op
   for (const DepthSweep& sweep : experiment.depth) {
     Json points = Json::array();
     for (const DepthPoint& p : sweep.points) {
-      points.push_back({{"depth_m", p.depth_m},
-                        {"sigma_dp_px", p.sigma_dp_px},
-                        {"robust_sigma_dp_px", p.robust_dp_px},
-                        {"depth_sigma_m", p.depth_sigma_m}});
+      points.push_back({{"depth_m", p.depth_m}, {"sigma_dp_px", p.sigma_dp_px}, {"depth_sigma_m", p.depth_sigma_m}});
     }
     depth.push_back({{"matcher", name_of(sweep.matcher)}, {"focus_distance_m", sweep.focus_m}, {"points", points}});
   }
@@ -255,6 +252,21 @@ std::string explanation(const NoiseExperiment& experiment) {
       bright.one.robust / bright.six.robust, dim.one.sigma / dim.six.sigma, bright.one.sigma / bright.six.sigma);
 }
 
+/// How many targets that stand in some lens's focus that lens measures with the least error, of both matchers.
+std::array<int, 2> best_in_focus(const NoiseExperiment& experiment) {
+  std::array<int, 2> count{};
+  for (const DepthSweep& sweep : experiment.depth) {
+    for (std::size_t i = 0; i < sweep.points.size(); ++i) {
+      if (sweep.points[i].depth_m != sweep.focus_m) continue;
+      count[static_cast<int>(sweep.matcher)] +=
+          std::all_of(experiment.depth.begin(), experiment.depth.end(), [&](const DepthSweep& other) {
+            return other.matcher != sweep.matcher || other.points[i].depth_sigma_m >= sweep.points[i].depth_sigma_m;
+          });
+    }
+  }
+  return count;
+}
+
 std::string to_page(const NoiseExperiment& experiment, const NoiseExperimentOptions& options) {
   std::string body = fmt::format(
       "<h1>Noise of disparity</h1>\n<p>A textured target at {:g} m, the lens focused at {:g} m, the central quarter of "
@@ -297,12 +309,14 @@ std::string to_page(const NoiseExperiment& experiment, const NoiseExperimentOpti
     body += svg_plot(plot);
   }
   body += "</div><h2>Over depth</h2>";
+  const auto [of_paper, of_likelihood] = best_in_focus(experiment);
   body += fmt::format(
-      "<p>Six frames at {:g} lux, without outliers. The target's texture keeps its size in the picture. Depth's error "
+      "<p>Six frames at {:g} lux, outliers included. The target's texture keeps its size in the picture. Depth's error "
       "is "
-      "disparity's times D^2 over the slope, so at each target the lens focused nearest to it does best.</p>"
-      "<div class=\"plots\">",
-      options.depth_lux);
+      "disparity's times D^2 over the slope. Of the {} targets that stand where one of the lenses is focused, that "
+      "lens "
+      "measures {} best by the paper's matcher and {} by likelihood.</p><div class=\"plots\">",
+      options.depth_lux, options.focus_distances_m.size(), of_paper, of_likelihood);
   for (const Matcher matcher : {Matcher::paper, Matcher::likelihood}) {
     Plot disparity, depth;
     disparity.title = "Disparity, matcher " + name_of(matcher);
@@ -317,7 +331,7 @@ std::string to_page(const NoiseExperiment& experiment, const NoiseExperimentOpti
       if (sweep.matcher != matcher) continue;
       Series of_disparity{fmt::format("focus {:g} m", sweep.focus_m), {}}, of_depth = of_disparity;
       for (const DepthPoint& p : sweep.points) {
-        of_disparity.points.emplace_back(p.depth_m, p.robust_dp_px);
+        of_disparity.points.emplace_back(p.depth_m, p.sigma_dp_px);
         of_depth.points.emplace_back(p.depth_m, 1e3 * p.depth_sigma_m);
       }
       disparity.series.push_back(of_disparity);
@@ -373,8 +387,8 @@ NoiseExperiment measure_noise(const NoiseExperimentOptions& options, const std::
                                          options.depth_samples_per_pixel, options.seed),
                            options.depth_lux, {}, simulator::hash(options.seed, 3));
       for (int i : {0, 1}) {
-        const double robust = robust_deviation(matched.six[i]);
-        sweeps[i].points.push_back({depth_m, deviation(matched.six[i]), robust, robust * depth_m * depth_m / slope});
+        const double sigma = deviation(matched.six[i]);
+        sweeps[i].points.push_back({depth_m, sigma, sigma * depth_m * depth_m / slope});
       }
       step(1);
     }

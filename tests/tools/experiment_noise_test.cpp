@@ -33,8 +33,8 @@ TEST(SlowExperimentNoise, SixFramesAreLessNoisyAndLightHelps) {
   const LightPoint& point = measured.light[1].points[1];
   EXPECT_NEAR(point.six.temporal / point.one.temporal, 0.432, 4 * 0.432 * 0.07);
   for (const DepthSweep& sweep : measured.depth) {
-    EXPECT_LT(sweep.points[1].robust_dp_px, sweep.points[0].robust_dp_px);
-    EXPECT_LT(sweep.points[1].robust_dp_px, sweep.points[2].robust_dp_px);
+    EXPECT_LT(sweep.points[1].sigma_dp_px, sweep.points[0].sigma_dp_px);
+    EXPECT_LT(sweep.points[1].sigma_dp_px, sweep.points[2].sigma_dp_px);
   }
 }
 

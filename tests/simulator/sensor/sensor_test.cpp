@@ -161,10 +161,10 @@ TEST(Sensor, NoiseBehindTheGainIsInTheProfileAndDoesNotGrowWithIso) {
     const Exposure described = describe_exposure(sensor, {0.01, iso});
     const double gain = gain_dn_per_electron(sensor, iso);
     EXPECT_NEAR(described.mosaic_noise.read_dn2, 4 * gain * gain + 49 + 1.0 / 12, 1e-9);
-    const Frame frame = expose(Image(1024, 512, 2, 100), sensor, {0.01, iso}, 3);
-    const double expected = described.mosaic_noise.shot_dn * gain * 200 + described.mosaic_noise.read_dn2;
+    const Frame frame = expose(Image(1024, 512, 2, 2), sensor, {0.01, iso}, 3);
+    const double expected = described.mosaic_noise.shot_dn * gain * 4 + described.mosaic_noise.read_dn2;
     EXPECT_NEAR(statistics(frame.mosaic).variance, expected, 0.01 * expected);
-    const double expected_dp = described.dp_noise.shot_dn * gain * 100 + described.dp_noise.read_dn2;
+    const double expected_dp = described.dp_noise.shot_dn * gain * 2 + described.dp_noise.read_dn2;
     EXPECT_NEAR(statistics(frame.left).variance, expected_dp, 0.02 * expected_dp);  // 65536 pixels: 0.55 %
   }
 }
