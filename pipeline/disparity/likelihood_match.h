@@ -35,11 +35,18 @@ struct LikelihoodMatchOptions {
 ///      marginalised (`offset`). What noise alone adds to the curvature is known, and taken out of it.
 ///   4. Beyond 1.4 px of shift, where blur is wider than a tile, the mean over the neighbours that agree.
 ///
-/// sigma_dp_px is the predicted standard deviation of the error: that of step 3 (noise, offset) and 4, its square times
-/// 1 + 3 x the residual's excess over what noise explains (mirrored kernels, depth edges), and, root-sum-square, the
-/// spread of other shifts that step 2 cannot rule out (repetition, no texture). At most range_px. Confidence is 1 / (1
-/// + (sigma / confident_sigma_dp_px)^2), and 0 where the least cost lies at an end of the range, where step 3 left its
-/// shift by more than 1 px, or nothing was to be seen.
+/// sigma_dp_px is the predicted standard deviation of the error, at most range_px; root-sum-square of
+///   - that of steps 3 and 4 (noise, offset), its square times 1 + 3 x the residual's excess over what noise explains
+///     (mirrored kernels, depth edges);
+///   - the spread of other shifts that step 2 cannot rule out (repetition, no texture);
+///   - 0.02 d^2, at most 0.05 px: what matching mirrored half discs errs by from their centroids. Beyond |b| = 4 px of
+///     blur one texture may err by more, 0.13 px were seen at |b| = 6;
+///   - 0.3 px times the root of the tile's share of pixels that are left out: what is left may be a highlight's rim;
+///   - what a tile differs from its neighbours by, where fewer than 5 of 8 agree: highlights, structures narrower than
+///     their blur, mistakes.
+/// `shared` is the share of sigma^2 that neighbours have in common: all but the noise, and of that what step 4 pooled.
+/// Confidence is 1 / (1 + (sigma / confident_sigma_dp_px)^2), and 0 where the least cost lies at an end of the range,
+/// where step 3 left its shift by more than 1.5 px, or nothing was to be seen.
 ///
 /// Pixels that are clipped or not finite are left out. Throws std::invalid_argument where the views' sizes differ, they
 /// have more than one channel, the range is out of bounds or the noise is negative or not finite; empty views give an

@@ -19,20 +19,33 @@ PixelDisparity upsample_tiles(const TileDisparity& tiles, int tile_px, int width
   std::vector<LinearTap> taps(width);
   for (int x = 0; x < width; ++x) taps[x] = linear_tap(x, grid_width, columns);
   PixelDisparity out{Image(width, height), Image(width, height)};
+  const bool has_sigma = !tiles.sigma_dp_px.empty();
+  if (has_sigma) out.sigma_dp_px = Image(width, height);
   for_rows(height, [&](int y) {
     const LinearTap line = linear_tap(y, grid_height, disparity.height);
-    // Disparity, confidence, and disparity and its square times confidence; blended between the two rows of tiles.
+    // Disparity, confidence, and products with confidence; blended between the two rows of tiles. `independent` is
+    // what the tiles err by on their own, and has the squares of all weights.
     struct Tile {
-      float plain, total, sum, sum_of_squares;
+      float plain, total, sum, sum_of_squares, plain_variance, variance, shared, independent;
     };
     std::vector<Tile> blend(columns);
     for (int u = 0; u < columns; ++u) {
-      const auto mix = [&](const auto& of) {
-        const float low = of(disparity.at(u, line.low), tiles.confidence.at(u, line.low));
-        return low + line.weight_of_high * (of(disparity.at(u, line.high), tiles.confidence.at(u, line.high)) - low);
+      const float t = line.weight_of_high;
+      const auto tile = [&](int v) {
+        const float d = disparity.at(u, v), c = tiles.confidence.at(u, v);
+        const float s = has_sigma ? tiles.sigma_dp_px.at(u, v) : 0, shared = has_sigma ? tiles.shared.at(u, v) : 0;
+        return Tile{d, c, c * d, c * d * d, s * s, c * s * s, shared * c * s * s, (1 - shared) * c * c * s * s};
       };
-      blend[u] = {mix([](float d, float) { return d; }), mix([](float, float c) { return c; }),
-                  mix([](float d, float c) { return c * d; }), mix([](float d, float c) { return c * d * d; })};
+      const Tile low = tile(line.low), high = tile(line.high);
+      const auto mix = [&](float Tile::*of) { return low.*of + t * (high.*of - low.*of); };
+      blend[u] = {mix(&Tile::plain),
+                  mix(&Tile::total),
+                  mix(&Tile::sum),
+                  mix(&Tile::sum_of_squares),
+                  mix(&Tile::plain_variance),
+                  mix(&Tile::variance),
+                  mix(&Tile::shared),
+                  (1 - t) * (1 - t) * low.independent + t * t * high.independent};
     }
     float* disparities = out.disparity_dp_px.row(y);
     float* confidences = out.confidence.row(y);
@@ -43,6 +56,9 @@ PixelDisparity upsample_tiles(const TileDisparity& tiles, int tile_px, int width
       const float total = low.total + t * (high.total - low.total);
       if (total < 1e-6f) {
         disparities[x] = low.plain + t * (high.plain - low.plain);
+        if (has_sigma) {
+          out.sigma_dp_px.at(x, y) = std::sqrt(low.plain_variance + t * (high.plain_variance - low.plain_variance));
+        }
         continue;
       }
       const float mean = (low.sum + t * (high.sum - low.sum)) / total;
@@ -50,6 +66,12 @@ PixelDisparity upsample_tiles(const TileDisparity& tiles, int tile_px, int width
       const float variance = std::max(square - mean * mean, 0.0f);
       disparities[x] = mean;
       confidences[x] = total * std::exp(-variance / (2 * options.spread_dp_px * options.spread_dp_px));
+      if (has_sigma) {
+        const float all = (low.variance + t * (high.variance - low.variance)) / total;
+        const float own = (low.shared + t * (high.shared - low.shared)) / total +
+                          ((1 - t) * (1 - t) * low.independent + t * t * high.independent) / (total * total);
+        out.sigma_dp_px.at(x, y) = std::sqrt(own + std::max(variance - 2 * (all - own), 0.0f));
+      }
     }
   });
   return out;

@@ -7,7 +7,8 @@ namespace dualpixel::pipeline {
 
 struct PixelDisparity {
   Image disparity_dp_px;
-  Image confidence;  ///< 0..1
+  Image confidence;   ///< 0..1
+  Image sigma_dp_px;  ///< predicted standard deviation of the error; empty where the tiles have none
 };
 
 struct UpsampleOptions {
@@ -18,6 +19,9 @@ struct UpsampleOptions {
 /// tile gives way to its neighbours. Its confidence is the bilinear mean of theirs, times
 /// exp(-variance / (2 spread^2)) of their weighted disparities: between tiles that disagree lies an edge, and a blend
 /// of two surfaces is on neither. The edge-aware solver decides there.
+///
+/// sigma_dp_px^2 is the variance of that blend, each tile's sigma and what they share given, plus what the tiles
+/// disagree by beyond twice what their sigmas explain.
 PixelDisparity upsample_tiles(const TileDisparity& tiles, int tile_px, int width, int height,
                               const UpsampleOptions& options = {});
 

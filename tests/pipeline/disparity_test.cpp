@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "pipeline/disparity/match.h"
@@ -155,6 +156,14 @@ TEST(Match, OddManOutLosesConfidence) {
   EXPECT_GT(tiles.confidence.at(20, 3), 0.5f);
 }
 
+TEST(Match, CostsOfNothingAreNotDistinct) {
+  Image left(kWidth, kHeight), right(kWidth, kHeight);  // one bright column: two shifts cost, all others nothing
+  for (int y = 0; y < kHeight; ++y) left.at(100, y) = 1;
+  for (const auto& [a, b] : {std::pair{&left, &right}, {&right, &left}, {&left, &left}}) {
+    for (const float confidence : match_tiles(*a, *b).confidence.data) EXPECT_TRUE(confidence >= 0 && confidence <= 1);
+  }
+}
+
 TEST(Match, SmallAndBrokenInputsAreFiniteAndWithinRange) {
   for (const auto& [width, height] : {std::pair{1, 1}, {3, 500}, {9, 9}, {13, 1}}) {
     const Texture texture(3, 0.3);
@@ -192,6 +201,24 @@ TEST(Upsample, IsLinearBetweenEquallySureTiles) {
   for (int x = 4; x < 36; ++x) {
     EXPECT_NEAR(pixels.disparity_dp_px.at(x, 3), 0.1 * ((x + 0.5) / 8 - 0.5), 1e-5);
   }
+}
+
+TEST(Upsample, SigmaIsThatOfTheBlend) {
+  // Four tiles that err by 0.1 each, independently or alike; then two that disagree by far more.
+  TileDisparity tiles{Image(2, 2, 1, 0.5f), Image(2, 2, 1, 1.0f), Image(2, 2, 1, 0.1f), Image(2, 2)};
+  const PixelDisparity independent = upsample_tiles(tiles, 8, 16, 16);
+  EXPECT_NEAR(independent.sigma_dp_px.at(0, 0), 0.1, 1e-6);  // one tile alone
+  // 9/16 and 7/16 of two tiles along each axis
+  EXPECT_NEAR(independent.sigma_dp_px.at(7, 7), 0.1 * (81 + 49) / 256, 1e-5);
+  tiles.shared = Image(2, 2, 1, 1.0f);
+  EXPECT_NEAR(upsample_tiles(tiles, 8, 16, 16).sigma_dp_px.at(7, 7), 0.1, 1e-5);
+  tiles.disparity_dp_px.at(1, 0) = tiles.disparity_dp_px.at(1, 1) = 2.5f;
+  const double spread = 2 * std::sqrt(9.0 / 16 * 7 / 16);
+  EXPECT_NEAR(upsample_tiles(tiles, 8, 16, 16).sigma_dp_px.at(7, 7), std::hypot(spread, 0.1), 1e-4);
+  tiles.confidence = Image(2, 2);  // nobody knows: the plain blend of variances
+  EXPECT_NEAR(upsample_tiles(tiles, 8, 16, 16).sigma_dp_px.at(7, 7), 0.1, 1e-5);
+  tiles.sigma_dp_px = tiles.shared = {};
+  EXPECT_TRUE(upsample_tiles(tiles, 8, 16, 16).sigma_dp_px.empty());
 }
 
 TEST(MergeMask, FaceIsWeightedByConfidenceAndTheInteriorFlattened) {
