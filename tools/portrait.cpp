@@ -12,6 +12,7 @@
 #include "capture/files.h"
 #include "capture/image_io.h"
 #include "tools/commands.h"
+#include "tools/plain_pair.h"
 #include "tools/result_io.h"
 
 namespace dualpixel::tools {
@@ -22,6 +23,7 @@ const std::map<std::string, pipeline::Mode> kModes = {
 
 struct PortraitCommand {
   std::string capture;
+  PlainPair pair;
   std::string output;
   std::string mode = "dp";
   std::string matcher = "paper";
@@ -43,6 +45,16 @@ Image read_mask(const std::string& path) {
   return mask;
 }
 
+/// Of a pair that was transposed to run: as its pictures are.
+void transpose_back(pipeline::PortraitResult& result) {
+  using Result = pipeline::PortraitResult;
+  for (Image Result::*image :
+       {&Result::input, &Result::portrait, &Result::portrait_srgb, &Result::disparity_dp_px, &Result::confidence,
+        &Result::matched_disparity_dp_px, &Result::matched_confidence, &Result::mask, &Result::blur_radius_px}) {
+    result.*image = transposed(result.*image);
+  }
+}
+
 void run(const PortraitCommand& command) {
   pipeline::PortraitOptions options;
   options.mode = kModes.at(command.mode);
@@ -55,9 +67,13 @@ void run(const PortraitCommand& command) {
   if (!needs_mask && (!command.mask.empty() || command.true_mask)) {
     throw InputError("--mode dp: uses no person mask; leave out --mask and --true-mask, or choose dp+seg or seg");
   }
+  const bool plain = !command.pair.left.empty();
+  if (plain == !command.capture.empty()) {
+    throw InputError("portrait: give a capture folder, or the two views by --left FILE --right FILE");
+  }
   { const NewFolder writable(command.output, "result.json"); }  // before the work, not after it
 
-  Capture capture = read_capture(command.capture, command.true_mask);
+  Capture capture = plain ? read_plain_pair(command.pair) : read_capture(command.capture, command.true_mask);
   std::optional<Image> mask;
   if (command.true_mask) {
     if (!capture.truth) throw InputError(printable(command.capture) + ": --true-mask: this capture has no truth");
@@ -65,18 +81,29 @@ void run(const PortraitCommand& command) {
     capture.truth.reset();
   } else if (!command.mask.empty()) {
     mask = read_mask(command.mask);
+    if (command.pair.vertical_split) mask = transposed(*mask);
   }
 
   Progress bar("portrait");
-  const pipeline::PortraitResult result =
+  pipeline::PortraitResult result =
       pipeline::run_portrait(capture, options, mask, [&](const std::string&, double fraction) { bar(fraction); });
+  if (command.pair.vertical_split) transpose_back(result);
 
-  nlohmann::ordered_json provenance = {
-      {"program", "dualpixel " DUALPIXEL_VERSION},
-      {"capture", std::filesystem::absolute(command.capture).lexically_normal().string()},
-      {"mode", command.mode},
-      {"matcher", command.matcher},
-      {"seed", command.seed}};
+  const auto absolute = [](const std::string& path) {
+    return std::filesystem::absolute(path).lexically_normal().string();
+  };
+  nlohmann::ordered_json provenance = {{"program", "dualpixel " DUALPIXEL_VERSION}};
+  if (plain) {
+    provenance["left"] = absolute(command.pair.left);
+    provenance["right"] = absolute(command.pair.right);
+    provenance["split"] = command.pair.vertical_split ? "vertical" : "horizontal";
+    if (!command.pair.metadata.empty()) provenance["metadata"] = absolute(command.pair.metadata);
+  } else {
+    provenance["capture"] = absolute(command.capture);
+  }
+  provenance["mode"] = command.mode;
+  provenance["matcher"] = command.matcher;
+  provenance["seed"] = command.seed;
   if (needs_mask) provenance["mask"] = command.true_mask ? "truth" : command.mask;
   write_result(result, provenance, command.output);
 }
@@ -87,7 +114,28 @@ void add_portrait(CLI::App& program) {
   auto command = std::make_shared<PortraitCommand>();
   CLI::App* sub =
       program.add_subcommand("portrait", "Turn a dual-pixel capture into a portrait with shallow depth of field");
-  sub->add_option("capture", command->capture, "Capture folder")->required()->type_name("CAPTURE_DIR");
+  CLI::Option* capture = sub->add_option("capture", command->capture, "Capture folder")->type_name("CAPTURE_DIR");
+  PlainPair& pair = command->pair;
+  CLI::Option* left =
+      sub->add_option("--left", pair.left, "In place of a capture, the left view: PNG, TIFF or JPEG, sRGB-encoded")
+          ->type_name("FILE")
+          ->excludes(capture);
+  CLI::Option* right =
+      sub->add_option("--right", pair.right, "The right view: right(x + d) = left(x), d < 0 in front of the focus")
+          ->type_name("FILE")
+          ->needs(left);
+  left->needs(right);
+  sub->add_option("--metadata", pair.metadata,
+                  "JSON about the views: encoding (srgb, linear), black_level, white_level, noise, focus_distance_m, "
+                  "face_px")
+      ->type_name("FILE")
+      ->needs(left);
+  sub->add_option_function<std::string>(
+         "--split", [&pair](const std::string& split) { pair.vertical_split = split == "vertical"; },
+         "How the views were split: horizontal (default), or vertical where disparity runs down the columns")
+      ->check(CLI::IsMember({"horizontal", "vertical"}))
+      ->type_name("TEXT")
+      ->needs(left);
   sub->add_option("-o,--output", command->output, "Result folder to write")->required()->type_name("DIR");
   sub->add_option("--mode", command->mode, "dp: disparity alone; dp+seg: with a person mask; seg: mask alone")
       ->check(CLI::IsMember({"dp", "dp+seg", "seg"}))
@@ -99,10 +147,14 @@ void add_portrait(CLI::App& program) {
   CLI::Option* mask =
       sub->add_option("--mask", command->mask, "Person mask: a picture, white on the person, of any size")
           ->type_name("FILE");
-  sub->add_flag("--true-mask", command->true_mask, "Take the capture's true person mask")->excludes(mask);
+  sub->add_flag("--true-mask", command->true_mask, "Take the capture's true person mask")
+      ->excludes(mask)
+      ->excludes(left);
   sub->add_option("--seed", command->seed, "Seed of the synthetic noise")->type_name("N")->capture_default_str();
   add_threads_option(*sub);
-  sub->footer("Example:\n  dualpixel portrait out/capture -o out/portrait --mode dp+seg --true-mask");
+  sub->footer(
+      "Example:\n  dualpixel portrait out/capture -o out/portrait --mode dp+seg --true-mask\n"
+      "  dualpixel portrait --left l.png --right r.png -o out/portrait --matcher likelihood");
   sub->callback([command] { run(*command); });
 }
 

@@ -1,0 +1,199 @@
+#include "tools/plain_pair.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "capture/error.h"
+#include "capture/image_io.h"
+#include "tests/pipeline/texture.h"
+#include "tests/tools/run_program.h"
+#include "tools/disparity_metrics.h"
+#include "tools/result_io.h"
+
+namespace dualpixel::tools {
+namespace {
+
+/// 8-bit sRGB file of a linear signal.
+void write_view(const std::string& path, Image view) {
+  for (float& value : view.data) value = srgb_from_linear(value);
+  write_png8(path, view);
+}
+
+TEST(PlainPair, ViewsAreLinearLightAndTheMosaicTheirMean) {
+  const TemporaryFolder folder;
+  Image left(3, 3, 3, 0.1f), right(3, 3, 3, 0.2f);
+  left.at(2, 1, 0) = 0.5f;
+  write_view(folder / "l.png", left);
+  write_view(folder / "r.png", right);
+  const Capture capture = read_plain_pair({.left = folder / "l.png", .right = folder / "r.png"});
+  EXPECT_EQ(capture.camera.width_px, 4);  // odd sides are made even by their last row and column
+  EXPECT_EQ(capture.camera.height_px, 4);
+  const Frame& frame = capture.frames.at(0);
+  // 8 bits of sRGB: half a step is 0.0018 at 0.1, 0.0028 at 0.2
+  EXPECT_NEAR(frame.left.at(0, 0) / 65535.0, 0.1, 0.002);
+  EXPECT_NEAR(frame.left.at(2, 1) / 65535.0, 0.1 + 0.4 / 4, 0.002);
+  EXPECT_EQ(frame.left.at(3, 1), frame.left.at(2, 1));
+  EXPECT_NEAR(frame.right.at(3, 3) / 65535.0, 0.2, 0.003);
+  EXPECT_NEAR(frame.mosaic.at(2, 2) / 65535.0, 0.15, 0.003);  // red, of a row that has no 0.5
+  EXPECT_NEAR(frame.mosaic.at(2, 1) / 65535.0, 0.15, 0.003);  // green
+  EXPECT_GT(capture.exposure.dp_noise.shot_dn, 0);
+}
+
+TEST(PlainPair, MetadataSaysWhatTheNumbersMean) {
+  const TemporaryFolder folder;
+  write_png16(folder / "l.png", ImageU16(4, 4, 1, 16384));
+  write_png16(folder / "r.png", ImageU16(4, 4, 1, 65535));
+  write_bytes(folder / "m.json",
+              R"({"encoding": "linear", "black_level": 0.125, "white_level": 0.75, "focus_distance_m": 0.7,
+                  "noise": {"shot": 0.001, "read": 1e-6}, "face_px": [1, 0, 2, 3]})");
+  const PlainPair pair{folder / "l.png", folder / "r.png", folder / "m.json", true};
+  const Capture capture = read_plain_pair(pair);
+  EXPECT_NEAR(capture.frames[0].left.at(1, 2) / 65535.0, 0.2, 1e-4);  // (1/4 - 1/8) / (3/4 - 1/8)
+  EXPECT_EQ(capture.frames[0].right.at(1, 2), 65535);
+  EXPECT_NEAR(capture.exposure.dp_noise.shot_dn / 65535, 0.001, 1e-9);
+  EXPECT_NEAR(capture.exposure.dp_noise.read_dn2 / 65535 / 65535, 1e-6, 1e-12);
+  EXPECT_EQ(capture.camera.focus_distance_m, 0.7);
+  EXPECT_EQ(*capture.face_px, (std::array<double, 4>{0, 1, 3, 2}));  // of the transposed picture
+}
+
+TEST(PlainPair, RefusesWhatCannotBeUsed) {
+  const TemporaryFolder folder;
+  write_view(folder / "a.png", Image(8, 8, 3, 0.5f));
+  write_view(folder / "narrow.png", Image(7, 8, 3, 0.5f));
+  write_view(folder / "grey.png", Image(8, 8, 1, 0.5f));
+  const Image plane(8, 8, 1, NAN);
+  write_exr(folder / "a.exr", {{"Y", &plane}}, false);
+  write_bytes(folder / "field.json", R"({"focus_distance": 1})");
+  write_bytes(folder / "levels.json", R"({"black_level": 0.5, "white_level": 0.5})");
+  const auto message = [&](const std::string& right, const std::string& metadata = "") {
+    return message_of<InputError>([&] {
+      read_plain_pair({folder / "a.png", folder / right, metadata.empty() ? "" : folder / metadata});
+    });
+  };
+  EXPECT_EQ(message("a.png"), "");
+  EXPECT_NE(message("narrow.png").find("7 x 8"), std::string::npos) << message("narrow.png");
+  EXPECT_NE(message("grey.png").find("grey"), std::string::npos);
+  EXPECT_NE(message("a.exr").find("PNG, TIFF or JPEG"), std::string::npos);
+  EXPECT_NE(message("none.png").find("none.png"), std::string::npos);
+  EXPECT_NE(message("a.png", "field.json").find("focus_distance"), std::string::npos);
+  EXPECT_NE(message("a.png", "levels.json").find("white_level"), std::string::npos);
+
+  const std::string views = "--left '" + (folder / "a.png") + "' --right '" + (folder / "a.png") + "'";
+  const std::set<std::string> before = folder.names();
+  for (const std::string& arguments :
+       {std::string(), "--left '" + (folder / "a.png") + "'", views + " '" + (folder / "a.png") + "'",
+        "--left '" + (folder / "a.png") + "' --right '" + (folder / "narrow.png") + "'", views + " --split diagonal",
+        std::string("--metadata x.json"), views + " --mode dp+seg --true-mask"}) {
+    SCOPED_TRACE(arguments);
+    expect_one_line_refusal(run_program("portrait " + arguments + " -o '" + (folder / "out") + "'"));
+    EXPECT_EQ(folder.names(), before);
+  }
+}
+
+TEST(PlainPair, PortraitFindsTheShiftAlongTheSplit) {
+  const TemporaryFolder folder;
+  constexpr int kWidth = 129, kHeight = 96;
+  const pipeline::Texture texture(5, 0.2);
+  const Image left = pipeline::textured(texture, kWidth, kHeight, 0),
+              right = pipeline::textured(texture, kWidth, kHeight, 1.4);
+  write_view(folder / "l.png", left);
+  write_view(folder / "r.png", right);
+  write_view(folder / "l_down.png", transposed(left));
+  write_view(folder / "r_down.png", transposed(right));
+  for (const std::string matcher : {"paper", "likelihood"}) {
+    for (const bool down : {false, true}) {
+      SCOPED_TRACE(matcher + (down ? " down" : ""));
+      const std::string view = down ? "_down.png'" : ".png'";
+      const Outcome outcome =
+          run_program("portrait --left '" + (folder / "l") + view + " --right '" + (folder / "r") + view + " -o '" +
+                      (folder / "out") + "' --matcher " + matcher + (down ? " --split vertical" : ""));
+      ASSERT_EQ(outcome.status, 0) << outcome.err;
+      const pipeline::PortraitResult result = read_result(folder / "out").result;
+      const Image& d = result.matched_disparity_dp_px;
+      EXPECT_EQ(d.width, down ? kHeight : kWidth + 1);
+      EXPECT_EQ(result.portrait.width, d.width);
+      double sum = 0;
+      for (const float value : d.data) sum += value;
+      EXPECT_NEAR(sum / static_cast<double>(d.data.size()), 1.4, 0.05);
+    }
+  }
+}
+
+TEST(PlainPair, EmptyPicturesAreNotBelieved) {
+  const TemporaryFolder folder;
+  write_png8(folder / "black.png", Image(40, 24, 3, 0.0f));
+  write_png8(folder / "white.png", Image(40, 24, 1, 1.0f));
+  write_png8(folder / "line.png", Image(200, 1, 1, 0.3f));
+  write_png8(folder / "pixel.png", Image(1, 1, 1, 0.3f));
+  for (const std::string matcher : {"paper", "likelihood"}) {
+    for (const std::string name : {"black", "white", "line", "pixel"}) {
+      SCOPED_TRACE(matcher + " " + name);
+      const std::string view = folder / (name + ".png");
+      const Outcome outcome = run_program("portrait --left '" + view + "' --right '" + view + "' -o '" +
+                                          (folder / "out") + "' --matcher " + matcher);
+      ASSERT_EQ(outcome.status, 0) << outcome.err;
+      const pipeline::PortraitResult result = read_result(folder / "out").result;
+      for (const float confidence : result.confidence.data) ASSERT_EQ(confidence, 0);
+      for (const Image* image : {&result.portrait, &result.disparity_dp_px, &result.matched_disparity_dp_px}) {
+        for (const float value : image->data) ASSERT_TRUE(std::isfinite(value));
+      }
+    }
+  }
+}
+
+/// What smoothed disparity makes of a real pair, against -1 / depth over its own range.
+struct RealFigures {
+  double rank, aiwe1;
+};
+struct RealSet {
+  const char* folder;
+  RealFigures paper, likelihood;  ///< as measured
+};
+
+class RealPair : public ::testing::TestWithParam<RealSet> {};
+
+TEST_P(RealPair, DisparityFollowsDepth) {
+  const char* shared = std::getenv("DUALPIXEL_SHARED");
+  const std::filesystem::path set =
+      std::filesystem::path(shared ? shared : DUALPIXEL_SOURCE_DIR "/../shared") / "data/dp119" / GetParam().folder;
+  if (!std::filesystem::exists(set)) GTEST_SKIP() << set << " is not there: it needs the shared folder of real pairs";
+  const Image depth = read_image((set / "d.png").string());
+  const TemporaryFolder folder;
+  for (const std::string matcher : {"paper", "likelihood"}) {
+    const Outcome outcome =
+        run_program("portrait --left '" + (set / "l.png").string() + "' --right '" + (set / "r.png").string() +
+                    "' -o '" + (folder / "out") + "' --matcher " + matcher);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const Image found = read_result(folder / "out").result.disparity_dp_px;
+    std::vector<float> disparity, truth;
+    for (int y = 0; y < found.height; ++y) {
+      for (int x = 0; x < found.width; ++x) {  // depth may have more pixels
+        const float metres = 10 * depth.at((2 * x + 1) * depth.width / (2 * found.width),
+                                           (2 * y + 1) * depth.height / (2 * found.height));
+        if (!(metres > 0 && metres < 10)) continue;
+        disparity.push_back(found.at(x, y));
+        truth.push_back(-1 / metres);
+      }
+    }
+    const auto [low, high] = std::minmax_element(truth.begin(), truth.end());
+    const float range = *high - *low;
+    for (float& value : truth) value /= range;
+    const RealFigures figures = matcher == "paper" ? GetParam().paper : GetParam().likelihood;
+    EXPECT_NEAR(*spearman(disparity, truth), figures.rank, 0.02) << matcher;
+    EXPECT_NEAR(aiwe1(disparity, truth), figures.aiwe1, 0.01) << matcher;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(SlowShared, RealPair,
+                         ::testing::Values(RealSet{"box/001", {0.26, 0.134}, {0.35, 0.126}},
+                                           RealSet{"box/002", {0.87, 0.236}, {0.91, 0.126}},
+                                           RealSet{"box/003", {0.95, 0.097}, {0.95, 0.091}},
+                                           RealSet{"iphone/001", {0.92, 0.105}, {0.94, 0.084}},
+                                           RealSet{"iphone/002", {0.94, 0.077}, {0.97, 0.056}},
+                                           RealSet{"iphone/003", {0.59, 0.153}, {0.74, 0.135}}));
+
+}  // namespace
+}  // namespace dualpixel::tools
