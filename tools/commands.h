@@ -26,6 +26,7 @@ CLI::Option* add_tolerance_option(CLI::App& command, double& tolerance_dp_px);
 void add_bench(CLI::App& program);
 /// `experiment`, whose subcommands each measure one thing over a sweep, and write JSON and a page of charts.
 void add_experiment(CLI::App& program);
+void add_experiment_failures(CLI::App& experiment);
 void add_experiment_noise(CLI::App& experiment);
 void add_export(CLI::App& program);
 /// `bench lens` and `bench render`, subcommands of `bench`.
