@@ -29,7 +29,8 @@ void add_experiment(CLI::App& program);
 void add_experiment_failures(CLI::App& experiment);
 void add_experiment_noise(CLI::App& experiment);
 void add_export(CLI::App& program);
-/// `bench lens` and `bench render`, subcommands of `bench`.
+/// Subcommands of `bench`.
+void add_bench_disparity(CLI::App& bench);
 void add_bench_lens(CLI::App& bench);
 void add_bench_render(CLI::App& bench);
 
