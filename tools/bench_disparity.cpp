@@ -229,7 +229,6 @@ std::string to_page(const nlohmann::ordered_json& results) {
   plot.title = "Error against time";
   plot.x_label = "ms at 1344 x 1008";
   plot.y_label = "RMSE, DP px";
-  plot.log_x = plot.log_y = true;
   std::string rows =
       "<table><tr><th>scene</th><th>method</th><th>ms</th><th>RMSE, DP px</th><th>wrong by &gt; 0.5 px</th>"
       "<th>answered</th></tr>";
