@@ -25,7 +25,7 @@ struct Texture {
   std::vector<glm::vec4> decoded;  ///< the same as linear numbers, where it is small: see keep_decoded(); else empty
 };
 
-/// Fills `decoded` of a texture of up to 1024 x 1024 texels: four times the memory, a third of a lookup's time.
+/// Fills `decoded` of a texture of up to 2048 x 2048 texels: four times the memory, a third of a lookup's time.
 void keep_decoded(Texture& texture);
 
 /// One texel as linear numbers.

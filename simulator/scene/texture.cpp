@@ -29,7 +29,7 @@ glm::vec4 decode_texel(const Texture& texture, std::size_t index) {
 }
 
 void keep_decoded(Texture& texture) {
-  constexpr std::size_t kMostTexels = 1 << 20;
+  constexpr std::size_t kMostTexels = 1 << 22;
   const std::size_t texels = texture.rgba.size() / 4;
   if (texels > kMostTexels) return;
   texture.decoded.resize(texels);
