@@ -119,10 +119,6 @@ Image stretched(const Image& mask, int width, int height) {
 PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options,
                             const std::optional<Image>& person_mask, const PortraitProgress& progress) {
   require_mask(person_mask, options.mode);
-  if (capture.camera.dp_downsample_x * capture.camera.dp_downsample_y == 1) {
-    throw InputError(
-        "capture: /camera/dp_downsample_x: 1 x 1: views under a colour mosaic cannot be matched; 2 x 2 can");
-  }
   const int width = capture.camera.width_px, height = capture.camera.height_px;
   PortraitResult result;
   StageClock stage(result.stages, options.mode == Mode::seg ? 6 : options.mode == Mode::dp ? 8 : 9, progress);

@@ -92,8 +92,8 @@ using PortraitProgress = std::function<void(const std::string& stage, double fra
 /// d_focus is the median disparity over Capture::face_px where that face is well focused, in mode dp_seg otherwise the
 /// person's disparity, and 0 (trust the autofocus) in mode dp.
 ///
-/// Throws InputError where a mode lacks its mask, or the mask is not one channel of finite values, and where the DP
-/// views are dense (1 x 1): under a colour mosaic there is nothing to match.
+/// Throws InputError where a mode lacks its mask, or the mask is not one channel of finite values. Dense views (1 x 1)
+/// must be of one colour: half-photosites under a mosaic hold nothing that could be matched.
 PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options = {},
                             const std::optional<Image>& person_mask = {}, const PortraitProgress& progress = {});
 

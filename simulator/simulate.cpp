@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -121,7 +122,11 @@ void read_render(Fields render, Simulation& s) {
   };
   share("noise_fraction", s.noise_fraction);
   share("error", s.render_error);
-  if (s.noise_fraction && s.render_error) render.fail("error", "give either noise_fraction or error, not both");
+  if (render.has("time_budget_s")) render.number("time_budget_s", s.time_budget_s.emplace(), 0, 1e7);
+  if (s.noise_fraction.has_value() + s.render_error.has_value() + s.time_budget_s.has_value() > 1) {
+    const char* field = s.time_budget_s ? "time_budget_s" : "error";
+    render.fail(field, "give one of noise_fraction, error and time_budget_s");
+  }
   render.integer("photograph_samples_per_pixel", s.photograph_samples_per_pixel, 1, 65536);
   render.integer("all_in_focus_samples_per_pixel", s.all_in_focus_samples_per_pixel, 1, 65536);
   render.integer("max_bounces", s.render.max_bounces, 0, 1000);
@@ -202,6 +207,28 @@ ErrorTarget scaled(ErrorTarget target, double factor) {
   for (double& value : target.per_nit) value *= factor;
   for (double& value : target.constant) value *= factor;
   return target;
+}
+
+/// The map whose samples take about `budget_s` with the pilot's own; `share`: the error over `target` that it expects.
+SampleMap samples_in_time(const Simulation& s, const RenderScene& world, const CameraView& view,
+                          const ErrorTarget& target, double budget_s, double& share, const ProgressCallback& progress) {
+  constexpr std::uint32_t kMostPilotSamples = 32;  // about six a photosite in all
+  const auto start = std::chrono::steady_clock::now();
+  const Pilot pilot = probe_tiles(world, view, s.render, target, kMostPilotSamples, progress);
+  const double spent_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double affordable = std::max(budget_s - spent_s, 0.0) / spent_s * pilot.samples;
+  double low = 1e-4, high = 1e4;
+  for (int step = 0; step < 24; ++step) {
+    share = std::sqrt(low * high);
+    (share_samples(pilot, share, kMostSamples).total_samples() > affordable ? low : high) = share;
+  }
+  share = high;
+  const SampleMap map = share_samples(pilot, share, kMostSamples);
+  // The fewest samples may do better than what the time would have allowed.
+  double sum = 0;
+  for (float ratio : map.error_ratio) sum += static_cast<double>(ratio) * ratio;
+  share = std::sqrt(sum / static_cast<double>(map.error_ratio.size()));
+  return map;
 }
 
 void describe_sampling(const SampleMap& map, const Views& views, const ErrorTarget& target, double unit_per_nit,
@@ -402,17 +429,22 @@ Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& s
   scale(capture.truth->all_in_focus, unit_per_nit);
   scale(capture.truth->photograph, unit_per_nit);
 
+  const int rendered_frames = moves(s) ? s.burst_frames : 1;
   std::optional<ErrorTarget> target;
   SampleMap map = uniform_map(s.sensor.width_px, s.sensor.height_px, s.render.samples_per_pixel);
-  if (s.noise_fraction || s.render_error) {
+  if (s.time_budget_s) {
+    target = sensor_noise(s, view.lens.lux_per_nit());
+    double share = 0;
+    map = samples_in_time(s, world, view, *target, *s.time_budget_s / rendered_frames, share,
+                          report("error of the two views"));
+    capture.provenance["noise_fraction_reached"] = share;
+  } else if (s.noise_fraction || s.render_error) {
     const double share = s.noise_fraction ? *s.noise_fraction : *s.render_error / unit_per_nit;
-    target = scaled(s.noise_fraction ? sensor_noise(s, view.lens.lux_per_nit())
-                                     : ErrorTarget{.constant = {1, 1, 1}},
+    target = scaled(s.noise_fraction ? sensor_noise(s, view.lens.lux_per_nit()) : ErrorTarget{.constant = {1, 1, 1}},
                     share * share);
     const Pilot pilot = probe_tiles(world, view, s.render, *target, kMostSamples, report("error of the two views"));
     map = share_samples(pilot, 1, kMostSamples);
   }
-  const int rendered_frames = moves(s) ? s.burst_frames : 1;
   Image electrons;
   for (int i = 0; i < s.burst_frames; ++i) {
     const Moment middle = moment(s, world, view, i * s.frame_interval_s);

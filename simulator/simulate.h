@@ -52,6 +52,9 @@ struct Simulation {
   /// noise; instead of render.samples_per_pixel.
   std::optional<double> noise_fraction;
   std::optional<double> render_error;  ///< likewise, at this share of the signal 1.0
+  /// Set: likewise, as many as this machine can draw in about this time, for the error to be the same share of the
+  /// sensor's noise everywhere. How many depends on the machine: provenance names the share that was reached.
+  std::optional<double> time_budget_s;
   int photograph_samples_per_pixel = 48;
   int all_in_focus_samples_per_pixel = 8;
   nlohmann::json json;  ///< the document as it was read, overrides applied

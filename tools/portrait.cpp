@@ -74,6 +74,10 @@ void run(const PortraitCommand& command) {
   { const NewFolder writable(command.output, "result.json"); }  // before the work, not after it
 
   Capture capture = plain ? read_plain_pair(command.pair) : read_capture(command.capture, command.true_mask);
+  if (!plain && capture.camera.dp_downsample_x * capture.camera.dp_downsample_y == 1) {
+    throw InputError(printable(command.capture) +
+                     ": /camera/dp_downsample_x: 1 x 1: views under a colour mosaic cannot be matched; 2 x 2 can");
+  }
   std::optional<Image> mask;
   if (command.true_mask) {
     if (!capture.truth) throw InputError(printable(command.capture) + ": --true-mask: this capture has no truth");

@@ -8,6 +8,7 @@
 #include "capture/capture.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
+#include "simulator/render/journal.h"
 #include "simulator/simulate.h"
 #include "tools/commands.h"
 #include "tools/plan.h"
@@ -23,6 +24,7 @@ struct SimulateOptions {
   bool automatic = false;
   double tolerance_dp_px = 0.02;
   bool dry_run = false;
+  bool resume = false;
 };
 
 void run(const SimulateOptions& options) {
@@ -43,13 +45,23 @@ void run(const SimulateOptions& options) {
     std::cerr << text.substr(text.rfind('\n', text.size() - 2) + 1);  // the sentence that concludes it
   }
   if (options.dry_run) {
-    const bool by_error = simulation.noise_fraction || simulation.render_error;
+    const bool by_error = simulation.noise_fraction || simulation.render_error || simulation.time_budget_s;
     std::cout << fmt::format(
         "{}: {} x {} photosites, {}, a burst of {}: can be simulated\n", options.scene, simulation.sensor.width_px,
         simulation.sensor.height_px,
         by_error ? "samples by error" : fmt::format("{} samples each", simulation.render.samples_per_pixel),
         simulation.burst_frames);
     return;
+  }
+
+  const std::string journal_path = options.output + ".resume";
+  std::optional<simulator::Journal> journal;
+  if (options.resume) {
+    const simulator::CameraView camera = simulator::place_camera(simulation, scene);
+    const std::string inputs = fmt::format("{} {} {} {}", simulation.json.dump(), file_hash(simulation.gltf_path),
+                                           simulation.render.max_bounces, DUALPIXEL_VERSION);
+    journal.emplace(journal_path, simulator::fingerprint(scene, camera, inputs));
+    simulation.render.journal = &*journal;
   }
 
   std::map<std::string, Progress> bars;
@@ -61,6 +73,7 @@ void run(const SimulateOptions& options) {
   capture.provenance["gltf_xxh64"] = file_hash(simulation.gltf_path);
   if (options.automatic) capture.provenance["plan"] = plan_of_capture;
   write_capture(capture, options.output);
+  if (options.resume) std::filesystem::remove(journal_path);
 }
 
 }  // namespace
@@ -84,10 +97,26 @@ void add_simulate(CLI::App& program) {
   CLI::Option* by_noise = sampling_option(
       "--noise-fraction", "noise_fraction",
       "Sample the views until their error is this share of the sensor's noise, RMS; at 0.25 nobody sees it");
-  sampling_option("--error", "error", "... or this share of the white level's signal")->excludes(by_noise);
+  CLI::Option* by_error = sampling_option("--error", "error", "... or this share of the white level's signal");
+  by_error->excludes(by_noise);
   CLI::Option* automatic = command->add_flag(
       "--auto", options->automatic, "Lens model, bounces and samples by 'dualpixel plan' instead of the scene file's");
   add_tolerance_option(*command, options->tolerance_dp_px)->needs(automatic);
+  CLI::Option* by_time =
+      command
+          ->add_option_function<double>(
+              "--time-budget",
+              [options](double s) { options->overrides.push_back(fmt::format("render.time_budget_s={}", s)); },
+              "... or until the two views have taken about so many seconds")
+          ->check(CLI::Range(0.0, 1e7))
+          ->type_name("S")
+          ->excludes(by_noise)
+          ->excludes(by_error);
+  command
+      ->add_flag(
+          "--resume", options->resume,
+          "Keep finished tiles in DIR.resume, and go on from there after an interruption: the same bytes come out")
+      ->excludes(by_time);
   command->add_flag("--dry-run", options->dry_run, "Check scene and options, render nothing");
   add_threads_option(*command);
   command->footer(

@@ -9,6 +9,8 @@
 /// The renderer: one render gives both views, and left + right is the undivided pixel.
 namespace dualpixel::simulator {
 
+class Journal;
+
 using ProgressCallback = std::function<void(double fraction)>;
 
 struct RenderOptions {
@@ -17,6 +19,7 @@ struct RenderOptions {
   std::uint64_t seed = 1;
   std::optional<double> ideal_aperture_scale;  ///< as in PathOptions
   Sampling sampling = Sampling::mirrored;      ///< as in PathOptions
+  Journal* journal = nullptr;                  ///< set: tiles that it knows are not rendered, others are added
 };
 
 /// Both halves of every photosite, full sensor size, linear RGB. left + right is the radiance in nits that the

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "capture/error.h"
 #include "tests/capture/temporary_folder.h"
@@ -176,6 +177,32 @@ TEST(Simulate, RendersEachFrameOfAHandHeldBurstAtItsOwnPose) {
   const Capture blurred = simulate(read_simulation(document, "s.json"), scene);
   EXPECT_EQ(blurred.truth->motion[1].data, shaken.truth->motion[1].data);
   EXPECT_NE(blurred.frames[0].mosaic.data, shaken.frames[0].mosaic.data);
+}
+
+// No time: the fewest samples. More time: more samples, and less error, by what the capture says.
+TEST(Simulate, SpendsTheTimeItIsGiven) {
+  json document = minimal();
+  document["sensor"] = {{"width_px", 64}, {"height_px", 64}};
+  document["burst"]["frames"] = 1;
+  Scene scene;
+  scene.materials = {diffuse(0.7f)};
+  scene.meshes = {make_quad({-5, -5, -1}, {10, 0, 0}, {0, 10, 0}, 0),
+                  make_quad({0, -5, -0.95f}, {5, 0, 0}, {0, 10, 0}, 0)};
+  scene.environment = {2, 1, {glm::vec3(100), glm::vec3(900)}};
+  scene.cameras = {{"camera", glm::mat4(1), {}}};
+  double spent[2], share[2];
+  for (int i : {0, 1}) {
+    document["render"] = {{"time_budget_s", i * 2.0}, {"photograph_samples_per_pixel", 1}};
+    const Capture capture = simulate(read_simulation(document, "s.json"), scene);
+    const Image& samples = capture.truth->samples;
+    spent[i] = std::accumulate(samples.data.begin(), samples.data.end(), 0.0) / (64.0 * 64.0);
+    share[i] = capture.provenance["noise_fraction_reached"];
+  }
+  EXPECT_EQ(spent[0], 32);
+  EXPECT_GT(spent[1], spent[0]);
+  EXPECT_LT(share[1], share[0]);
+  document["render"]["error"] = 0.1;
+  EXPECT_THROW(read_simulation(document, "s.json"), InputError);
 }
 
 // A quarter of the sensor's noise, at an exposure ten times as long a quarter of what is then, relative to the signal,
