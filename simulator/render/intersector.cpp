@@ -210,6 +210,9 @@ Intersector::Intersector(const Scene& scene) {
     rtcAttachGeometryByID(embree_scene_.get(), geometry, static_cast<unsigned>(i));
     rtcReleaseGeometry(geometry);
   }
+  // Without this flag one ray in a quarter of a million slips between the triangles of a closed box
+  // (Robustness.ClosedBoxesLetNothingIn); it costs 5 to 10 % of a render.
+  rtcSetSceneFlags(embree_scene_.get(), RTC_SCENE_FLAG_ROBUST);
   // spatial splits: hair and leaves are long, thin and aslant, and rendering is far longer than building
   rtcSetSceneBuildQuality(embree_scene_.get(), RTC_BUILD_QUALITY_HIGH);
   rtcCommitScene(embree_scene_.get());

@@ -192,7 +192,7 @@ TEST(Simulate, SpendsTheTimeItIsGiven) {
   scene.cameras = {{"camera", glm::mat4(1), {}}};
   double spent[2], share[2];
   for (int i : {0, 1}) {
-    document["render"] = {{"time_budget_s", i * 2.0}, {"photograph_samples_per_pixel", 1}};
+    document["render"] = {{"time_budget_s", i * 1.0}, {"photograph_samples_per_pixel", 1}};
     const Capture capture = simulate(read_simulation(document, "s.json"), scene);
     const Image& samples = capture.truth->samples;
     spent[i] = std::accumulate(samples.data.begin(), samples.data.end(), 0.0) / (64.0 * 64.0);
