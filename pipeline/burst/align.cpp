@@ -19,8 +19,6 @@ struct Level {
 };
 constexpr Level kLevels[] = {{1, kMotionTile, 1}, {2, 16, 4}, {4, 16, 4}, {4, 8, 4}};
 constexpr int kLevelCount = 4;
-constexpr int kMostTile = 16;
-constexpr int kMostRange = 4;
 
 using Pyramid = std::vector<Image>;
 

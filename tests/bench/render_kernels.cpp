@@ -1,0 +1,136 @@
+// The renderer's inner loops by themselves, sixteen samples an iteration: build/release/tests/bench_render_kernels
+#include <benchmark/benchmark.h>
+
+#include "simulator/lens/lens_file.h"
+#include "simulator/lens/lens_sampler.h"
+#include "simulator/render/lights.h"
+#include "simulator/render/surface.h"
+#include "simulator/sampling/sobol.h"
+#include "tests/simulator/test_scenes.h"
+
+namespace dualpixel::simulator::testing {
+namespace {
+
+void mirrored(benchmark::State& state) {
+  alignas(64) float s[4][kPacket];
+  std::uint64_t key = 0;
+  for (auto _ : state) {
+    mirrored_samples(0, ++key, s);
+    benchmark::DoNotOptimize(s);
+  }
+  state.SetItemsProcessed(state.iterations() * kPacket);
+}
+BENCHMARK(mirrored);
+
+void padded(benchmark::State& state) {
+  alignas(64) float u[kPacket], v[kPacket];
+  std::uint64_t key = 0;
+  for (auto _ : state) {
+    padded_samples(0, 31, ++key, 0, u, v);
+    benchmark::DoNotOptimize(u);
+    benchmark::DoNotOptimize(v);
+  }
+  state.SetItemsProcessed(state.iterations() * kPacket);
+}
+BENCHMARK(padded);
+
+void lens(benchmark::State& state, const char* file, bool exact) {
+  Lens lens = read_lens_file(std::string(DUALPIXEL_SOURCE_DIR "/lens_models/") + file, 1);
+  lens.exact_trace = exact;
+  const LensSampler sampler(lens, phone_sensor(1344, 1008));
+  alignas(64) float s[4][kPacket];
+  mirrored_samples(0, 1, s);
+  LensPacket rays;
+  int pixel = 0;
+  for (auto _ : state) {
+    pixel = (pixel + 7919) % (1344 * 1008);
+    sampler.sample(pixel % 1344, pixel / 1344, 1, s, rays);
+    benchmark::DoNotOptimize(rays);
+  }
+  state.SetItemsProcessed(state.iterations() * kPacket);
+}
+BENCHMARK_CAPTURE(lens, thin, "phone_thin_4.4mm_f1.8.json", false);
+BENCHMARK_CAPTURE(lens, aberrated, "phone_aberrated_4.4mm_f1.8.json", false);
+BENCHMARK_CAPTURE(lens, polynomials, "phone_6p_4.2mm_f1.8.json", false);
+BENCHMARK_CAPTURE(lens, traced, "phone_6p_4.2mm_f1.8.json", true);
+
+/// A textured wall under a sky of 64 x 32 and a sun.
+Scene wall() {
+  Scene scene;
+  Texture texture{512, 512};
+  for (int i = 0; i < 512 * 512; ++i) {
+    const auto grey = static_cast<std::uint8_t>(hash(i));
+    texture.rgba.insert(texture.rgba.end(), {grey, grey, grey, 255});
+  }
+  keep_decoded(texture);
+  scene.textures = {texture};
+  scene.materials = {diffuse(0.5f)};
+  scene.materials[0].base_color_texture.texture = 0;
+  scene.meshes = {make_quad({-1, -1, 1}, {2, 0, 0}, {0, 2, 0}, 0)};
+  scene.environment = {64, 32, std::vector<glm::vec3>(64 * 32)};
+  for (int i = 0; i < 64 * 32; ++i) scene.environment.radiance_nits[i] = glm::vec3(static_cast<float>(1000 + i));
+  PunctualLight sun;
+  sun.kind = PunctualLight::Kind::directional;
+  sun.intensity = glm::vec3(50000);
+  sun.direction = {0, -0.6f, 0.8f};
+  scene.lights = {sun};
+  return scene;
+}
+
+struct Hits {
+  RayPacket rays{};
+  alignas(64) int lanes[kPacket];
+  Hits() {
+    for (int i = 0; i < kPacket; ++i) {
+      lanes[i] = -1;
+      rays.direction_z[i] = 1;
+      rays.far[i] = 1;
+      rays.u[i] = 0.02f * static_cast<float>(i);
+      rays.v[i] = 0.3f;
+    }
+  }
+};
+
+void base_colors(benchmark::State& state) {
+  const Scene scene = wall();
+  const Hits hits;
+  Vec3Packet colors;
+  for (auto _ : state) {
+    base_colors_at(scene, scene.meshes[0], hits.lanes, hits.rays, colors);
+    benchmark::DoNotOptimize(colors);
+  }
+  state.SetItemsProcessed(state.iterations() * kPacket);
+}
+BENCHMARK(base_colors);
+
+void surfaces(benchmark::State& state) {
+  const Scene scene = wall();
+  const Hits hits;
+  SurfacePacket surface;
+  for (auto _ : state) {
+    surfaces_at(scene, scene.meshes[0], hits.lanes, hits.rays, surface);
+    benchmark::DoNotOptimize(surface);
+  }
+  state.SetItemsProcessed(state.iterations() * kPacket);
+}
+BENCHMARK(surfaces);
+
+void light_samples(benchmark::State& state) {
+  const Scene scene = wall();
+  const Lights lights(scene, {-1, -1, 0}, {1, 1, 1});
+  const Hits hits;
+  SurfacePacket surface;
+  surfaces_at(scene, scene.meshes[0], hits.lanes, hits.rays, surface);
+  alignas(64) float u[kPacket], v[kPacket];
+  padded_samples(0, 31, 1, 0, u, v);
+  LightPacket out;
+  for (auto _ : state) {
+    lights.sample(hits.lanes, surface.position, surface.normal, u, v, out);
+    benchmark::DoNotOptimize(out);
+  }
+  state.SetItemsProcessed(state.iterations() * kPacket);
+}
+BENCHMARK(light_samples);
+
+}  // namespace
+}  // namespace dualpixel::simulator::testing
