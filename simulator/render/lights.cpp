@@ -75,19 +75,26 @@ const std::array<float, kRows + 1> kRowCosine = [] {
   return cosine;
 }();
 
-/// Of one cell.
+/// Of one cell, and how many of it make a steradian.
 float row_solid_angle(int row) { return 2 * kPi / kColumns * (kRowCosine[row] - kRowCosine[row + 1]); }
 
-/// Cell of the octahedral map that a unit normal falls into.
-int normal_cell(glm::vec3 n) {
-  n /= std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
-  float x = n.x, y = n.z;
-  if (n.y < 0) {
-    x = std::copysign(1 - std::abs(n.z), n.x);
-    y = std::copysign(1 - std::abs(n.x), n.z);
-  }
-  const auto cell = [](float c) { return std::clamp(static_cast<int>((c * 0.5f + 0.5f) * kNormals), 0, kNormals - 1); };
-  return cell(y) * kNormals + cell(x);
+const std::array<float, kRows> kCellsPerSteradian = [] {
+  std::array<float, kRows> cells;
+  for (int row = 0; row < kRows; ++row) cells[row] = 1 / row_solid_angle(row);
+  return cells;
+}();
+
+/// Cell of the octahedral map that a unit normal falls into. Without branches.
+inline int normal_cell(float nx, float ny, float nz) {
+  const float scale = 1 / (std::abs(nx) + std::abs(ny) + std::abs(nz));
+  const float x = nx * scale, z = nz * scale;
+  const float folded_x = std::copysign(1 - std::abs(z), x), folded_z = std::copysign(1 - std::abs(x), z);
+  const float u = ny < 0 ? folded_x : x, v = ny < 0 ? folded_z : z;
+  const auto cell = [](float c) {
+    const int i = static_cast<int>((c * 0.5f + 0.5f) * kNormals);
+    return i < 0 ? 0 : i < kNormals ? i : kNormals - 1;  // for any number
+  };
+  return cell(v) * kNormals + cell(u);
 }
 
 /// The normal in the middle of a cell.
@@ -156,6 +163,7 @@ Lights::Lights(const Scene& scene, glm::vec3 low, glm::vec3 high) : scene_(scene
   }
   if (environment_power > 0) {
     environment_tables_.resize(kNormals * kNormals);
+    environment_lux_.resize(kNormals * kNormals);
     const float least = 0.01f * environment_power / (4 * kPi);  // a probe may have missed what shines in its cell
     tbb::parallel_for(0, kNormals * kNormals, [&](int n) {
       EnvironmentTable& table = environment_tables_[n];
@@ -176,7 +184,7 @@ Lights::Lights(const Scene& scene, glm::vec3 low, glm::vec3 high) : scene_(scene
         table.rows[row] = lux;
         normalise(table.cells[row].begin(), table.cells[row].end());
       }
-      table.lux = lux;
+      environment_lux_[n] = lux;
       normalise(table.rows.begin(), table.rows.end());
     });
   }
@@ -214,75 +222,91 @@ Lights::Lights(const Scene& scene, glm::vec3 low, glm::vec3 high) : scene_(scene
 Lights::Choice Lights::choice_at(glm::vec3 normal) const {
   Choice choice;
   if (!environment_tables_.empty()) {
-    choice.table = &environment_tables_[normal_cell(normal)];
-    choice.environment_lux = choice.table->lux;
+    choice.cell = normal_cell(normal.x, normal.y, normal.z);
+    choice.environment_lux = environment_lux_[choice.cell];
   }
   choice.all_lux = choice.environment_lux + near_lux_;
-  for (const Directional& d : directional_)
+  for (const Directional& d : directional_) {
     choice.all_lux += d.lux * std::max(-glm::dot(d.light.direction, normal), 0.0f);
+  }
   return choice;
 }
 
 void Lights::sample(const int lanes[kPacket], const Vec3Packet& point, const Vec3Packet& normal, const float u[kPacket],
                     const float v[kPacket], LightPacket& out) const {
-  alignas(64) int from_environment[kPacket];
-  alignas(64) Choice choices[kPacket];
-  alignas(64) float rest_of_u[kPacket];
-  bool any_environment = false;
+  // `below`: the light of the lights before those in question; u * all_lux lies in one of these stretches
+  alignas(64) int cell[kPacket], from_environment[kPacket], waiting[kPacket];
+  alignas(64) float below[kPacket], all_lux[kPacket], place[kPacket];
+  const bool environment = !environment_tables_.empty();
   for (int i = 0; i < kPacket; ++i) {
-    from_environment[i] = 0;
-    if (!lanes[i]) continue;
-    const Choice& choice = choices[i] = choice_at(normal.at(i));
-    float lux = u[i] * choice.all_lux;
-    if (lux < choice.environment_lux) {
-      from_environment[i] = -1;
-      rest_of_u[i] = lux / choice.environment_lux;
-      any_environment = true;
-      continue;
-    }
-    lux -= choice.environment_lux;
-    LightSample sample;
-    std::size_t far = 0;
-    for (; far < directional_.size(); ++far) {
-      const Directional& d = directional_[far];
-      const float own_lux = d.lux * std::max(-glm::dot(d.light.direction, normal.at(i)), 0.0f);
-      if (lux < own_lux) {
-        sample = sample_punctual(d.light, point.at(i));
-        sample.radiance *= choice.all_lux / own_lux;
-        break;
+    // a lane that is not wanted may hold no number: it looks up straight ahead
+    const bool wanted = lanes[i] != 0;
+    const float x = wanted ? normal.x[i] : 0.0f, y = wanted ? normal.y[i] : 0.0f, z = wanted ? normal.z[i] : 1.0f;
+    cell[i] = normal_cell(x, y, z);
+  }
+  for (int i = 0; i < kPacket; ++i) below[i] = environment ? environment_lux_[cell[i]] : 0.0f;
+  for (int i = 0; i < kPacket; ++i) all_lux[i] = below[i] + near_lux_;
+  const auto own_lux = [&](const Directional& d, int i) {
+    const glm::vec3 l = d.light.direction;
+    const float lux = -d.lux * (l.x * normal.x[i] + l.y * normal.y[i] + l.z * normal.z[i]);
+    return lux > 0 ? lux : 0.0f;
+  };
+  for (const Directional& d : directional_) {
+    for (int i = 0; i < kPacket; ++i) all_lux[i] += own_lux(d, i);
+  }
+  int any_environment = 0, any_waiting = 0;
+  for (int i = 0; i < kPacket; ++i) {
+    const float at = u[i] * all_lux[i];
+    from_environment[i] = at < below[i] ? lanes[i] : 0;
+    waiting[i] = at < below[i] ? 0 : lanes[i];
+    place[i] = at / below[i];
+    any_environment |= from_environment[i];
+    any_waiting |= waiting[i];
+  }
+  if (any_environment) sample_environment(from_environment, cell, place, v, all_lux, out);
+  for (std::size_t k = 0; any_waiting && k < directional_.size(); ++k) {
+    const Directional& d = directional_[k];
+    for (int i = 0; i < kPacket; ++i) {
+      if (!waiting[i]) continue;
+      const float lux = own_lux(d, i);
+      if (u[i] * all_lux[i] - below[i] < lux) {
+        LightSample sample = sample_punctual(d.light, point.at(i));
+        sample.radiance *= all_lux[i] / lux;
+        out.set(i, sample);
+        waiting[i] = 0;
       }
-      lux -= own_lux;
+      below[i] += lux;
     }
-    if (far == directional_.size() && near_lux_ > 0) {
-      float place = std::min(lux / near_lux_, 0x1.fffffep-1f), share;
-      const auto entry = static_cast<std::size_t>(pick_from(near_.begin(), near_.end(), place, share));
-      const float probability = share * near_lux_ / choice.all_lux;
+  }
+  for (int i = 0; any_waiting && i < kPacket; ++i) {
+    if (!waiting[i]) continue;
+    LightSample sample;
+    if (near_lux_ > 0) {
+      float at = std::min((u[i] * all_lux[i] - below[i]) / near_lux_, 0x1.fffffep-1f), share;
+      const auto entry = static_cast<std::size_t>(pick_from(near_.begin(), near_.end(), at, share));
+      const float probability = share * near_lux_ / all_lux[i];
       sample = entry < scene_.lights.size() ? sample_punctual(scene_.lights[entry], point.at(i))
-                                            : sample_triangle(entry - scene_.lights.size(), point.at(i), place, v[i]);
+                                            : sample_triangle(entry - scene_.lights.size(), point.at(i), at, v[i]);
       sample.radiance /= probability;
       sample.pdf *= probability;
     }
-    out.direction.set(i, sample.direction);
-    out.radiance.set(i, sample.radiance);
-    out.distance_m[i] = sample.distance_m;
-    out.pdf[i] = sample.pdf;
+    out.set(i, sample);
   }
-  if (any_environment) sample_environment(from_environment, choices, rest_of_u, v, out);
 }
 
-void Lights::sample_environment(const int lanes[kPacket], const Choice choices[kPacket], const float u[kPacket],
-                                const float v[kPacket], LightPacket& out) const {
+void Lights::sample_environment(const int lanes[kPacket], const int cell[kPacket], const float u[kPacket],
+                                const float v[kPacket], const float all_lux[kPacket], LightPacket& out) const {
   alignas(64) float height[kPacket], around[kPacket], density[kPacket];  // height: cosine from straight up
   for (int i = 0; i < kPacket; ++i) {
     height[i] = around[i] = density[i] = 0;
     if (!lanes[i]) continue;
-    const EnvironmentTable& table = *choices[i].table;
-    float row_share, cell_share, place_u = u[i], place_v = v[i];
+    const EnvironmentTable& table = environment_tables_[cell[i]];
+    float row_share, cell_share, place_u = std::min(u[i], 0x1.fffffep-1f), place_v = v[i];
     const int row = pick_from<kRows>(table.rows.data(), place_v, row_share);
     const int column = pick_from<kColumns>(table.cells[row].data(), place_u, cell_share);
     height[i] = kRowCosine[row] + place_v * (kRowCosine[row + 1] - kRowCosine[row]);
     around[i] = (static_cast<float>(column) + place_u) / kColumns;
-    density[i] = table.lux / choices[i].all_lux * row_share * cell_share / row_solid_angle(row);
+    density[i] = environment_lux_[cell[i]] / all_lux[i] * row_share * cell_share * kCellsPerSteradian[row];
   }
   alignas(64) float sine[kPacket], cosine[kPacket], down[kPacket];
   for (int i = 0; i < kPacket; ++i) {
@@ -362,10 +386,10 @@ float Lights::environment_pdf(glm::vec3 normal, glm::vec3 direction) const {
   const int row = std::clamp(static_cast<int>(v * kRows), 0, kRows - 1);
   const int column = std::clamp(static_cast<int>(u * kColumns), 0, kColumns - 1);
   const Choice choice = choice_at(normal);
-  const EnvironmentTable& table = *choice.table;
+  const EnvironmentTable& table = environment_tables_[choice.cell];
   const float row_share = table.rows[row] - (row > 0 ? table.rows[row - 1] : 0);
   const float cell_share = table.cells[row][column] - (column > 0 ? table.cells[row][column - 1] : 0);
-  return table.lux / choice.all_lux * row_share * cell_share / row_solid_angle(row);
+  return choice.environment_lux / choice.all_lux * row_share * cell_share * kCellsPerSteradian[row];
 }
 
 float Lights::triangle_pdf(glm::vec3 normal, unsigned mesh, unsigned triangle, float distance_m,

@@ -21,6 +21,12 @@ struct LightSample {
 struct LightPacket {
   Vec3Packet direction, radiance;
   alignas(64) float distance_m[kPacket], pdf[kPacket];
+  void set(int i, const LightSample& s) {
+    direction.set(i, s.direction);
+    radiance.set(i, s.radiance);
+    distance_m[i] = s.distance_m;
+    pdf[i] = s.pdf;
+  }
 };
 
 class Lights {
@@ -44,7 +50,6 @@ class Lights {
   struct EnvironmentTable {
     static constexpr int kRows = 16;
     static constexpr int kColumns = 32;
-    float lux = 0;  ///< in all
     std::array<float, kRows> rows{};
     std::array<std::array<float, kColumns>, kRows> cells{};  ///< of each row by itself
   };
@@ -52,12 +57,12 @@ class Lights {
   static constexpr int kColumns = EnvironmentTable::kColumns;
   /// Unoccluded illuminance on a surface, which shares out the samples.
   struct Choice {
-    const EnvironmentTable* table = nullptr;
+    int cell = 0;  ///< of environment_tables_
     float environment_lux = 0, all_lux = 0;
   };
   Choice choice_at(glm::vec3 normal) const;
-  void sample_environment(const int lanes[kPacket], const Choice choices[kPacket], const float u[kPacket],
-                          const float v[kPacket], LightPacket& out) const;
+  void sample_environment(const int lanes[kPacket], const int cell[kPacket], const float u[kPacket],
+                          const float v[kPacket], const float all_lux[kPacket], LightPacket& out) const;
   LightSample sample_punctual(const PunctualLight& light, glm::vec3 point) const;
   LightSample sample_triangle(std::size_t index, glm::vec3 point, float u, float v) const;
 
@@ -77,6 +82,7 @@ class Lights {
   std::vector<int> first_triangle_of_mesh_;  ///< index into triangles_, -1: the mesh does not emit
 
   std::vector<EnvironmentTable> environment_tables_;  ///< one for each cell of an octahedral map of normals
+  std::vector<float> environment_lux_;                ///< ... in all
 };
 
 /// Radiance of the environment in direction `d` (unit), bilinear.
