@@ -35,10 +35,18 @@ struct Axis {
   /// Values with a tick, and what is written there.
   std::vector<double> ticks() const {
     if (!log) return round_ticks(low, high, 6);
-    std::vector<double> result;
-    for (int decade = static_cast<int>(std::ceil(low)); decade <= high; ++decade)
-      result.push_back(std::pow(10, decade));
-    return result.size() >= 2 ? result : std::vector<double>{std::pow(10, low), std::pow(10, high)};
+    // decades where there are some, else round numbers within them
+    for (const std::vector<double>& steps : {std::vector{1.0}, {1.0, 2.0, 5.0}, {1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0}}) {
+      std::vector<double> result;
+      for (int decade = static_cast<int>(std::floor(low)); decade <= high; ++decade) {
+        for (double step : steps) {
+          const double value = step * std::pow(10, decade);
+          if (std::log10(value) >= low && std::log10(value) <= high) result.push_back(value);
+        }
+      }
+      if (result.size() >= 2) return result;
+    }
+    return {std::pow(10, low), std::pow(10, high)};
   }
 };
 

@@ -78,6 +78,18 @@ TEST(SvgPlot, RoundingIsDrawnAsAFlatLineBetweenTicksThatDiffer) {
   EXPECT_NEAR(std::stod(points[1]), std::stod(points[2]), 1);
 }
 
+TEST(SvgPlot, LogarithmicAxesHaveRoundTicksWithinADecade) {
+  Plot plot;
+  plot.log_x = plot.log_y = true;
+  plot.series = {{"", {{0.11, 30}, {0.9, 38}}}};
+  const std::string svg = svg_plot(plot);
+  for (const char* tick : {">0.2<", ">0.5<", ">30<"}) EXPECT_NE(svg.find(tick), std::string::npos) << tick;
+  plot.series = {{"", {{0.01, 3}, {20, 2000}}}};
+  const std::string decades = svg_plot(plot);
+  for (const char* tick : {">0.1<", ">1<", ">10<", ">100<"}) EXPECT_NE(decades.find(tick), std::string::npos) << tick;
+  EXPECT_EQ(decades.find(">2<"), std::string::npos);
+}
+
 TEST(SvgPlot, TicksAreRoundAndPointsLandWhereTheyShould) {
   EXPECT_EQ(round_ticks(0, 10, 5), (std::vector<double>{0, 2, 4, 6, 8, 10}));
   EXPECT_EQ(round_ticks(-0.03, 0.04, 6).size(), 8u);
