@@ -168,7 +168,8 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
     const Image small_guide = encode_guide(small_input, gain);
     const Image smooth = stage("smooth", [&] {
       const BilateralGrid grid = make_bilateral_grid(small_guide, options.grid);
-      return median_3x3(solve_bilateral(grid, small.disparity_dp_px, small.confidence, options.solver));
+      return median_3x3(
+          solve_bilateral(grid, small_guide, small.disparity_dp_px, small.confidence, options.solver).value);
     });
     result.disparity_dp_px = stage("upsample", [&] {
       return joint_upsample(smooth, small_guide, encode_guide(result.input, gain), options.joint_upsample);

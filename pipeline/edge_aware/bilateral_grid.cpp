@@ -1,95 +1,279 @@
 #include "pipeline/edge_aware/bilateral_grid.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <limits>
 
+#include "capture/error.h"
 #include "pipeline/rows.h"
 
 namespace dualpixel::pipeline {
 namespace {
 
-/// Cell coordinates side by side in one integer, each offset by one so that a neighbour's coordinate cannot borrow:
-/// x and y take up to 65537 of 2^17, luma and chroma up to 257 of 2^10.
-using Key = std::uint64_t;
-constexpr int kShifts[] = {0, 17, 34, 44, 54};
-constexpr Key kNoKey = 0;  // every real key has ones in all fields
+/// Cells along Cr, Cb and Y side by side, from 1 on so that a neighbour's coordinate cannot borrow: they take up to 257
+/// of 2^10.
+using Key = std::uint32_t;
+constexpr Key kNoKey = 0;
+constexpr Key kOne[] = {1, 1 << 10, 1 << 20};  // a step along Y, Cb, Cr
 
-Key cell_key(const float* rgb, int x, int y, const BilateralGridOptions& options) {
-  // Full-range YCbCr (ITU-R BT.601, as JPEG); chroma is centred on 128. The clamp holds what is out of range or NaN.
+/// Where colours lie along the grid's axes, in cells; cell k holds k <= position < k + 1.
+struct Positions {
+  std::vector<float> luma, cb, cr;
+};
+
+/// Row `y` of the guide. Full-range YCbCr (ITU-R BT.601, as JPEG).
+void locate(const Image& guide, int y, const BilateralGridOptions& cells, Positions& to) {
   const auto level = [](float value) { return value > 0 ? std::min(value, 255.0f) : 0.0f; };
-  const float r = level(rgb[0]), g = level(rgb[1]), b = level(rgb[2]);
-  const float luma = 0.299f * r + 0.587f * g + 0.114f * b;
-  const float cb = level(128 - 0.168736f * r - 0.331264f * g + 0.5f * b);
-  const float cr = level(128 + 0.5f * r - 0.418688f * g - 0.081312f * b);
-  const Key cells[] = {static_cast<Key>(x / options.cell_px), static_cast<Key>(y / options.cell_px),
-                       static_cast<Key>(luma / options.cell_luma), static_cast<Key>(cb / options.cell_chroma),
-                       static_cast<Key>(cr / options.cell_chroma)};
-  Key key = 0;
-  for (int axis = 0; axis < 5; ++axis) key |= (cells[axis] + 1) << kShifts[axis];
-  return key;
+  const float per_luma = 1 / cells.cell_luma, per_chroma = 1 / cells.cell_chroma;
+  // Grey lies in the middle of cell `middle`, which is as many cells from 0 as 128 levels are, rounded up.
+  const float middle = std::ceil(128 * per_chroma) + 0.5f;
+  const int count = guide.width;
+  float *luma = to.luma.data(), *blue = to.cb.data(), *red = to.cr.data();
+  if (guide.channels == 1) {
+    const float* gray = guide.row(y);
+    for (int i = 0; i < count; ++i) luma[i] = level(gray[i]) * per_luma;
+    std::fill_n(blue, count, middle);
+    std::fill_n(red, count, middle);
+    return;
+  }
+  const float* rgb = guide.row(y);
+  for (int i = 0; i < count; ++i) {
+    const float r = level(rgb[3 * i]), g = level(rgb[3 * i + 1]), b = level(rgb[3 * i + 2]);
+    luma[i] = (0.299f * r + 0.587f * g + 0.114f * b) * per_luma;
+    blue[i] = (-0.168736f * r - 0.331264f * g + 0.5f * b) * per_chroma + middle;
+    red[i] = (0.5f * r - 0.418688f * g - 0.081312f * b) * per_chroma + middle;
+  }
 }
 
-/// Open addressing over exact keys.
-class VertexTable {
- public:
-  explicit VertexTable(std::size_t most_vertices)
-      : mask_(std::bit_ceil(2 * most_vertices) - 1), keys_(mask_ + 1, kNoKey), vertices_(mask_ + 1) {}
+/// Where the middle of pixel x lies, in cells.
+double cell_position(int x, float cell_px) { return (x + 0.5) / cell_px; }
 
-  std::int32_t find_or_add(Key key, std::vector<Key>& keys_of_vertices) {
-    std::size_t slot = hash(key);
-    while (keys_[slot] != kNoKey && keys_[slot] != key) slot = (slot + 1) & mask_;
-    if (keys_[slot] == kNoKey) {
-      keys_[slot] = key;
-      vertices_[slot] = static_cast<std::int32_t>(keys_of_vertices.size());
-      keys_of_vertices.push_back(key);
+/// First pixel of each cell along x or y, and the end.
+std::vector<int> cell_begins(int size, float cell_px) {
+  std::vector<int> begins;
+  for (int x = 0; x < size; ++x) {
+    if (static_cast<int>(cell_position(x, cell_px)) >= static_cast<int>(begins.size())) begins.push_back(x);
+  }
+  begins.push_back(size);
+  return begins;
+}
+
+int longest(const std::vector<int>& begins) {
+  int length = 0;
+  for (std::size_t i = 1; i < begins.size(); ++i) length = std::max(length, begins[i] - begins[i - 1]);
+  return length;
+}
+
+/// What one task needs to find the vertices of a row of tiles.
+struct Workspace {
+  Positions positions;
+  std::vector<Key> keys;  // of the row's pixels
+  std::vector<Key> slots;
+  std::vector<std::int32_t> vertex_of_slot, rank;
+  std::vector<std::pair<Key, std::int32_t>> found;  // of the tile, and where it stood before sorting
+
+  explicit Workspace(const BilateralGrid& grid)
+      : positions{std::vector<float>(grid.width), std::vector<float>(grid.width), std::vector<float>(grid.width)} {
+    const int tile_height = longest(grid.row_begins), tile_width = longest(grid.column_begins);
+    keys.resize(static_cast<std::size_t>(grid.width) * tile_height);
+    slots.resize(std::bit_ceil(2 * static_cast<std::size_t>(tile_height) * tile_width));
+    vertex_of_slot.resize(slots.size());
+  }
+
+  /// Vertex of the tile, by open addressing over exact keys.
+  std::int32_t find_or_add(Key key) {
+    const std::size_t mask = slots.size() - 1;
+    std::size_t slot = (key * 0x9E3779B1u >> 12) & mask;
+    while (slots[slot] != kNoKey && slots[slot] != key) slot = (slot + 1) & mask;
+    if (slots[slot] == kNoKey) {
+      slots[slot] = key;
+      vertex_of_slot[slot] = static_cast<std::int32_t>(found.size());
+      found.emplace_back(key, vertex_of_slot[slot]);
     }
-    return vertices_[slot];
+    return vertex_of_slot[slot];
   }
-
-  std::int32_t find(Key key, std::int32_t none) const {
-    std::size_t slot = hash(key);
-    while (keys_[slot] != kNoKey && keys_[slot] != key) slot = (slot + 1) & mask_;
-    return keys_[slot] == key ? vertices_[slot] : none;
-  }
-
- private:
-  std::size_t hash(Key key) const { return (key * 0x9E3779B97F4A7C15ull >> 20) & mask_; }
-
-  std::size_t mask_;
-  std::vector<Key> keys_;
-  std::vector<std::int32_t> vertices_;
 };
+
+/// Finds the vertices of one row of tiles: their colours, tile by tile; vertex_of_pixel counts from the tile's first.
+void find_vertices(const Image& guide, int line, Workspace& work, BilateralGrid& grid, std::vector<Key>& colors) {
+  const int width = guide.width, top = grid.row_begins[line], bottom = grid.row_begins[line + 1];
+  for (int y = top; y < bottom; ++y) {
+    locate(guide, y, grid.cells, work.positions);
+    Key* keys = work.keys.data() + static_cast<std::size_t>(y - top) * width;
+    const Positions& at = work.positions;
+    for (int x = 0; x < width; ++x) {
+      const int luma = static_cast<int>(at.luma[x]), cb = static_cast<int>(at.cb[x]), cr = static_cast<int>(at.cr[x]);
+      keys[x] = static_cast<Key>((luma + 1) | (cb + 1) << 10 | (cr + 1) << 20);
+    }
+  }
+  for (int column = 0; column < grid.columns(); ++column) {
+    const int left = grid.column_begins[column], right = grid.column_begins[column + 1];
+    std::fill(work.slots.begin(), work.slots.end(), kNoKey);
+    work.found.clear();
+    Key last = kNoKey;
+    std::int32_t vertex = 0;
+    for (int y = top; y < bottom; ++y) {
+      const Key* keys = work.keys.data() + static_cast<std::size_t>(y - top) * width;
+      std::int32_t* to = grid.vertex_of_pixel.data() + static_cast<std::size_t>(y) * width;
+      for (int x = left; x < right; ++x) {
+        if (keys[x] != last) vertex = work.find_or_add(last = keys[x]);
+        to[x] = vertex;
+      }
+    }
+    std::sort(work.found.begin(), work.found.end());
+    work.rank.resize(work.found.size());
+    for (std::size_t i = 0; i < work.found.size(); ++i) {
+      work.rank[work.found[i].second] = static_cast<std::int32_t>(i);
+      colors.push_back(work.found[i].first);
+    }
+    for (int y = top; y < bottom; ++y) {
+      std::int32_t* to = grid.vertex_of_pixel.data() + static_cast<std::size_t>(y) * width;
+      for (int x = left; x < right; ++x) to[x] = work.rank[to[x]];
+    }
+    grid.first_of_tile[static_cast<std::size_t>(line) * grid.columns() + column] =
+        static_cast<std::int32_t>(work.found.size());
+  }
+}
+
+/// Makes neighbours of the vertices of tile `a` and those of tile `b` whose colour is `step` more.
+void link(BilateralGrid& grid, int a, int b, Key step, int neighbor) {
+  std::int32_t j = grid.first_of_tile[b];
+  const std::int32_t end = grid.first_of_tile[b + 1];
+  for (std::int32_t i = grid.first_of_tile[a]; i < grid.first_of_tile[a + 1]; ++i) {
+    while (j < end && grid.color[j] < grid.color[i] + step) ++j;
+    if (j == end || grid.color[j] != grid.color[i] + step) continue;
+    grid.neighbors[static_cast<std::size_t>(i) * BilateralGrid::kNeighbors + neighbor + 1] = j;
+    grid.neighbors[static_cast<std::size_t>(j) * BilateralGrid::kNeighbors + neighbor] = i;
+  }
+}
 
 }  // namespace
 
 BilateralGrid make_bilateral_grid(const Image& guide, const BilateralGridOptions& options) {
+  if (guide.empty() || (guide.channels != 1 && guide.channels != 3)) {
+    throw InputError("bilateral grid: the guide must be a picture of 1 or 3 channels");
+  }
+  if (guide.pixel_count() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
+    throw InputError("bilateral grid: the guide must have under 2^31 pixels");
+  }
+  for (const float cell : {options.cell_px, options.cell_luma, options.cell_chroma}) {
+    if (!(cell >= 1 && cell <= 1e6f)) throw InputError(fmt::format("bilateral grid: cell {}, allowed 1 to 1e6", cell));
+  }
   BilateralGrid grid;
+  grid.cells = options;
   grid.width = guide.width;
   grid.height = guide.height;
-  std::vector<Key> keys(guide.pixel_count());
-  for_rows(guide.height, [&](int y) {
-    Key* row = keys.data() + static_cast<std::size_t>(y) * guide.width;
-    for (int x = 0; x < guide.width; ++x) row[x] = cell_key(guide.row(y) + 3 * x, x, y, options);
+  grid.column_begins = cell_begins(guide.width, options.cell_px);
+  grid.row_begins = cell_begins(guide.height, options.cell_px);
+  const int rows = grid.rows(), columns = grid.columns();
+
+  // Tiles share no vertex, so their rows can be searched side by side.
+  grid.vertex_of_pixel.resize(guide.pixel_count());
+  std::vector<std::vector<Key>> colors(rows);
+  grid.first_of_tile.resize(static_cast<std::size_t>(rows) * columns + 1);
+  tbb::parallel_for(tbb::blocked_range<int>(0, rows), [&](const tbb::blocked_range<int>& lines) {
+    Workspace work(grid);
+    for (int line = lines.begin(); line < lines.end(); ++line) find_vertices(guide, line, work, grid, colors[line]);
   });
-
-  VertexTable table(keys.size());
-  std::vector<Key> key_of_vertex;
-  grid.vertex_of_pixel.resize(keys.size());
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    const bool repeats = i > 0 && keys[i] == keys[i - 1];
-    grid.vertex_of_pixel[i] = repeats ? grid.vertex_of_pixel[i - 1] : table.find_or_add(keys[i], key_of_vertex);
+  for (std::int32_t& tile : grid.first_of_tile) {
+    const std::int32_t size = tile;
+    tile = grid.vertices;
+    grid.vertices += size;
   }
-  grid.vertices = static_cast<int>(key_of_vertex.size());
 
-  grid.neighbors.resize(key_of_vertex.size() * BilateralGrid::kNeighbors);
-  for_rows(grid.vertices, [&](int vertex) {
-    std::int32_t* neighbors = grid.neighbors.data() + static_cast<std::size_t>(vertex) * BilateralGrid::kNeighbors;
-    for (const int shift : kShifts) {
-      *neighbors++ = table.find(key_of_vertex[vertex] - (Key{1} << shift), grid.vertices);
-      *neighbors++ = table.find(key_of_vertex[vertex] + (Key{1} << shift), grid.vertices);
+  grid.color.resize(grid.vertices);
+  grid.neighbors.resize(static_cast<std::size_t>(grid.vertices) * BilateralGrid::kNeighbors);
+  tbb::parallel_for(0, rows, [&](int line) {
+    const std::int32_t* first = grid.first_of_tile.data() + static_cast<std::size_t>(line) * columns;
+    std::copy(colors[line].begin(), colors[line].end(), grid.color.begin() + *first);
+    std::fill(grid.neighbors.begin() + static_cast<std::ptrdiff_t>(*first) * BilateralGrid::kNeighbors,
+              grid.neighbors.begin() + static_cast<std::ptrdiff_t>(first[columns]) * BilateralGrid::kNeighbors,
+              grid.vertices);
+    for (int y = grid.row_begins[line]; y < grid.row_begins[line + 1]; ++y) {
+      std::int32_t* to = grid.vertex_of_pixel.data() + static_cast<std::size_t>(y) * grid.width;
+      for (int column = 0; column < columns; ++column) {
+        for (int x = grid.column_begins[column]; x < grid.column_begins[column + 1]; ++x) to[x] += first[column];
+      }
+    }
+  });
+  tbb::parallel_for(0, rows, [&](int line) {
+    for (int column = 0; column < columns; ++column) {
+      const int tile = line * columns + column;
+      if (column + 1 < columns) link(grid, tile, tile + 1, 0, 0);
+      if (line + 1 < rows) link(grid, tile, tile + columns, 0, 2);
+      for (int axis = 0; axis < 3; ++axis) link(grid, tile, tile, kOne[axis], 4 + 2 * axis);
     }
   });
   return grid;
+}
+
+Image interpolate(const BilateralGrid& grid, const Image& guide, std::span<const float> values, int channels) {
+  const int width = grid.width, rows = grid.rows(), columns = grid.columns();
+  // Pixels between the middles of four tiles form a block; at the border there are fewer tiles.
+  const auto block_begins = [&](int size, int tiles) {
+    std::vector<int> begins(tiles + 2, size);
+    for (int x = size - 1; x >= 0; --x) begins[static_cast<int>(cell_position(x, grid.cells.cell_px) + 0.5)] = x;
+    begins[0] = 0;
+    return begins;
+  };
+  const std::vector<int> block_columns = block_begins(width, columns), block_rows = block_begins(grid.height, rows);
+  const auto weight_of_second = [&](int x) {  // of the two tiles, whose middles lie on either side
+    const double at = cell_position(x, grid.cells.cell_px) + 0.5;
+    return static_cast<float>(at - std::floor(at));
+  };
+  std::vector<float> across[2] = {std::vector<float>(width), std::vector<float>(width)};
+  for (int x = 0; x < width; ++x) across[0][x] = 1 - (across[1][x] = weight_of_second(x));
+
+  Image out(width, grid.height, channels);
+  tbb::parallel_for(tbb::blocked_range<int>(0, rows + 1), [&](const tbb::blocked_range<int>& lines) {
+    Positions at{std::vector<float>(width), std::vector<float>(width), std::vector<float>(width)};
+    std::vector<float> sums(static_cast<std::size_t>(width) * channels), weights(width), weight(width);
+    for (int line = lines.begin(); line < lines.end(); ++line) {
+      for (int y = block_rows[line]; y < block_rows[line + 1]; ++y) {
+        locate(guide, y, grid.cells, at);
+        const float second = weight_of_second(y);
+        std::fill(sums.begin(), sums.end(), 0.0f);
+        std::fill(weights.begin(), weights.end(), 0.0f);
+        for (int corner = 0; corner < 4; ++corner) {
+          const int row = line - 1 + corner / 2;
+          if (row < 0 || row >= rows) continue;
+          const float down = corner / 2 ? second : 1 - second;
+          const float* wx = across[corner % 2].data();
+          for (int column = 0; column < columns; ++column) {
+            const int left = block_columns[column + 1 - corner % 2], right = block_columns[column + 2 - corner % 2];
+            const std::size_t tile = static_cast<std::size_t>(row) * columns + column;
+            for (std::int32_t v = grid.first_of_tile[tile]; v < grid.first_of_tile[tile + 1]; ++v) {
+              const float* value = values.data() + static_cast<std::size_t>(v) * channels;
+              if (std::isnan(*value)) continue;
+              // from a cell's number, counted from 1, to its middle
+              const float luma = static_cast<float>(grid.color[v] & 1023) - 0.5f;
+              const float cb = static_cast<float>(grid.color[v] >> 10 & 1023) - 0.5f;
+              const float cr = static_cast<float>(grid.color[v] >> 20) - 0.5f;
+              for (int x = left; x < right; ++x) {
+                weight[x] = down * wx[x] * std::max(1 - std::abs(at.luma[x] - luma), 0.0f) *
+                            std::max(1 - std::abs(at.cb[x] - cb), 0.0f) * std::max(1 - std::abs(at.cr[x] - cr), 0.0f);
+                weights[x] += weight[x];
+              }
+              for (int c = 0; c < channels; ++c) {
+                float* sum = sums.data() + static_cast<std::size_t>(c) * width;
+                for (int x = left; x < right; ++x) sum[x] += weight[x] * value[c];
+              }
+            }
+          }
+        }
+        float* to = out.row(y);
+        for (int x = 0; x < width; ++x) {
+          for (int c = 0; c < channels; ++c) {
+            to[x * channels + c] = sums[static_cast<std::size_t>(c) * width + x] / weights[x];
+          }
+        }
+      }
+    }
+  });
+  return out;
 }
 
 }  // namespace dualpixel::pipeline

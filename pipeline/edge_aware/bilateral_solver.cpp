@@ -1,11 +1,16 @@
 #include "pipeline/edge_aware/bilateral_solver.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
+#include <tuple>
+#include <utility>
 
+#include "capture/error.h"
 #include "pipeline/resample.h"
 #include "pipeline/rows.h"
 
@@ -15,7 +20,8 @@ namespace {
 /// One value for each vertex and, at the end, the 0 that stands for a neighbour that is not there.
 using Vertices = std::vector<double>;
 
-constexpr std::size_t kGrain = 4096;  // part of the result: sums are taken in chunks of this size
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr int kGrain = 4096;  // part of the result: sums are taken in chunks of this size
 
 template <typename F>
 void for_vertices(const BilateralGrid& grid, const F& f) {
@@ -24,45 +30,257 @@ void for_vertices(const BilateralGrid& grid, const F& f) {
   });
 }
 
-double dot(const Vertices& a, const Vertices& b) {
+/// Sum of f(vertex), which may write to its own vertex.
+template <typename F>
+double sum_over_vertices(const BilateralGrid& grid, const F& f) {
   return tbb::parallel_deterministic_reduce(
-      tbb::blocked_range<std::size_t>(0, a.size(), kGrain), 0.0,
-      [&](const tbb::blocked_range<std::size_t>& range, double sum) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) sum += a[i] * b[i];
+      tbb::blocked_range<int>(0, grid.vertices, kGrain), 0.0,
+      [&](const tbb::blocked_range<int>& range, double sum) {
+        for (int v = range.begin(); v < range.end(); ++v) sum += f(v);
         return sum;
       },
       std::plus<>());
 }
 
-Vertices make_vertices(const BilateralGrid& grid, double fill = 0) {
-  Vertices vertices(static_cast<std::size_t>(grid.vertices) + 1, fill);
-  vertices.back() = 0;
-  return vertices;
+/// Calls f(pixel, vertex) for all pixels; those of a vertex come in one order, and no two at once.
+template <typename F>
+void for_pixels(const BilateralGrid& grid, const F& f) {
+  tbb::parallel_for(0, grid.rows(), [&](int line) {
+    const std::size_t begin = static_cast<std::size_t>(grid.row_begins[line]) * grid.width;
+    const std::size_t end = static_cast<std::size_t>(grid.row_begins[line + 1]) * grid.width;
+    for (std::size_t i = begin; i < end; ++i) f(i, grid.vertex_of_pixel[i]);
+  });
 }
 
-/// (B v)(vertex): twice the number of axes on the vertex itself, once each neighbour.
-double blur_at(const BilateralGrid& grid, const Vertices& values, int vertex) {
+double sum_of_neighbors(const BilateralGrid& grid, const Vertices& values, int vertex) {
   const std::int32_t* neighbors = grid.neighbors.data() + static_cast<std::size_t>(vertex) * BilateralGrid::kNeighbors;
-  double sum = BilateralGrid::kNeighbors * values[vertex];
+  double sum = 0;
   for (int k = 0; k < BilateralGrid::kNeighbors; ++k) sum += values[neighbors[k]];
   return sum;
 }
 
-/// The diagonals n and m for which Dn B Dn has row sums m, with m about the pixels of each vertex.
-struct Bistochastic {
-  Vertices n;
-  Vertices m;
+Vertices make_vertices(const BilateralGrid& grid) { return Vertices(static_cast<std::size_t>(grid.vertices) + 1); }
+
+/// The diagonal n for which Dn B Dn has about as much in each row as the vertex has pixels. B has twice the number of
+/// axes on its diagonal, 1 for each neighbour.
+Vertices bistochastise(const BilateralGrid& grid, int iterations) {
+  Vertices pixels = make_vertices(grid), n = pixels, next = pixels;
+  for_pixels(grid, [&](std::size_t, std::int32_t v) { pixels[v] += 1; });
+  std::fill(n.begin(), n.end() - 1, 1.0);
+  for (int i = 0; i < iterations; ++i) {
+    for_vertices(grid, [&](int v) {
+      next[v] = std::sqrt(n[v] * pixels[v] / (BilateralGrid::kNeighbors * n[v] + sum_of_neighbors(grid, n, v)));
+    });
+    std::swap(n, next);
+  }
+  return n;
+}
+
+/// With s = sqrt(lambda) n and u = s y, rows of Eq. 4 divided by s read
+///     diagonal_i u_i - sum over the neighbours of u_j = right_i,
+/// since Dm - Dn B Dn leaves on the diagonal what a row has elsewhere. Jacobi preconditioning is blind to s.
+struct System {
+  const BilateralGrid& grid;
+  Vertices s;
+  Vertices weight;  ///< of the vertices: sums of confidence
+  Vertices diagonal;
+
+  double apply(const Vertices& u, int v) const { return diagonal[v] * u[v] - sum_of_neighbors(grid, u, v); }
+  /// A vertex alone without confidence has no equation and stays as it is.
+  double precondition(double residual, int v) const { return diagonal[v] > 0 ? residual / diagonal[v] : 0; }
 };
 
-Bistochastic bistochastise(const BilateralGrid& grid, const Vertices& pixels, int iterations) {
-  Bistochastic result{make_vertices(grid, 1), pixels};
-  Vertices next = make_vertices(grid);
-  for (int i = 0; i < iterations; ++i) {
-    for_vertices(grid, [&](int v) { next[v] = std::sqrt(result.n[v] * pixels[v] / blur_at(grid, result.n, v)); });
-    std::swap(result.n, next);
+void set_weights(System& system, const Image& confidence) {
+  std::fill(system.weight.begin(), system.weight.end(), 0.0);
+  for_pixels(system.grid, [&](std::size_t i, std::int32_t v) { system.weight[v] += confidence.data[i]; });
+  for_vertices(system.grid, [&](int v) {
+    const double s = system.s[v];
+    system.diagonal[v] = sum_of_neighbors(system.grid, system.s, v) / s + system.weight[v] / (s * s);
+  });
+}
+
+/// Scratch of the solver.
+struct Iterates {
+  Vertices residual, direction, applied;
+};
+
+struct Convergence {
+  int iterations = 0;
+  double residual = 0;
+};
+
+/// Preconditioned conjugate gradients (Saad 2003, "Iterative Methods for Sparse Linear Systems", algorithm 9.1) from
+/// the `u` that is given.
+Convergence solve(const System& system, const Vertices& right, Vertices& u, const BilateralSolverOptions& options,
+                  Iterates& scratch) {
+  const BilateralGrid& grid = system.grid;
+  auto& [residual, direction, applied] = scratch;
+  const double size = sum_over_vertices(grid, [&](int v) { return right[v] * system.precondition(right[v], v); });
+  double energy = sum_over_vertices(grid, [&](int v) {
+    residual[v] = right[v] - system.apply(u, v);
+    direction[v] = system.precondition(residual[v], v);
+    return residual[v] * direction[v];
+  });
+  const double enough = options.least_residual * options.least_residual * size;
+  Convergence convergence;
+  for (; convergence.iterations < options.iterations && energy > enough; ++convergence.iterations) {
+    const double curvature =
+        sum_over_vertices(grid, [&](int v) { return direction[v] * (applied[v] = system.apply(direction, v)); });
+    if (!(curvature > 0)) break;
+    const double step = energy / curvature;
+    const double next = sum_over_vertices(grid, [&](int v) {
+      u[v] += step * direction[v];
+      residual[v] -= step * applied[v];
+      return residual[v] * system.precondition(residual[v], v);
+    });
+    const double ratio = next / energy;
+    energy = next;
+    for_vertices(grid,
+                 [&](int v) { direction[v] = system.precondition(residual[v], v) + ratio * direction[v]; });
   }
-  for_vertices(grid, [&](int v) { result.m[v] = result.n[v] * blur_at(grid, result.n, v); });
-  return result;
+  convergence.residual = size > 0 ? std::sqrt(energy / size) : 0;
+  return convergence;
+}
+
+/// Whether each vertex is connected with a confident one.
+std::vector<bool> reached_vertices(const System& system) {
+  std::vector<bool> reached(system.grid.vertices + 1);
+  reached.back() = true;
+  std::vector<std::int32_t> open;
+  for (std::int32_t v = 0; v < system.grid.vertices; ++v) {
+    if (system.weight[v] > 0) reached[v] = true;
+    else open.push_back(v);
+  }
+  if (open.empty()) return reached;
+  open.clear();
+  for (std::int32_t v = 0; v < system.grid.vertices; ++v) {
+    if (reached[v]) open.push_back(v);
+  }
+  while (!open.empty()) {
+    const std::int32_t* neighbors =
+        system.grid.neighbors.data() + static_cast<std::size_t>(open.back()) * BilateralGrid::kNeighbors;
+    open.pop_back();
+    for (int k = 0; k < BilateralGrid::kNeighbors; ++k) {
+      if (reached[neighbors[k]]) continue;
+      reached[neighbors[k]] = true;
+      open.push_back(neighbors[k]);
+    }
+  }
+  return reached;
+}
+
+/// Gives pixels that are not a number what the nearest pixel holds that is one; there must be one.
+void take_nearest(Image& image) {
+  const int width = image.width, height = image.height;
+  const auto known = [&](int x, int y) { return !std::isnan(image.at(x, y)); };
+  // First the nearest along the column, then the best of the columns around, no further than what is found.
+  constexpr int kNone = std::numeric_limits<int>::max();
+  ImageOf<int> nearest_row(width, height, 1, kNone);
+  for (int x = 0; x < width; ++x) {
+    for (int y = 0; y < height; ++y) nearest_row.at(x, y) = known(x, y) ? y : y > 0 ? nearest_row.at(x, y - 1) : kNone;
+    for (int y = height - 2; y >= 0; --y) {
+      const int below = nearest_row.at(x, y + 1), above = nearest_row.at(x, y);
+      if (below != kNone && (above == kNone || below - y < y - above)) nearest_row.at(x, y) = below;
+    }
+  }
+  const Image before = image;
+  for_rows(height, [&](int y) {
+    for (int x = 0; x < width; ++x) {
+      if (!std::isnan(before.at(x, y))) continue;
+      double best = std::numeric_limits<double>::infinity();
+      for (int k = 0; k < width && 1.0 * k * k < best; ++k) {
+        for (const int u : {x - k, x + k}) {
+          if (u < 0 || u >= width || nearest_row.at(u, y) == kNone) continue;
+          const double rows = nearest_row.at(u, y) - y, distance = rows * rows + 1.0 * k * k;
+          if (distance >= best) continue;
+          best = distance;
+          for (int c = 0; c < image.channels; ++c) image.at(x, y, c) = before.at(u, nearest_row.at(u, y), c);
+        }
+      }
+    }
+  });
+}
+
+/// What each vertex starts from: the mean over its pixels where they are confident, otherwise that of the tiles around.
+Vertices start_values(const System& system, const Vertices& sums) {
+  const BilateralGrid& grid = system.grid;
+  Image tile_mean(grid.columns(), grid.rows()), tile_confidence(grid.columns(), grid.rows());
+  for (std::size_t tile = 0; tile < tile_mean.data.size(); ++tile) {
+    double weight = 0, sum = 0;
+    for (std::int32_t v = grid.first_of_tile[tile]; v < grid.first_of_tile[tile + 1]; ++v) {
+      weight += system.weight[v];
+      sum += sums[v];
+    }
+    if (!(weight > 0)) continue;
+    tile_mean.data[tile] = static_cast<float>(sum / weight);
+    tile_confidence.data[tile] = static_cast<float>(std::min(weight, 1.0));
+  }
+  const Image around = fill_gaps(tile_mean, tile_confidence);
+  Vertices start = make_vertices(grid);
+  for (std::size_t tile = 0; tile < around.data.size(); ++tile) {
+    for (std::int32_t v = grid.first_of_tile[tile]; v < grid.first_of_tile[tile + 1]; ++v) {
+      const double own = std::min(system.weight[v], 1.0);
+      start[v] = (own > 0 ? own * sums[v] / system.weight[v] : 0) + (1 - own) * around.data[tile];
+    }
+  }
+  return start;
+}
+
+Vertices mean_of_pixels(const BilateralGrid& grid, const Image& image, int channel) {
+  Vertices sums = make_vertices(grid), pixels = sums;
+  for_pixels(grid, [&](std::size_t i, std::int32_t v) {
+    const float value = image.data[i * image.channels + channel];
+    sums[v] += std::isfinite(value) ? value : 0;
+    pixels[v] += 1;
+  });
+  for_vertices(grid, [&](int v) { sums[v] /= pixels[v]; });
+  return sums;
+}
+
+double mean_of_finite(const Image& image, int channel) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t i = channel; i < image.data.size(); i += image.channels) {
+    if (!std::isfinite(image.data[i])) continue;
+    sum += image.data[i];
+    ++count;
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0;
+}
+
+void fill_channel(Image& image, int channel, double value) {
+  for (std::size_t i = channel; i < image.data.size(); i += image.channels) image.data[i] = static_cast<float>(value);
+}
+
+/// The first and the second half of the channels.
+std::pair<Image, Image> split_channels(const Image& image) {
+  const int half = image.channels / 2;
+  std::pair<Image, Image> halves(Image(image.width, image.height, half), Image(image.width, image.height, half));
+  for (std::size_t i = 0; i < image.pixel_count(); ++i) {
+    const float* from = image.data.data() + i * image.channels;
+    std::copy_n(from, half, halves.first.data.begin() + static_cast<std::ptrdiff_t>(i * half));
+    std::copy_n(from + half, half, halves.second.data.begin() + static_cast<std::ptrdiff_t>(i * half));
+  }
+  return halves;
+}
+
+void require_sizes(const BilateralGrid& grid, const Image& guide, const Image& target, const Image& confidence,
+                   const Image& start, const BilateralSolverOptions& options) {
+  const auto fits = [&](const Image& image) { return image.width == grid.width && image.height == grid.height; };
+  if (!fits(guide) || !fits(target) || !fits(confidence) || confidence.channels != 1 || target.channels < 1 ||
+      (!start.empty() && (!fits(start) || start.channels != target.channels))) {
+    throw InputError(fmt::format("bilateral solver: guide, target, confidence (one channel) and start must be {} x {}",
+                                 grid.width, grid.height));
+  }
+  const auto require = [](const char* name, double value, bool allowed, const char* range) {
+    if (!allowed) throw InputError(fmt::format("bilateral solver: {} {}, allowed {}", name, value, range));
+  };
+  require("lambda", options.lambda, options.lambda > 0 && options.lambda <= 1e12f, "above 0, up to 1e12");
+  require("iterations", options.iterations, options.iterations >= 0, "0 and up");
+  require("least_residual", options.least_residual, options.least_residual >= 0, "0 and up");
+  require("bistochastic_iterations", options.bistochastic_iterations, options.bistochastic_iterations >= 1, "1 and up");
+  require("robust_rounds", options.robust_rounds, options.robust_rounds >= 0, "0 and up");
+  require("robust_scale", options.robust_scale, options.robust_scale > 0, "above 0");
 }
 
 }  // namespace
@@ -99,69 +317,110 @@ Image fill_gaps(const Image& target, const Image& confidence) {
   return filled;
 }
 
-Image solve_bilateral(const BilateralGrid& grid, const Image& target, const Image& confidence,
-                      const BilateralSolverOptions& options) {
-  Image clean_target = target, clean_confidence = confidence;
-  for (std::size_t i = 0; i < target.data.size(); ++i) {
-    if (std::isfinite(target.data[i]) && std::isfinite(confidence.data[i]) && confidence.data[i] > 0) continue;
-    clean_target.data[i] = 0;
-    clean_confidence.data[i] = 0;
-  }
-  const Image filled = fill_gaps(clean_target, clean_confidence);
+BilateralSolution solve_bilateral(const BilateralGrid& grid, const Image& guide, const Image& target,
+                                  const Image& confidence, const BilateralSolverOptions& options, const Image& start) {
+  require_sizes(grid, guide, target, confidence, start, options);
+  const int channels = target.channels;
+  const auto target_at = [&](std::size_t pixel, int c) -> double { return target.data[pixel * channels + c]; };
 
-  // Splat: sums over the pixels of each vertex.
-  Vertices pixels = make_vertices(grid), weight = pixels, right_side = pixels, y = pixels;
-  for (std::size_t i = 0; i < grid.vertex_of_pixel.size(); ++i) {
-    const std::int32_t v = grid.vertex_of_pixel[i];
-    pixels[v] += 1;
-    weight[v] += clean_confidence.data[i];
-    right_side[v] += static_cast<double>(clean_confidence.data[i]) * clean_target.data[i];
-    y[v] += filled.data[i];
-  }
-  for_vertices(grid, [&](int v) { y[v] /= pixels[v]; });
-
-  const auto [n, m] = bistochastise(grid, pixels, options.bistochastic_iterations);
-  const double lambda = options.lambda;
-  Vertices scaled = make_vertices(grid);
-  const auto apply = [&, &n = n, &m = m](const Vertices& x, Vertices& result) {
-    for_vertices(grid, [&](int v) { scaled[v] = n[v] * x[v]; });
-    for_vertices(
-        grid, [&](int v) { result[v] = lambda * (m[v] * x[v] - n[v] * blur_at(grid, scaled, v)) + weight[v] * x[v]; });
-  };
-  Vertices inverse_diagonal = make_vertices(grid);
-  for_vertices(grid, [&, &n = n, &m = m](int v) {
-    const double diagonal = lambda * (m[v] - n[v] * n[v] * BilateralGrid::kNeighbors) + weight[v];
-    inverse_diagonal[v] = 1 / std::max(diagonal, 1e-5);
+  Image clean = confidence;
+  for_rows(grid.height, [&](int y) {
+    for (int x = 0; x < grid.width; ++x) {
+      float& value = clean.at(x, y);
+      for (int c = 0; c < channels; ++c) value = std::isfinite(target.at(x, y, c)) ? value : 0;
+      value = std::isfinite(value) ? std::max(value, 0.0f) : 0;
+    }
   });
+  BilateralSolution solution;
 
-  // Preconditioned conjugate gradients (Saad 2003, "Iterative Methods for Sparse Linear Systems", algorithm 9.1).
-  Vertices residual = make_vertices(grid), preconditioned = residual, direction = residual, applied = residual;
-  apply(y, applied);
-  for_vertices(grid, [&](int v) {
-    residual[v] = right_side[v] - applied[v];
-    preconditioned[v] = direction[v] = inverse_diagonal[v] * residual[v];
-  });
-  double energy = dot(residual, preconditioned);
-  const double negligible = 1e-24 * (energy + dot(right_side, right_side));
-  for (int i = 0; i < options.iterations && energy > negligible; ++i) {
-    apply(direction, applied);
-    const double step = energy / dot(direction, applied);
-    for_vertices(grid, [&](int v) {
-      y[v] += step * direction[v];
-      residual[v] -= step * applied[v];
-      preconditioned[v] = inverse_diagonal[v] * residual[v];
+  System system{grid, bistochastise(grid, options.bistochastic_iterations), make_vertices(grid), make_vertices(grid)};
+  for (double& s : system.s) s *= std::sqrt(static_cast<double>(options.lambda));
+  Iterates scratch{make_vertices(grid), make_vertices(grid), make_vertices(grid)};
+  std::vector<Vertices> u(channels);
+  Vertices sums = make_vertices(grid), right = sums;
+  // Sums of confidence times what f says of a pixel's target, and the system's right side.
+  const auto splat = [&](const Image& weight, const auto& f) {
+    std::fill(sums.begin(), sums.end(), 0.0);
+    for_pixels(grid, [&](std::size_t i, std::int32_t v) {
+      if (weight.data[i] > 0) sums[v] += weight.data[i] * f(i);
     });
-    const double next = dot(residual, preconditioned);
-    const double ratio = next / energy;
-    energy = next;
-    for_vertices(grid, [&](int v) { direction[v] = preconditioned[v] + ratio * direction[v]; });
+    for_vertices(grid, [&](int v) { right[v] = sums[v] / system.s[v]; });
+  };
+  const auto run = [&](Vertices& of) {
+    const Convergence convergence = solve(system, right, of, options, scratch);
+    solution.iterations = std::max(solution.iterations, convergence.iterations);
+    solution.residual = std::max(solution.residual, convergence.residual);
+  };
+
+  Image weight = clean;
+  for (int round = 0; round <= options.robust_rounds; ++round) {
+    if (round > 0) {
+      const double scale = 1 / (static_cast<double>(options.robust_scale) * options.robust_scale);
+      for_pixels(grid, [&](std::size_t i, std::int32_t v) {
+        if (!(clean.data[i] > 0)) return;
+        double error = 0;
+        for (int c = 0; c < channels; ++c) {
+          const double difference = target_at(i, c) - u[c][v] / system.s[v];
+          error += difference * difference;
+        }
+        const double likeness = 1 / (1 + scale * error);
+        weight.data[i] = static_cast<float>(clean.data[i] * likeness * likeness);
+      });
+    }
+    set_weights(system, weight);
+    solution.iterations = 0;
+    solution.residual = 0;
+    for (int c = 0; c < channels; ++c) {
+      splat(weight, [&](std::size_t i) { return target_at(i, c); });
+      if (round == 0) {
+        u[c] = start.empty() ? start_values(system, sums) : mean_of_pixels(grid, start, c);
+        for_vertices(grid, [&](int v) { u[c][v] *= system.s[v]; });
+      }
+      run(u[c]);
+    }
   }
 
-  Image solved(grid.width, grid.height);
-  for (std::size_t i = 0; i < solved.data.size(); ++i) {
-    solved.data[i] = static_cast<float>(y[grid.vertex_of_pixel[i]]);
+  const std::vector<bool> reached = reached_vertices(system);
+  if (std::find(reached.begin(), reached.end() - 1, true) == reached.end() - 1) {
+    solution.value = Image(grid.width, grid.height, channels);
+    for (int c = 0; c < channels; ++c) fill_channel(solution.value, c, mean_of_finite(target, c));
+    if (options.variance) solution.variance = Image(grid.width, grid.height, channels, kInfinity);
+    return solution;
   }
-  return solved;
+
+  // Values, then variances: E[t^2] - E[t]^2, taken about the mean of all targets lest digits cancel.
+  const int width = options.variance ? 2 * channels : channels;
+  std::vector<float> values(static_cast<std::size_t>(grid.vertices) * width);
+  const auto store = [&](int c, const auto& f) {
+    for_vertices(grid, [&](int v) {
+      values[static_cast<std::size_t>(v) * width + c] =
+          reached[v] ? static_cast<float>(f(v)) : std::numeric_limits<float>::quiet_NaN();
+    });
+  };
+  for (int c = 0; c < channels; ++c) {
+    store(c, [&](int v) { return u[c][v] / system.s[v]; });
+    if (!options.variance) continue;
+    const double center = mean_of_finite(target, c);
+    splat(weight, [&](std::size_t i) { return (target_at(i, c) - center) * (target_at(i, c) - center); });
+    Vertices squares = start_values(system, sums);
+    for_vertices(grid, [&](int v) { squares[v] *= system.s[v]; });
+    run(squares);
+    store(channels + c, [&](int v) {
+      const double mean = u[c][v] / system.s[v] - center;
+      return std::max(squares[v] / system.s[v] - mean * mean, 0.0);
+    });
+  }
+  solution.value = interpolate(grid, guide, values, width);
+  if (options.variance) std::tie(solution.value, solution.variance) = split_channels(solution.value);
+  take_nearest(solution.value);
+  for (float& value : solution.variance.data) value = std::isnan(value) ? kInfinity : value;
+  return solution;
+}
+
+Image confidence_of_variance(const Image& variance, float sigma) {
+  Image confidence = variance;
+  for (float& value : confidence.data) value = std::exp(-value / (2 * sigma * sigma));
+  return confidence;
 }
 
 }  // namespace dualpixel::pipeline

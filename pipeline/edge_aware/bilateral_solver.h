@@ -7,23 +7,52 @@
 namespace dualpixel::pipeline {
 
 struct BilateralSolverOptions {
-  float lambda = 128;                ///< smoothness over data; the authors' public code
-  int iterations = 25;               ///< of preconditioned conjugate gradients (section 3: 25)
+  float lambda = 128;   ///< smoothness over data, above 0; the authors' public code
+  int iterations = 25;  ///< of preconditioned conjugate gradients, at most (section 3: 25). Stopping early smooths less
+                        ///< where confidence is low: what lies far from it keeps more of the start
+  double least_residual = 1e-6;      ///< stop where the residual falls below this share of the right side
   int bistochastic_iterations = 10;  ///< the authors' public code
+  /// Rounds of reweighting (Geman and McClure's loss, their supplement's robust solver): each divides a pixel's
+  /// confidence by (1 + (error / robust_scale)^2)^2. 0: quadratic, which 5 % of confident outliers shift by 5 % of
+  /// their error. Each round costs a solve
+  int robust_rounds = 0;
+  float robust_scale = 0.25f;  ///< units of the target, above 0
+  bool variance = false;       ///< also estimate the result's variance; costs a solve more for each channel
 };
 
-/// In grid space the minimum solves (lambda (Dm - Dn B Dn) + diag(S c)) y = S (c t), x = S^T y (their Eq. 4 to 7), here
-/// by Jacobi-preconditioned conjugate gradients in double precision from the mean over each cell of fill_gaps(t, c).
+struct BilateralSolution {
+  Image value;  ///< of the grid's size, channels as the target; always finite
+  /// Of the targets that each pixel's value is the weighted mean of, under the weights of that mean, which are never
+  /// negative: small where what was told agrees. In squared units of the target, one channel for each of its;
+  /// infinite where no confidence reaches. Empty unless asked for.
+  Image variance;
+  int iterations = 0;   ///< of the last solve, most of all channels
+  double residual = 0;  ///< |b - A y| / |b| after it, most of all channels; 0 where b is
+};
+
+/// In grid space the minimum solves (lambda (Dm - Dn B Dn) + diag(S c)) y = S (c t) (their Eq. 4 to 7), here by
+/// Jacobi-preconditioned conjugate gradients in double precision; pixels then interpolate between vertices
+/// (bilateral_grid.h), where the paper's x = S^T y shows cells' borders as steps.
 ///
-/// `target` and `confidence` are of the grid's size; confidence is at least 0. A target or confidence that is not
-/// finite has confidence 0. Pixels that no confident pixel reaches through the grid get what fill_gaps says of them,
-/// smoothed; the result is always finite.
-Image solve_bilateral(const BilateralGrid& grid, const Image& target, const Image& confidence,
-                      const BilateralSolverOptions& options = {});
+/// `target` has any number of channels, `confidence` one, at least 0; both are of the grid's size, `guide` is the
+/// grid's own. A target or confidence that is not finite has confidence 0. `start`, where given, is a guess at the
+/// result (the last frame's, say); otherwise each vertex starts from the mean over its pixels, and where these are not
+/// confident from that of the tiles around (fill_gaps).
+///
+/// Pixels that no confident pixel reaches through the grid take the value of the nearest one that is reached. Where
+/// confidence is 0 throughout, all take the mean of the targets that are finite (0 if none is).
+///
+/// Throws InputError where sizes differ or an option is out of its range.
+BilateralSolution solve_bilateral(const BilateralGrid& grid, const Image& guide, const Image& target,
+                                  const Image& confidence, const BilateralSolverOptions& options = {},
+                                  const Image& start = {});
+
+/// exp(-variance / (2 sigma^2)), each channel: a confidence for the result (their section 4.1), 0 where unreached.
+Image confidence_of_variance(const Image& variance, float sigma);
 
 /// The target where confidence is 1, and towards 0 the mean of what confident pixels around say, from ever wider
-/// neighbourhoods (pull and push over a pyramid: Gortler et al. 1996, "The Lumigraph", section 3.4.2). 0 where
-/// confidence is 0 throughout. Both finite.
+/// neighbourhoods (pull and push over a pyramid: Gortler et al. 1996, "The Lumigraph", section 3.4.2). One channel.
+/// 0 where confidence is 0 throughout. Both finite.
 Image fill_gaps(const Image& target, const Image& confidence);
 
 }  // namespace dualpixel::pipeline

@@ -71,7 +71,8 @@ Image filter_mask(const Image& mask, const Image& guide, const FilterMaskOptions
   const int reach = static_cast<int>(0.5f * options.erosion * static_cast<float>(std::max(width, height)));
   confidence = erode(confidence, 2 * reach + 1);
 
-  Image filtered = solve_bilateral(make_bilateral_grid(half_guide, options.grid), coarse, confidence, options.solver);
+  const BilateralGrid grid = make_bilateral_grid(half_guide, options.grid);
+  Image filtered = solve_bilateral(grid, half_guide, coarse, confidence, options.solver).value;
   for (float& value : filtered.data) value = 1 / (1 + std::exp(-options.sigmoid_slope * (value - 0.5f)));
   return joint_upsample(gaussian_blur(filtered, options.blur_sigma_px), half_guide, guide, options.upsample);
 }

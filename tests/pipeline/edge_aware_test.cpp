@@ -1,9 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <map>
-#include <tuple>
 
 #include "pipeline/edge_aware/bilateral_solver.h"
 #include "pipeline/edge_aware/filter_mask.h"
@@ -35,84 +36,107 @@ Image two_tone(int width, int height, int edge, float dark = 40, float bright = 
   return guide;
 }
 
-/// The solver's system from the definition, with dense matrices and cells told apart by a map of tuples; solved by
-/// elimination.
-std::vector<double> dense_solution(const Image& guide, const Image& target, const Image& confidence,
-                                   const BilateralGridOptions& cells, const BilateralSolverOptions& options) {
-  using Cell = std::tuple<int, int, int, int, int>;
+using Cell = std::array<int, 5>;
+using Position = std::array<double, 5>;
+
+/// Where a pixel lies along the grid's axes, in cells.
+Position position(const Image& guide, int x, int y, const BilateralGridOptions& cells) {
+  const int last = guide.channels - 1;
+  const double r = guide.at(x, y, 0), g = guide.at(x, y, std::min(1, last)), b = guide.at(x, y, last);
+  const double gray = std::ceil(128 / cells.cell_chroma) + 0.5;
+  return {(x + 0.5) / cells.cell_px, (y + 0.5) / cells.cell_px, (0.299 * r + 0.587 * g + 0.114 * b) / cells.cell_luma,
+          gray + (-0.168736 * r - 0.331264 * g + 0.5 * b) / cells.cell_chroma,
+          gray + (0.5 * r - 0.418688 * g - 0.081312 * b) / cells.cell_chroma};
+}
+
+struct DenseSolution {
+  std::vector<double> value, variance;
+};
+
+/// The solver's system from the definition, with dense matrices and cells told apart by a map; the weights of all
+/// targets in each vertex by elimination, and each pixel's mean over all vertices from the definition.
+DenseSolution dense_solution(const Image& guide, const Image& target, const Image& confidence,
+                             const BilateralGridOptions& cells, const BilateralSolverOptions& options) {
   std::map<Cell, int> index;
   std::vector<int> vertex_of_pixel;
   for (int y = 0; y < guide.height; ++y) {
     for (int x = 0; x < guide.width; ++x) {
-      const float r = guide.at(x, y, 0), g = guide.at(x, y, 1), b = guide.at(x, y, 2);
-      const Cell cell(static_cast<int>(x / cells.cell_px), static_cast<int>(y / cells.cell_px),
-                      static_cast<int>((0.299f * r + 0.587f * g + 0.114f * b) / cells.cell_luma),
-                      static_cast<int>((128 - 0.168736f * r - 0.331264f * g + 0.5f * b) / cells.cell_chroma),
-                      static_cast<int>((128 + 0.5f * r - 0.418688f * g - 0.081312f * b) / cells.cell_chroma));
+      const Position at = position(guide, x, y, cells);
+      Cell cell;
+      for (int axis = 0; axis < 5; ++axis) cell[axis] = static_cast<int>(at[axis]);
       vertex_of_pixel.push_back(index.emplace(cell, static_cast<int>(index.size())).first->second);
     }
   }
   const int size = static_cast<int>(index.size());
-  std::vector<std::vector<double>> blur(size, std::vector<double>(size));
+  Eigen::MatrixXd blur = Eigen::MatrixXd::Zero(size, size);
   for (const auto& [a, i] : index) {
     for (const auto& [b, j] : index) {
-      const int steps[] = {std::abs(std::get<0>(a) - std::get<0>(b)), std::abs(std::get<1>(a) - std::get<1>(b)),
-                           std::abs(std::get<2>(a) - std::get<2>(b)), std::abs(std::get<3>(a) - std::get<3>(b)),
-                           std::abs(std::get<4>(a) - std::get<4>(b))};
-      const int distance = steps[0] + steps[1] + steps[2] + steps[3] + steps[4];
-      blur[i][j] = distance == 0 ? 10 : distance == 1 ? 1 : 0;
+      int distance = 0;
+      for (int axis = 0; axis < 5; ++axis) distance += std::abs(a[axis] - b[axis]);
+      blur(i, j) = distance == 0 ? 10 : distance == 1 ? 1 : 0;
     }
   }
-  std::vector<double> pixels(size), weight(size), right(size), n(size, 1.0), m(size);
+  Eigen::VectorXd pixels = Eigen::VectorXd::Zero(size), weight = pixels;
+  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(size, 2);  // of the target and its square
   for (std::size_t p = 0; p < vertex_of_pixel.size(); ++p) {
+    const double c = confidence.data[p], t = target.data[p];
     pixels[vertex_of_pixel[p]] += 1;
-    weight[vertex_of_pixel[p]] += confidence.data[p];
-    right[vertex_of_pixel[p]] += static_cast<double>(confidence.data[p]) * target.data[p];
+    weight[vertex_of_pixel[p]] += c;
+    right.row(vertex_of_pixel[p]) += Eigen::RowVector2d(c * t, c * t * t);
   }
-  const auto row_sum = [&](int i) {
-    double sum = 0;
-    for (int j = 0; j < size; ++j) sum += blur[i][j] * n[j];
-    return sum;
-  };
+  Eigen::VectorXd n = Eigen::VectorXd::Ones(size);
   for (int k = 0; k < options.bistochastic_iterations; ++k) {
-    std::vector<double> next(size);
-    for (int i = 0; i < size; ++i) next[i] = std::sqrt(n[i] * pixels[i] / row_sum(i));
-    n = next;
+    n = (n.array() * pixels.array() / (blur * n).array()).sqrt().matrix().eval();
   }
-  for (int i = 0; i < size; ++i) m[i] = n[i] * row_sum(i);
-  std::vector<std::vector<double>> a(size, std::vector<double>(size));
-  for (int i = 0; i < size; ++i) {
-    for (int j = 0; j < size; ++j) {
-      a[i][j] = options.lambda * ((i == j ? m[i] : 0) - n[i] * blur[i][j] * n[j]) + (i == j ? weight[i] : 0);
+  const Eigen::VectorXd m = n.array() * (blur * n).array();
+  Eigen::MatrixXd a = -options.lambda * (n.asDiagonal() * blur * n.asDiagonal());
+  a.diagonal() += options.lambda * m + weight;
+  const Eigen::MatrixXd solved = a.ldlt().solve(right);
+
+  DenseSolution solution;
+  for (int y = 0; y < guide.height; ++y) {
+    for (int x = 0; x < guide.width; ++x) {
+      const Position at = position(guide, x, y, cells);
+      double value = 0, variance = 0, weights = 0;
+      for (const auto& [cell, i] : index) {
+        double near = 1;
+        for (int axis = 0; axis < 5; ++axis) near *= std::max(1 - std::abs(at[axis] - cell[axis] - 0.5), 0.0);
+        weights += near;
+        value += near * solved(i, 0);
+        variance += near * (solved(i, 1) - solved(i, 0) * solved(i, 0));
+      }
+      solution.value.push_back(value / weights);
+      solution.variance.push_back(variance / weights);
     }
   }
-  for (int k = 0; k < size; ++k) {  // positive definite: no pivoting needed
-    for (int i = k + 1; i < size; ++i) {
-      const double factor = a[i][k] / a[k][k];
-      for (int j = k; j < size; ++j) a[i][j] -= factor * a[k][j];
-      right[i] -= factor * right[k];
-    }
-  }
-  for (int k = size - 1; k >= 0; --k) {
-    for (int j = k + 1; j < size; ++j) right[k] -= a[k][j] * right[j];
-    right[k] /= a[k][k];
-  }
-  std::vector<double> solution;
-  for (const int vertex : vertex_of_pixel) solution.push_back(right[vertex]);
   return solution;
 }
 
 TEST(BilateralSolver, EqualsADenseSolve) {
-  const Image guide = random_image(24, 18, 3, 1, 90, 130);
-  const Image target = random_image(24, 18, 1, 2, -1, 1);
-  const Image confidence = random_image(24, 18, 1, 3, 0, 1);
-  const BilateralGridOptions cells{4, 8, 8};
-  BilateralSolverOptions options;
-  options.lambda = 4;
-  options.iterations = 1000;
-  const Image solved = solve_bilateral(make_bilateral_grid(guide, cells), target, confidence, options);
-  const std::vector<double> expected = dense_solution(guide, target, confidence, cells, options);
-  for (std::size_t i = 0; i < expected.size(); ++i) ASSERT_NEAR(solved.data[i], expected[i], 1e-5);
+  struct Case {
+    int channels;
+    BilateralGridOptions cells;
+    float lambda;
+  };
+  for (const auto& [channels, cells, lambda] :
+       {Case{3, {4, 8, 8}, 4}, {1, {4, 8, 8}, 4}, {3, {8, 4, 4}, 128}, {1, {3, 16, 5}, 1024}, {3, {2.5f, 6, 30}, 0.5f}}) {
+    const Image guide = random_image(24, 18, channels, 1, 90, 130);
+    const Image target = random_image(24, 18, 1, 2, -1, 1);
+    const Image confidence = random_image(24, 18, 1, 3, 0, 1);
+    BilateralSolverOptions options;
+    options.lambda = lambda;
+    options.iterations = 1000;
+    options.least_residual = 1e-12;
+    options.variance = true;
+    const BilateralSolution solved =
+        solve_bilateral(make_bilateral_grid(guide, cells), guide, target, confidence, options);
+    EXPECT_LE(solved.residual, 1e-12);
+    const DenseSolution expected = dense_solution(guide, target, confidence, cells, options);
+    for (std::size_t i = 0; i < expected.value.size(); ++i) {
+      ASSERT_NEAR(solved.value.data[i], expected.value[i], 1e-5) << channels << ' ' << lambda << ' ' << i;
+      ASSERT_NEAR(solved.variance.data[i], expected.variance[i], 1e-5) << channels << ' ' << lambda << ' ' << i;
+    }
+  }
 }
 
 TEST(BilateralGrid, CoordinatesNeverWrap) {
@@ -138,7 +162,7 @@ TEST(BilateralSolver, KeepsEdgesAndSpreadsConfidence) {
     target.at(60, y) = 0.75f;
     confidence.at(4, y) = confidence.at(60, y) = 1;
   }
-  const Image solved = solve_bilateral(make_bilateral_grid(guide), target, confidence);
+  const Image solved = solve_bilateral(make_bilateral_grid(guide), guide, target, confidence).value;
   for (int y = 0; y < 48; ++y) {
     EXPECT_NEAR(solved.at(31, y), 0.25f, 1e-4);
     EXPECT_NEAR(solved.at(32, y), 0.75f, 1e-4);
@@ -155,7 +179,7 @@ TEST(BilateralSolver, UnreachableRegionsTakeWhatIsAround) {
       confidence.at(x, y) = 0;
     }
   }
-  const Image solved = solve_bilateral(make_bilateral_grid(guide), target, confidence);
+  const Image solved = solve_bilateral(make_bilateral_grid(guide), guide, target, confidence).value;
   for (const float value : solved.data) EXPECT_NEAR(value, 0.7f, 1e-4);
 }
 
@@ -167,13 +191,15 @@ TEST(BilateralSolver, BrokenAndEmptyInputsStayFinite) {
   target.at(5, 5) = nan;
   target.at(6, 5) = std::numeric_limits<float>::infinity();
   confidence.at(7, 5) = nan;
-  for (const float value : solve_bilateral(make_bilateral_grid(guide), target, confidence).data) {
+  const BilateralGrid grid = make_bilateral_grid(guide);
+  for (const float value : solve_bilateral(grid, guide, target, confidence).value.data) {
     EXPECT_TRUE(value > -0.5f && value < 1.5f);
   }
-  for (const float value : solve_bilateral(make_bilateral_grid(guide), target, Image(40, 30)).data) EXPECT_EQ(value, 0);
-  for (const auto& [width, height] : {std::pair{1, 1}, {3, 5000}}) {
-    const Image solved = solve_bilateral(make_bilateral_grid(Image(width, height, 3, 10.0f)),
-                                         Image(width, height, 1, 0.5f), Image(width, height, 1, 1.0f));
+  for (const auto& [width, height] : {std::pair{1, 1}, {1, 700}, {700, 1}, {3, 5000}}) {
+    const Image constant(width, height, 3, 10.0f);
+    const Image solved = solve_bilateral(make_bilateral_grid(constant), constant, Image(width, height, 1, 0.5f),
+                                         Image(width, height, 1, 1.0f))
+                             .value;
     for (const float value : solved.data) EXPECT_NEAR(value, 0.5f, 1e-5);
   }
 }
