@@ -116,6 +116,7 @@ void add_bench(CLI::App& program) {
       "Example:\n  dualpixel bench scenes/portrait.json\n  dualpixel bench lens lens_models/phone_6p_4.2mm_f1.8.json");
   add_bench_lens(*command);
   add_bench_disparity(*command);
+  add_bench_edges(*command);
   add_bench_render(*command);
   command->callback([options, command] {
     if (command->get_subcommands().empty()) run(*options);

@@ -33,6 +33,7 @@ void add_export(CLI::App& program);
 void add_bench_disparity(CLI::App& bench);
 void add_bench_lens(CLI::App& bench);
 void add_bench_render(CLI::App& bench);
+void add_bench_edges(CLI::App& bench);
 
 /// A bar with time left, on stderr, only where stderr is a terminal. Call with the fraction done; 1 ends the line.
 class Progress {

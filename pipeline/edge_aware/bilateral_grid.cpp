@@ -150,6 +150,51 @@ void link(BilateralGrid& grid, int a, int b, Key step, int neighbor) {
   }
 }
 
+/// A vertex as interpolation meets it: the middle of its cell in colour, and its value.
+struct NearVertex {
+  float luma, cb, cr, value;
+};
+
+/// Those of one row of tiles; none where there is no such row. What has no value is put out of every pixel's reach.
+void find_near(const BilateralGrid& grid, int line, std::span<const float> values, int channels, int channel,
+               std::vector<NearVertex>& near) {
+  near.clear();
+  if (line < 0 || line >= grid.rows()) return;
+  const std::int32_t* first = grid.first_of_tile.data() + static_cast<std::size_t>(line) * grid.columns();
+  for (std::int32_t v = first[0]; v < first[grid.columns()]; ++v) {
+    const float value = values[static_cast<std::size_t>(v) * channels + channel];
+    // cells count from 1
+    const NearVertex vertex{static_cast<float>(grid.color[v] & 1023) - 0.5f,
+                            static_cast<float>(grid.color[v] >> 10 & 1023) - 0.5f,
+                            static_cast<float>(grid.color[v] >> 20) - 0.5f, value};
+    near.push_back(std::isnan(value) ? NearVertex{-1e6f, 0, 0, 0} : vertex);
+  }
+}
+
+/// A few pixels of a row between the same four tiles: as many as a vector register holds.
+struct Segment {
+  static constexpr int kPixels = 8;
+  float luma[kPixels] = {}, cb[kPixels] = {}, cr[kPixels] = {};
+  float place[kPixels] = {};  ///< weight of the tile's place
+  float weights[kPixels] = {}, sums[kPixels] = {};
+
+  Segment(const Positions& at, int left, int count) {
+    std::copy_n(at.luma.data() + left, count, luma);
+    std::copy_n(at.cb.data() + left, count, cb);
+    std::copy_n(at.cr.data() + left, count, cr);
+  }
+
+  void add(const NearVertex& vertex) {
+    for (int i = 0; i < kPixels; ++i) {
+      const float weight = place[i] * std::max(1 - std::abs(luma[i] - vertex.luma), 0.0f) *
+                           std::max(1 - std::abs(cb[i] - vertex.cb), 0.0f) *
+                           std::max(1 - std::abs(cr[i] - vertex.cr), 0.0f);
+      weights[i] += weight;
+      sums[i] += weight * vertex.value;
+    }
+  }
+};
+
 }  // namespace
 
 BilateralGrid make_bilateral_grid(const Image& guide, const BilateralGridOptions& options) {
@@ -230,44 +275,30 @@ Image interpolate(const BilateralGrid& grid, const Image& guide, std::span<const
   Image out(width, grid.height, channels);
   tbb::parallel_for(tbb::blocked_range<int>(0, rows + 1), [&](const tbb::blocked_range<int>& lines) {
     Positions at{std::vector<float>(width), std::vector<float>(width), std::vector<float>(width)};
-    std::vector<float> sums(static_cast<std::size_t>(width) * channels), weights(width), weight(width);
+    std::vector<NearVertex> near[2];  // of the rows of tiles above and below
     for (int line = lines.begin(); line < lines.end(); ++line) {
-      for (int y = block_rows[line]; y < block_rows[line + 1]; ++y) {
-        locate(guide, y, grid.cells, at);
-        const float second = weight_of_second(y);
-        std::fill(sums.begin(), sums.end(), 0.0f);
-        std::fill(weights.begin(), weights.end(), 0.0f);
-        for (int corner = 0; corner < 4; ++corner) {
-          const int row = line - 1 + corner / 2;
-          if (row < 0 || row >= rows) continue;
-          const float down = corner / 2 ? second : 1 - second;
-          const float* wx = across[corner % 2].data();
-          for (int column = 0; column < columns; ++column) {
-            const int left = block_columns[column + 1 - corner % 2], right = block_columns[column + 2 - corner % 2];
-            const std::size_t tile = static_cast<std::size_t>(row) * columns + column;
-            for (std::int32_t v = grid.first_of_tile[tile]; v < grid.first_of_tile[tile + 1]; ++v) {
-              const float* value = values.data() + static_cast<std::size_t>(v) * channels;
-              if (std::isnan(*value)) continue;
-              // from a cell's number, counted from 1, to its middle
-              const float luma = static_cast<float>(grid.color[v] & 1023) - 0.5f;
-              const float cb = static_cast<float>(grid.color[v] >> 10 & 1023) - 0.5f;
-              const float cr = static_cast<float>(grid.color[v] >> 20) - 0.5f;
-              for (int x = left; x < right; ++x) {
-                weight[x] = down * wx[x] * std::max(1 - std::abs(at.luma[x] - luma), 0.0f) *
-                            std::max(1 - std::abs(at.cb[x] - cb), 0.0f) * std::max(1 - std::abs(at.cr[x] - cr), 0.0f);
-                weights[x] += weight[x];
+      for (int c = 0; c < channels; ++c) {
+        for (int k = 0; k < 2; ++k) find_near(grid, line - 1 + k, values, channels, c, near[k]);
+        for (int y = block_rows[line]; y < block_rows[line + 1]; ++y) {
+          locate(guide, y, grid.cells, at);
+          const float second = weight_of_second(y);
+          for (int block = 0; block <= columns; ++block) {
+            for (int left = block_columns[block]; left < block_columns[block + 1]; left += Segment::kPixels) {
+              const int count = std::min(block_columns[block + 1] - left, Segment::kPixels);
+              Segment segment(at, left, count);
+              for (int corner = 0; corner < 4; ++corner) {
+                const int row = line - 1 + corner / 2, column = block - 1 + corner % 2;
+                if (row < 0 || row >= rows || column < 0 || column >= columns) continue;
+                std::copy_n(across[corner % 2].data() + left, count, segment.place);
+                const float down = corner / 2 ? second : 1 - second;
+                for (float& weight : segment.place) weight *= down;
+                const std::int32_t* first = grid.first_of_tile.data() + static_cast<std::size_t>(row) * columns;
+                const NearVertex* vertices = near[corner / 2].data() - *first;
+                for (std::int32_t v = first[column]; v < first[column + 1]; ++v) segment.add(vertices[v]);
               }
-              for (int c = 0; c < channels; ++c) {
-                float* sum = sums.data() + static_cast<std::size_t>(c) * width;
-                for (int x = left; x < right; ++x) sum[x] += weight[x] * value[c];
-              }
+              float* to = out.row(y) + static_cast<std::ptrdiff_t>(left) * channels + c;
+              for (int i = 0; i < count; ++i) to[i * channels] = segment.sums[i] / segment.weights[i];
             }
-          }
-        }
-        float* to = out.row(y);
-        for (int x = 0; x < width; ++x) {
-          for (int c = 0; c < channels; ++c) {
-            to[x * channels + c] = sums[static_cast<std::size_t>(c) * width + x] / weights[x];
           }
         }
       }

@@ -52,7 +52,8 @@ void for_pixels(const BilateralGrid& grid, const F& f) {
   });
 }
 
-double sum_of_neighbors(const BilateralGrid& grid, const Vertices& values, int vertex) {
+template <typename Values>
+double sum_of_neighbors(const BilateralGrid& grid, const Values& values, int vertex) {
   const std::int32_t* neighbors = grid.neighbors.data() + static_cast<std::size_t>(vertex) * BilateralGrid::kNeighbors;
   double sum = 0;
   for (int k = 0; k < BilateralGrid::kNeighbors; ++k) sum += values[neighbors[k]];
@@ -85,9 +86,12 @@ struct System {
   Vertices weight;  ///< of the vertices: sums of confidence
   Vertices diagonal;
 
-  double apply(const Vertices& u, int v) const { return diagonal[v] * u[v] - sum_of_neighbors(grid, u, v); }
-  /// A vertex alone without confidence has no equation and stays as it is.
-  double precondition(double residual, int v) const { return diagonal[v] > 0 ? residual / diagonal[v] : 0; }
+  Vertices inverse_diagonal;  ///< 0 where the diagonal is: a vertex alone, without confidence, stays as it is
+
+  template <typename Values>
+  double apply(const Values& u, int v) const {
+    return diagonal[v] * u[v] - sum_of_neighbors(grid, u, v);
+  }
 };
 
 void set_weights(System& system, const Image& confidence) {
@@ -95,13 +99,17 @@ void set_weights(System& system, const Image& confidence) {
   for_pixels(system.grid, [&](std::size_t i, std::int32_t v) { system.weight[v] += confidence.data[i]; });
   for_vertices(system.grid, [&](int v) {
     const double s = system.s[v];
-    system.diagonal[v] = sum_of_neighbors(system.grid, system.s, v) / s + system.weight[v] / (s * s);
+    const double diagonal = sum_of_neighbors(system.grid, system.s, v) / s + system.weight[v] / (s * s);
+    system.diagonal[v] = diagonal;
+    system.inverse_diagonal[v] = diagonal > 0 ? 1 / diagonal : 0;
   });
 }
 
-/// Scratch of the solver.
+/// Scratch of the solver. Directions may be rounded, since what they do to the residual is computed from what they were
+/// rounded to; in single precision more of them fit the cache.
 struct Iterates {
-  Vertices residual, direction, applied;
+  Vertices residual, applied;
+  std::vector<float> direction;
 };
 
 struct Convergence {
@@ -114,12 +122,13 @@ struct Convergence {
 Convergence solve(const System& system, const Vertices& right, Vertices& u, const BilateralSolverOptions& options,
                   Iterates& scratch) {
   const BilateralGrid& grid = system.grid;
-  auto& [residual, direction, applied] = scratch;
-  const double size = sum_over_vertices(grid, [&](int v) { return right[v] * system.precondition(right[v], v); });
+  auto& [residual, applied, direction] = scratch;
+  const double size = sum_over_vertices(grid, [&](int v) { return right[v] * right[v] * system.inverse_diagonal[v]; });
   double energy = sum_over_vertices(grid, [&](int v) {
     residual[v] = right[v] - system.apply(u, v);
-    direction[v] = system.precondition(residual[v], v);
-    return residual[v] * direction[v];
+    const double preconditioned = residual[v] * system.inverse_diagonal[v];
+    direction[v] = static_cast<float>(preconditioned);
+    return residual[v] * preconditioned;
   });
   const double enough = options.least_residual * options.least_residual * size;
   Convergence convergence;
@@ -131,12 +140,13 @@ Convergence solve(const System& system, const Vertices& right, Vertices& u, cons
     const double next = sum_over_vertices(grid, [&](int v) {
       u[v] += step * direction[v];
       residual[v] -= step * applied[v];
-      return residual[v] * system.precondition(residual[v], v);
+      return residual[v] * residual[v] * system.inverse_diagonal[v];
     });
     const double ratio = next / energy;
     energy = next;
-    for_vertices(grid,
-                 [&](int v) { direction[v] = system.precondition(residual[v], v) + ratio * direction[v]; });
+    for_vertices(grid, [&](int v) {
+      direction[v] = static_cast<float>(residual[v] * system.inverse_diagonal[v] + ratio * direction[v]);
+    });
   }
   convergence.residual = size > 0 ? std::sqrt(energy / size) : 0;
   return convergence;
@@ -148,13 +158,9 @@ std::vector<bool> reached_vertices(const System& system) {
   reached.back() = true;
   std::vector<std::int32_t> open;
   for (std::int32_t v = 0; v < system.grid.vertices; ++v) {
-    if (system.weight[v] > 0) reached[v] = true;
-    else open.push_back(v);
-  }
-  if (open.empty()) return reached;
-  open.clear();
-  for (std::int32_t v = 0; v < system.grid.vertices; ++v) {
-    if (reached[v]) open.push_back(v);
+    if (!(system.weight[v] > 0)) continue;
+    reached[v] = true;
+    open.push_back(v);
   }
   while (!open.empty()) {
     const std::int32_t* neighbors =
@@ -171,6 +177,7 @@ std::vector<bool> reached_vertices(const System& system) {
 
 /// Gives pixels that are not a number what the nearest pixel holds that is one; there must be one.
 void take_nearest(Image& image) {
+  if (std::none_of(image.data.begin(), image.data.end(), [](float value) { return std::isnan(value); })) return;
   const int width = image.width, height = image.height;
   const auto known = [&](int x, int y) { return !std::isnan(image.at(x, y)); };
   // First the nearest along the column, then the best of the columns around, no further than what is found.
@@ -333,9 +340,11 @@ BilateralSolution solve_bilateral(const BilateralGrid& grid, const Image& guide,
   });
   BilateralSolution solution;
 
-  System system{grid, bistochastise(grid, options.bistochastic_iterations), make_vertices(grid), make_vertices(grid)};
+  System system{grid, bistochastise(grid, options.bistochastic_iterations), make_vertices(grid), make_vertices(grid),
+                make_vertices(grid)};
   for (double& s : system.s) s *= std::sqrt(static_cast<double>(options.lambda));
-  Iterates scratch{make_vertices(grid), make_vertices(grid), make_vertices(grid)};
+  Iterates scratch{make_vertices(grid), make_vertices(grid),
+                   std::vector<float>(static_cast<std::size_t>(grid.vertices) + 1)};
   std::vector<Vertices> u(channels);
   Vertices sums = make_vertices(grid), right = sums;
   // Sums of confidence times what f says of a pixel's target, and the system's right side.

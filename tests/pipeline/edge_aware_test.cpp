@@ -118,8 +118,11 @@ TEST(BilateralSolver, EqualsADenseSolve) {
     BilateralGridOptions cells;
     float lambda;
   };
-  for (const auto& [channels, cells, lambda] :
-       {Case{3, {4, 8, 8}, 4}, {1, {4, 8, 8}, 4}, {3, {8, 4, 4}, 128}, {1, {3, 16, 5}, 1024}, {3, {2.5f, 6, 30}, 0.5f}}) {
+  for (const auto& [channels, cells, lambda] : {Case{3, {4, 8, 8}, 4},
+                                                {1, {4, 8, 8}, 4},
+                                                {3, {8, 4, 4}, 128},
+                                                {1, {3, 16, 5}, 1024},
+                                                {3, {2.5f, 6, 30}, 0.5f}}) {
     const Image guide = random_image(24, 18, channels, 1, 90, 130);
     const Image target = random_image(24, 18, 1, 2, -1, 1);
     const Image confidence = random_image(24, 18, 1, 3, 0, 1);

@@ -1,0 +1,449 @@
+#include <fmt/format.h>
+#include <malloc.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "capture/capture.h"
+#include "capture/error.h"
+#include "capture/files.h"
+#include "pipeline/edge_aware/guide.h"
+#include "pipeline/edge_aware/median.h"
+#include "pipeline/portrait.h"
+#include "pipeline/resample.h"
+#include "tools/commands.h"
+#include "tools/edge_metrics.h"
+#include "tools/report_assets.h"
+#include "tools/report_page.h"
+#include "tools/svg_plot.h"
+#include "tools/timing.h"
+#ifdef DUALPIXEL_XIMGPROC
+#include <opencv2/imgproc.hpp>
+#include <opencv2/ximgproc/edge_filter.hpp>
+#endif
+
+namespace dualpixel::tools {
+namespace {
+
+using pipeline::BilateralGridOptions;
+using pipeline::BilateralSolverOptions;
+
+constexpr float kJump = 0.2f;  // DP px: a depth edge
+constexpr int kEdgeReachPx = 3;
+
+struct BenchEdgesOptions {
+  std::string capture;
+  std::string page;
+  bool json = false;
+};
+
+/// What there is to smooth: a guide with values for its pixels, and the truth at the capture's size.
+struct Problem {
+  Image guide;  ///< the capture's size
+  Image disparity, confidence;
+  Image truth;
+  Mask valid, edges, thin, person;
+};
+
+struct Small {
+  Image guide, disparity, confidence;
+};
+
+Small reduced(const Problem& problem, int divisor) {
+  const int width = problem.guide.width / divisor, height = problem.guide.height / divisor;
+  const auto resized = [&](const Image& map) {
+    return map.width > width ? pipeline::resize_area(map, width, height)
+                             : pipeline::resize_bilinear(map, width, height);
+  };
+  Image weighted = problem.disparity;
+  for (std::size_t i = 0; i < weighted.data.size(); ++i) weighted.data[i] *= problem.confidence.data[i];
+  Small small{pipeline::resize_area(problem.guide, width, height), resized(weighted), resized(problem.confidence)};
+  for (std::size_t i = 0; i < small.disparity.data.size(); ++i) {
+    small.disparity.data[i] /= std::max(small.confidence.data[i], 1e-6f);
+  }
+  return small;
+}
+
+struct Method {
+  std::string family, name;
+  int divisor = 4;  ///< of the capture's size, for what `smooth` works on
+  std::function<Image(const Small&)> smooth;
+};
+
+Image solve(const Small& small, const BilateralGridOptions& cells, const BilateralSolverOptions& options) {
+  const pipeline::BilateralGrid grid = pipeline::make_bilateral_grid(small.guide, cells);
+  return pipeline::solve_bilateral(grid, small.guide, small.disparity, small.confidence, options).value;
+}
+
+Method solver(const std::string& family, const std::string& name, int divisor, const BilateralGridOptions& cells = {},
+              const BilateralSolverOptions& options = {}) {
+  return {family, name, divisor, [=](const Small& small) { return solve(small, cells, options); }};
+}
+
+#ifdef DUALPIXEL_XIMGPROC
+cv::Mat wrapped(const Image& image) {
+  return {image.height, image.width, CV_32FC(image.channels), const_cast<float*>(image.data.data())};
+}
+
+cv::Mat guide_of(const Small& small) {
+  cv::Mat bytes, bgr;
+  wrapped(small.guide).convertTo(bytes, CV_8UC3);
+  cv::cvtColor(bytes, bgr, cv::COLOR_RGB2BGR);
+  return bgr;
+}
+
+Image solve_with_opencv(const Small& small, const BilateralGridOptions& cells, int iterations = 25) {
+  Image out(small.guide.width, small.guide.height);
+  cv::Mat solved;
+  std::cout.setstate(std::ios::failbit);  // the library prints its progress there
+  cv::ximgproc::fastBilateralSolverFilter(guide_of(small), wrapped(small.disparity), wrapped(small.confidence), solved,
+                                          cells.cell_px, cells.cell_luma, cells.cell_chroma, 128, iterations);
+  std::cout.clear();
+  solved.copyTo(wrapped(out));
+  return out;
+}
+
+/// A filter that knows no confidence, used on both: filter(c t) / filter(c).
+template <typename Filter>
+Image normalized(const Small& small, const Filter& filter) {
+  Image out(small.guide.width, small.guide.height);
+  const cv::Mat guide = guide_of(small), confidence = wrapped(small.confidence) + 1e-4f;
+  cv::Mat both, filtered;
+  cv::merge(std::vector<cv::Mat>{wrapped(small.disparity).mul(confidence), confidence, confidence}, both);
+  filter(guide, both, filtered);
+  for (int y = 0; y < out.height; ++y) {
+    for (int x = 0; x < out.width; ++x) {
+      const cv::Vec3f sums = filtered.at<cv::Vec3f>(y, x);
+      out.at(x, y) = sums[0] / std::max(sums[1], 1e-6f);
+    }
+  }
+  return out;
+}
+#endif
+
+std::vector<Method> methods() {
+  std::vector<Method> all = {{"none", "enlarged", 4, [](const Small& small) { return small.disparity; }}};
+  for (const int divisor : {1, 2, 4, 8}) all.push_back(solver("resolution", fmt::format("1/{}", divisor), divisor));
+  for (const int iterations : {5, 10, 25, 50, 100}) {
+    BilateralSolverOptions options;
+    options.iterations = iterations;
+    all.push_back(solver("iterations", fmt::format("{}", iterations), 4, {}, options));
+  }
+  for (const float cell_px : {4.0f, 8.0f, 16.0f}) {
+    for (const float cell : {4.0f, 8.0f, 16.0f}) {
+      all.push_back(solver("sigmas", fmt::format("{:g} px, {:g} levels", cell_px, cell), 4, {cell_px, cell, cell}));
+    }
+  }
+  for (const float lambda : {2.0f, 8.0f, 32.0f, 128.0f, 512.0f}) {
+    BilateralSolverOptions options;
+    options.lambda = lambda;
+    all.push_back(solver("lambda", fmt::format("{:g}", lambda), 4, {}, options));
+  }
+  for (const float scale : {0.1f, 0.25f, 0.5f}) {
+    BilateralSolverOptions options;
+    options.robust_rounds = 3;
+    options.robust_scale = scale;
+    all.push_back(solver("robust, 3 rounds", fmt::format("scale {:g} DP px", scale), 4, {}, options));
+  }
+#ifdef DUALPIXEL_XIMGPROC
+  for (const int divisor : {2, 4, 8}) {
+    all.push_back({"OpenCV's solver", fmt::format("1/{}", divisor), divisor,
+                   [](const Small& small) { return solve_with_opencv(small, {}); }});
+  }
+  for (const int radius : {4, 8, 16}) {
+    all.push_back({"OpenCV guided filter", fmt::format("radius {}", radius), 4, [=](const Small& small) {
+                     return normalized(small, [&](const cv::Mat& guide, const cv::Mat& from, cv::Mat& to) {
+                       cv::ximgproc::guidedFilter(guide, from, to, radius, 25);
+                     });
+                   }});
+  }
+  for (const double lambda : {100.0, 1000.0, 10000.0}) {
+    all.push_back({"OpenCV fast global smoother", fmt::format("lambda {:g}", lambda), 4, [=](const Small& small) {
+                     return normalized(small, [&](const cv::Mat& guide, const cv::Mat& from, cv::Mat& to) {
+                       cv::ximgproc::fastGlobalSmootherFilter(guide, from, to, lambda, 8);
+                     });
+                   }});
+  }
+  for (const double sigma : {16.0, 32.0, 64.0}) {
+    all.push_back({"OpenCV domain transform", fmt::format("sigma {:g} px", sigma), 4, [=](const Small& small) {
+                     return normalized(small, [&](const cv::Mat& guide, const cv::Mat& from, cv::Mat& to) {
+                       cv::ximgproc::dtFilter(guide, from, to, sigma, 20);
+                     });
+                   }});
+  }
+#endif
+  return all;
+}
+
+/// The whole capture, with the paper's matches.
+Problem make_problem(const std::string& path) {
+  Capture capture = read_capture(path, true);
+  if (!capture.truth) throw InputError(printable(path) + ": holds no truth to measure errors against");
+  Problem problem;
+  problem.truth = std::move(capture.truth->disparity_dp_px);
+  const auto mask_of = [](const Image& map) {
+    Mask mask(map.width, map.height);
+    for (std::size_t i = 0; i < map.data.size(); ++i) mask.data[i] = map.data[i] > 0.5f;
+    return mask;
+  };
+  problem.valid = mask_of(capture.truth->valid);
+  problem.person = mask_of(capture.truth->person_mask);
+  capture.truth.reset();
+  pipeline::PortraitResult portrait = pipeline::run_portrait(capture);
+  problem.guide = pipeline::encode_guide(portrait.input, pipeline::guide_gain(portrait.input));
+  problem.disparity = std::move(portrait.matched_disparity_dp_px);
+  problem.confidence = std::move(portrait.matched_confidence);
+  problem.edges = depth_edges(problem.truth, kJump, kEdgeReachPx);
+  problem.thin = thin_structures(problem.truth, kJump);
+  return problem;
+}
+
+struct Errors {
+  double squares = 0, absolute = 0, pixels = 0;
+  void add(double error) {
+    squares += error * error;
+    absolute += std::abs(error);
+    pixels += 1;
+  }
+  double rmse() const { return pixels > 0 ? std::sqrt(squares / pixels) : 0; }
+  double mae() const { return pixels > 0 ? absolute / pixels : 0; }
+};
+
+nlohmann::ordered_json figures(const Problem& problem, const Image& estimate) {
+  Errors all, edges, thin;
+  for (std::size_t i = 0; i < estimate.data.size(); ++i) {
+    if (!problem.valid.data[i]) continue;
+    const double error = estimate.data[i] - problem.truth.data[i];
+    all.add(error);
+    if (problem.edges.data[i]) edges.add(error);
+    if (problem.thin.data[i]) thin.add(error);
+  }
+  return {{"rmse_dp_px", all.rmse()},
+          {"mae_dp_px", all.mae()},
+          {"edge_rmse_dp_px", edges.rmse()},
+          {"edge_mae_dp_px", edges.mae()},
+          {"edge_width_px", edge_width_px(estimate, problem.truth, kJump)},
+          {"thin_mae_dp_px", thin.mae()}};
+}
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+/// Best times of pieces of work done turn by turn, so that a busy machine slows all of them.
+std::vector<double> times_ms(const std::vector<std::function<void()>>& work, int repeats) {
+  std::vector<double> best(work.size(), kInfinite);
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    for (std::size_t i = 0; i < work.size(); ++i) best[i] = std::min(best[i], 1e3 * seconds(work[i]));
+  }
+  return best;
+}
+
+/// How far the process' memory rises above what it held before, MB; 0 where the system doesn't say.
+double peak_mb(const std::function<void()>& work) {
+  const auto status_kb = [](const std::string& field) {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);) {
+      if (line.rfind(field, 0) == 0) return std::stod(line.substr(field.size() + 1));
+    }
+    return 0.0;
+  };
+  malloc_trim(0);
+  std::ofstream("/proc/self/clear_refs") << "5";  // the peak starts from here
+  const double before = status_kb("VmRSS");
+  work();
+  return std::max(status_kb("VmHWM") - before, 0.0) / 1024;
+}
+
+/// What takes the disparity from a quarter of the size to all of it, and a mask.
+nlohmann::ordered_json bench_paths(const Problem& problem) {
+  const Small small = reduced(problem, 4);
+  const Image mask = [&] {
+    Image out(problem.person.width, problem.person.height);
+    std::copy(problem.person.data.begin(), problem.person.data.end(), out.data.begin());
+    return out;
+  }();
+  const Image coarse = pipeline::resize_area(mask, 256, 256);
+  Image solved, smooth, large, filtered;
+  const std::vector<double> ms =
+      times_ms({[&] { solved = solve(small, {}, {}); }, [&] { smooth = pipeline::median_3x3(solved); },
+                [&] { large = pipeline::joint_upsample(smooth, small.guide, problem.guide); },
+                [&] { filtered = pipeline::filter_mask(coarse, problem.guide); }},
+               7);
+  const auto f_score = [&](const Image& map, const auto& inside) {
+    Mask estimate(map.width, map.height);
+    for (std::size_t i = 0; i < map.data.size(); ++i) estimate.data[i] = inside(map.data[i]);
+    return boundary_f_score(estimate, problem.person, 2);
+  };
+  const auto half = [](float value) { return value > 0.5f; };
+  const Image rough = pipeline::resize_area(mask, 64, 48);
+  const int width = mask.width, height = mask.height;
+  return {{"solve_ms", ms[0]},
+          {"median_ms", ms[1]},
+          {"upsample_ms", ms[2]},
+          {"disparity_ms", ms[0] + ms[1] + ms[2]},
+          {"mask_ms", ms[3]},
+          {"solve_peak_mb", peak_mb([&] { solve(small, {}, {}); })},
+          {"mask_boundary_f_2px",
+           {{"256x256_enlarged", f_score(pipeline::resize_bilinear(coarse, width, height), half)},
+            {"256x256_filtered", f_score(filtered, half)},
+            {"64x48_enlarged", f_score(pipeline::resize_bilinear(rough, width, height), half)},
+            {"64x48_filtered", f_score(pipeline::filter_mask(rough, problem.guide), half)}}}};
+}
+
+/// Ours beside OpenCV's at 1344 x 1008 (half of a capture), same sigmas, lambda and iterations.
+nlohmann::ordered_json bench_against_opencv([[maybe_unused]] const Problem& problem) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+#ifdef DUALPIXEL_XIMGPROC
+  const Small half = reduced(problem, 2);
+  for (const BilateralGridOptions& cells :
+       {BilateralGridOptions{8, 8, 8}, BilateralGridOptions{8, 4, 4}, BilateralGridOptions{16, 16, 16}}) {
+    Image ours, theirs;
+    pipeline::BilateralGrid grid;
+    const std::vector<double> ms =
+        times_ms({[&] { ours = solve(half, cells, {}); }, [&] { theirs = solve_with_opencv(half, cells); },
+                  [&] { grid = pipeline::make_bilateral_grid(half.guide, cells); }},
+                 3);
+    const double vertices = grid.vertices;
+    grid = {};
+    const auto enlarged = [&](const Image& map) {
+      return figures(problem, pipeline::resize_bilinear(map, problem.guide.width, problem.guide.height));
+    };
+    nlohmann::ordered_json row = {{"cells", {cells.cell_px, cells.cell_luma, cells.cell_chroma}},
+                                  {"vertices", vertices},
+                                  {"ms", ms[0]},
+                                  {"grid_ms", ms[2]},
+                                  {"opencv_ms", ms[1]},
+                                  {"times_faster", ms[1] / ms[0]},
+                                  {"peak_mb", peak_mb([&] { solve(half, cells, {}); })},
+                                  {"opencv_peak_mb", peak_mb([&] { solve_with_opencv(half, cells); })},
+                                  {"ours", enlarged(ours)},
+                                  {"opencv", enlarged(theirs)}};
+    rows.push_back(row);
+  }
+#endif
+  return rows;
+}
+
+nlohmann::ordered_json bench_methods(const Problem& problem, Progress& progress) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  const std::vector<Method> all = methods();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    progress(0.3 + 0.7 * static_cast<double>(i) / static_cast<double>(all.size()));
+    const Small small = reduced(problem, all[i].divisor);
+    Image result;
+    const double ms = times_ms({[&] {
+                                 result = pipeline::median_3x3(all[i].smooth(small));
+                                 result = pipeline::joint_upsample(result, small.guide, problem.guide);
+                               }},
+                               3)[0];
+    nlohmann::ordered_json row = {{"family", all[i].family}, {"name", all[i].name}, {"ms", ms}};
+    row.update(figures(problem, result));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+std::string to_page(const nlohmann::ordered_json& results) {
+  const std::pair<const char*, const char*> axes[] = {{"rmse_dp_px", "RMSE, DP px"},
+                                                      {"edge_mae_dp_px", "MAE within 3 px of depth edges, DP px"},
+                                                      {"thin_mae_dp_px", "MAE on thin structures, DP px"}};
+  std::string body = "<h1>Edge-aware smoothing: error against time</h1><p>Capture: " +
+                     escape_html(printable(results["capture"].get<std::string>())) +
+                     ". The matched disparity of a whole capture, smoothed (at a quarter of its size unless said), "
+                     "median, joint upsampling; times are of all that, all threads.</p><div class=\"plots\">";
+  for (const auto& [key, label] : axes) {
+    Plot plot;
+    plot.title = label;
+    plot.x_label = "ms";
+    plot.y_label = label;
+    plot.log_x = true;
+    for (const auto& row : results["methods"]) {
+      const std::string family = row["family"];
+      if (plot.series.empty() || plot.series.back().name != family) plot.series.push_back({family, {}, false, true});
+      plot.series.back().points.emplace_back(row["ms"].get<double>(), row[key].get<double>());
+    }
+    body += svg_plot(plot);
+  }
+  body +=
+      "</div><div class=\"scroll\"><table><tr><th>family</th><th>variant</th><th>ms</th><th>RMSE</th><th>MAE</th>"
+      "<th>RMSE at edges</th><th>MAE at edges</th><th>10-90 % width, px</th><th>MAE, thin</th></tr>";
+  for (const auto& row : results["methods"]) {
+    body += fmt::format("<tr><td>{}</td><td>{}</td><td>{:.1f}</td>", escape_html(row["family"].get<std::string>()),
+                        escape_html(row["name"].get<std::string>()), row["ms"].get<double>());
+    for (const char* key :
+         {"rmse_dp_px", "mae_dp_px", "edge_rmse_dp_px", "edge_mae_dp_px", "edge_width_px", "thin_mae_dp_px"}) {
+      body += fmt::format("<td>{:.4f}</td>", row[key].get<double>());
+    }
+    body += "</tr>";
+  }
+  return html_page("Edge-aware smoothing: error against time", std::string(kReportStyle) + kPlotStyle,
+                   body + "</table></div>");
+}
+
+void print(const nlohmann::ordered_json& results) {
+  const auto& paths = results["paths"];
+  std::cout << fmt::format("disparity {:6.1f} ms: solve {:.1f}, median {:.1f}, upsample {:.1f}\nmask      {:6.1f} ms\n",
+                           paths["disparity_ms"].get<double>(), paths["solve_ms"].get<double>(),
+                           paths["median_ms"].get<double>(), paths["upsample_ms"].get<double>(),
+                           paths["mask_ms"].get<double>());
+  for (const auto& [name, score] : paths["mask_boundary_f_2px"].items()) {
+    std::cout << fmt::format("  boundary F at 2 px, {:<20}{:.3f}\n", name, score.get<double>());
+  }
+  for (const auto& row : results["opencv"]) {
+    std::cout << fmt::format(
+        "cells {}: {:.1f} ms (grid {:.1f}), OpenCV {:.1f}: {:.2f} times; {:.1f} MB, OpenCV {:.1f} MB; RMSE {:.4f} / "
+        "{:.4f}, at edges {:.4f} / {:.4f}, width {:.1f} / {:.1f} px\n",
+        row["cells"].dump(), row["ms"].get<double>(), row["grid_ms"].get<double>(), row["opencv_ms"].get<double>(),
+        row["times_faster"].get<double>(), row["peak_mb"].get<double>(), row["opencv_peak_mb"].get<double>(),
+        row["ours"]["rmse_dp_px"].get<double>(), row["opencv"]["rmse_dp_px"].get<double>(),
+        row["ours"]["edge_rmse_dp_px"].get<double>(), row["opencv"]["edge_rmse_dp_px"].get<double>(),
+        row["ours"]["edge_width_px"].get<double>(), row["opencv"]["edge_width_px"].get<double>());
+  }
+  std::cout << fmt::format("{:<28}{:<18}{:>8}{:>9}{:>9}{:>11}{:>10}{:>9}{:>10}\n", "method", "", "ms", "RMSE", "MAE",
+                           "edge RMSE", "edge MAE", "width", "thin MAE");
+  for (const auto& row : results["methods"]) {
+    std::cout << fmt::format("{:<28}{:<18}{:>8.1f}{:>9.4f}{:>9.4f}{:>11.4f}{:>10.4f}{:>9.1f}{:>10.4f}\n",
+                             row["family"].get<std::string>(), row["name"].get<std::string>(), row["ms"].get<double>(),
+                             row["rmse_dp_px"].get<double>(), row["mae_dp_px"].get<double>(),
+                             row["edge_rmse_dp_px"].get<double>(), row["edge_mae_dp_px"].get<double>(),
+                             row["edge_width_px"].get<double>(), row["thin_mae_dp_px"].get<double>());
+  }
+}
+
+void run(const BenchEdgesOptions& options) {
+  Progress progress("smoothing");
+  const Problem problem = make_problem(options.capture);
+  progress(0.2);
+  nlohmann::ordered_json results = {{"capture", options.capture}};
+  results["paths"] = bench_paths(problem);
+  results["opencv"] = bench_against_opencv(problem);
+  results["methods"] = bench_methods(problem, progress);
+  progress(1);
+  if (!options.page.empty()) replace_file(options.page, to_page(results));
+  if (options.json)
+    std::cout << results.dump(2) << '\n';
+  else
+    print(results);
+}
+
+}  // namespace
+
+void add_bench_edges(CLI::App& bench) {
+  auto options = std::make_shared<BenchEdgesOptions>();
+  CLI::App* command = bench.add_subcommand(
+      "edges", "Time edge-aware smoothing, and OpenCV's where it was built in; errors on a rendered capture");
+  command->add_option("capture", options->capture, "Capture folder that holds truth")->type_name("CAPTURE")->required();
+  command->add_option("-o,--output", options->page, "Write a page with the charts")->type_name("PAGE.html");
+  command->add_flag("--json", options->json, "Print JSON");
+  command->footer(
+      "Example:\n  dualpixel simulate scenes/portrait.json -o out/portrait\n  dualpixel bench edges out/portrait -o "
+      "bench-edges.html");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace dualpixel::tools
