@@ -9,24 +9,12 @@
 namespace dualpixel::tools {
 namespace {
 
-constexpr int kPlateauPx = 8, kSearchPx = 24;
-
-/// Where samples from `at` on, going by `step`, first pass `level` of the way from low to high, interpolated; kSearchPx
-/// where they don't.
-double distance_to(const float* at, std::ptrdiff_t step, int count, double low, double high, double level) {
-  const auto passed = [&](int k) { return (at[k * step] - low) / (high - low) - level; };
-  for (int k = 0; k < count; ++k) {
-    if (passed(k) < 0) continue;
-    if (k == 0) return 0;
-    return k - passed(k) / (passed(k) - passed(k - 1));
-  }
-  return kSearchPx;
-}
+constexpr int kPlateauPx = 8, kSearchPx = 16;
 
 /// Adds the widths at the edges of one row or column of `count` samples.
 void add_widths(const float* estimate, const float* truth, std::ptrdiff_t step, int count, float jump,
                 std::vector<double>& widths) {
-  for (int x = kSearchPx; x + kSearchPx < count; ++x) {
+  for (int x = kSearchPx; x + kSearchPx <= count; ++x) {
     const double low = truth[(x - 1) * step], high = truth[x * step], tolerance = 0.1 * std::abs(high - low);
     if (!(std::abs(high - low) > jump)) continue;
     bool flat = true;
@@ -35,22 +23,19 @@ void add_widths(const float* estimate, const float* truth, std::ptrdiff_t step, 
       flat &= std::abs(truth[(x + k) * step] - high) <= tolerance;
     }
     if (!flat) continue;
-    // From the middle, where the estimate crosses half of the jump nearest to the true edge, outwards.
-    const auto half = [&](int k) { return (estimate[k * step] - low) / (high - low) < 0.5; };
-    int middle = -1;
-    for (int k = 0; k < kPlateauPx && middle < 0; ++k) {
-      if (half(x - 1 - k) && !half(x - k))
-        middle = x - k;
-      else if (half(x - 1 + k) && !half(x + k))
-        middle = x + k;
-    }
-    if (middle < 0) {
+    const double from = estimate[(x - kSearchPx) * step], to = estimate[(x + kSearchPx - 1) * step];
+    if ((to - from) / (high - low) < 0.25) {
       widths.push_back(2 * kSearchPx);
       continue;
     }
-    const int after = std::min(kSearchPx, count - middle), before = std::min(kSearchPx, middle);
-    widths.push_back(distance_to(estimate + middle * step, step, after, low, high, 0.9) + 1 +
-                     distance_to(estimate + (middle - 1) * step, -step, before, high, low, 0.9));
+    // Where it last leaves 10 %, and first reaches 90 % thereafter.
+    const auto along = [&](int k) { return (estimate[k * step] - from) / (to - from); };
+    const auto crossing = [&](int k, double level) { return k + (level - along(k)) / (along(k + 1) - along(k)); };
+    int end = x - kSearchPx;
+    while (along(end + 1) < 0.9) ++end;
+    int begin = end;
+    while (along(begin) > 0.1) --begin;
+    widths.push_back(crossing(end, 0.9) - crossing(begin, 0.1));
   }
 }
 

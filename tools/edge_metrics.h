@@ -5,9 +5,10 @@
 /// Figures that ask whether a map's edges lie where the true one's do, and how sharp they are.
 namespace dualpixel::tools {
 
-/// Median over the true map's edges of how far the estimate takes from 10 % to 90 % of the jump, pixels. An edge is a
-/// step by more than `jump` between neighbours along a row or a column that holds within 10 % over the 8 pixels on
-/// either side of it; widths end at the 24 pixels searched on either side. 0 where there is no edge.
+/// Median over the true map's edges of how far the estimate takes from 10 % to 90 % of its own step there, pixels. An
+/// edge is a step of the truth by more than `jump` between neighbours along a row or a column that holds within 10 %
+/// over the 8 pixels on either side of it. The estimate's step is that between the pixels 16 to either side; where it
+/// is under a quarter of the true one, the width counts as 32. 0 where there is no edge.
 double edge_width_px(const Image& estimate, const Image& truth, float jump);
 
 /// Boundary F-score (Martin et al. 2004, "Learning to Detect Natural Image Boundaries", with a tolerance in place of
