@@ -9,7 +9,10 @@ struct FilterMaskOptions {
   float erosion = 0.05f;  ///< side of the square that erodes confidence, over the picture's larger side (section 3.4)
   float sigmoid_slope = 16;    ///< k of the sigmoid; the paper gives no value
   float blur_sigma_px = 1.0f;  ///< Gaussian against speckles, half-resolution pixels; the paper gives no value
-  BilateralGridOptions grid;   ///< at half resolution
+  /// At half resolution; the paper gives none. Cells of 16 px bridge what erosion opens: on the portrait scene the
+  /// mask's boundary F-score at 2 px rises from 0.57 to 0.63 over those of 8, from 0.49 to 0.63 for a mask that is 24
+  /// px off, for two thirds of the time (`dualpixel bench edges CAPTURE`).
+  BilateralGridOptions grid{16, 8, 8};
   BilateralSolverOptions solver;
   JointUpsampleOptions upsample;
 };

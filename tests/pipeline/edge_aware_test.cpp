@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -6,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "capture/error.h"
 #include "pipeline/edge_aware/bilateral_solver.h"
 #include "pipeline/edge_aware/filter_mask.h"
 #include "pipeline/edge_aware/guide.h"
@@ -205,6 +207,122 @@ TEST(BilateralSolver, BrokenAndEmptyInputsStayFinite) {
                              .value;
     for (const float value : solved.data) EXPECT_NEAR(value, 0.5f, 1e-5);
   }
+}
+
+TEST(BilateralSolver, ConfidenceOfTheResult) {
+  // Left and right of an edge the targets agree and differ; in the middle an island that nobody tells anything.
+  Image guide = two_tone(96, 64, 48), target(96, 64), confidence(96, 64, 1, 1.0f);
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 96; ++x) target.at(x, y) = x < 48 ? 0.5f : (x + y) % 2 == 0 ? 0.2f : 0.8f;
+  }
+  for (int y = 24; y < 40; ++y) {
+    for (int x = 16; x < 32; ++x) {
+      guide.at(x, y, 0) = 255;
+      confidence.at(x, y) = 0;
+    }
+  }
+  BilateralSolverOptions options;
+  options.variance = true;
+  options.iterations = 200;
+  const BilateralSolution solved = solve_bilateral(make_bilateral_grid(guide), guide, target, confidence, options);
+  const Image sure = confidence_of_variance(solved.variance, 0.3f);
+  EXPECT_NEAR(sure.at(4, 4), 1, 1e-4);
+  EXPECT_NEAR(solved.variance.at(90, 60), 0.09, 1e-3);  // of 0.2 and 0.8
+  EXPECT_NEAR(sure.at(90, 60), std::exp(-0.5), 5e-3);
+  EXPECT_TRUE(std::isinf(solved.variance.at(24, 32)));
+  EXPECT_EQ(sure.at(24, 32), 0);
+  EXPECT_NEAR(solved.value.at(24, 32), 0.5f, 1e-4);
+}
+
+TEST(BilateralSolver, UnreachedPixelsTakeTheNearestReached) {
+  Image guide(60, 40, 3, 40.0f), target(60, 40), confidence(60, 40, 1, 1.0f);
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 0; x < 60; ++x) {
+      target.at(x, y) = static_cast<float>(x + 3 * y);
+      if (x < 15 || x > 45 || y < 12) continue;
+      for (int c = 0; c < 3; ++c) guide.at(x, y, c) = 200;
+      confidence.at(x, y) = 0;
+    }
+  }
+  const Image solved = solve_bilateral(make_bilateral_grid(guide), guide, target, confidence).value;
+  for (int y = 12; y < 40; ++y) {
+    for (int x = 15; x <= 45; ++x) {
+      double nearest = 1e9;
+      std::vector<float> allowed;  // all that are as near
+      for (int v = 0; v < 40; ++v) {
+        for (int u = 0; u < 60; ++u) {
+          if (u >= 15 && u <= 45 && v >= 12) continue;
+          const double distance = (u - x) * (u - x) + (v - y) * (v - y);
+          if (distance < nearest) allowed.clear();
+          if (distance <= nearest) allowed.push_back(solved.at(u, v));
+          nearest = std::min(nearest, distance);
+        }
+      }
+      ASSERT_NE(std::find(allowed.begin(), allowed.end(), solved.at(x, y)), allowed.end()) << x << ' ' << y;
+    }
+  }
+}
+
+TEST(BilateralSolver, ChannelsAreSolvedLikeOne) {
+  const Image guide = random_image(40, 30, 3, 1, 90, 130), confidence = random_image(40, 30, 1, 2, 0, 1);
+  const Image both = random_image(40, 30, 2, 3, 0, 1);
+  const BilateralGrid grid = make_bilateral_grid(guide);
+  const Image solved = solve_bilateral(grid, guide, both, confidence).value;
+  for (int c = 0; c < 2; ++c) {
+    Image one(40, 30);
+    for (std::size_t i = 0; i < one.data.size(); ++i) one.data[i] = both.data[2 * i + c];
+    const Image expected = solve_bilateral(grid, guide, one, confidence).value;
+    for (std::size_t i = 0; i < one.data.size(); ++i) ASSERT_EQ(solved.data[2 * i + c], expected.data[i]);
+  }
+}
+
+TEST(BilateralSolver, StopsWhereAskedAndStartsFromAGuess) {
+  const Image guide = random_image(160, 120, 3, 1, 90, 130), confidence = random_image(160, 120, 1, 2, 0, 0.1);
+  const Image target = random_image(160, 120, 1, 3, 0, 1);
+  const BilateralGrid grid = make_bilateral_grid(guide);
+  BilateralSolverOptions options;
+  options.iterations = 1000;
+  options.least_residual = 1e-4;
+  const BilateralSolution solved = solve_bilateral(grid, guide, target, confidence, options);
+  EXPECT_LE(solved.residual, 1e-4);
+  EXPECT_GT(solved.iterations, 1);
+  options.iterations = 2;
+  EXPECT_GT(solve_bilateral(grid, guide, target, confidence, options).residual, 1e-4);
+  options.iterations = 1000;
+  const BilateralSolution again = solve_bilateral(grid, guide, target, confidence, options, solved.value);
+  EXPECT_LT(again.iterations, solved.iterations);
+  for (std::size_t i = 0; i < target.data.size(); ++i) ASSERT_NEAR(again.value.data[i], solved.value.data[i], 1e-3);
+}
+
+TEST(BilateralSolver, SameBytesForAnyNumberOfThreads) {
+  const Image guide = random_image(300, 200, 3, 1, 60, 190), target = random_image(300, 200, 1, 2, 0, 1);
+  const Image confidence = random_image(300, 200, 1, 3, 0, 1);
+  std::vector<Image> results;
+  for (const int threads : {1, 2, 5}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const BilateralGrid grid = make_bilateral_grid(guide);
+    results.push_back(joint_upsample(median_3x3(solve_bilateral(grid, guide, target, confidence).value), guide,
+                                     resize_bilinear(guide, 600, 400)));
+  }
+  EXPECT_EQ(results[0].data, results[1].data);
+  EXPECT_EQ(results[0].data, results[2].data);
+}
+
+TEST(BilateralSolver, RefusesWhatCannotBe) {
+  const Image guide(8, 8, 3, 10.0f), map(8, 8);
+  EXPECT_THROW(make_bilateral_grid(Image()), InputError);
+  EXPECT_THROW(make_bilateral_grid(Image(8, 8, 2)), InputError);
+  for (const BilateralGridOptions& cells : {BilateralGridOptions{0.5f, 8, 8}, {8, -1, 8}, {8, 8, std::nanf("")}}) {
+    EXPECT_THROW(make_bilateral_grid(guide, cells), InputError);
+  }
+  const BilateralGrid grid = make_bilateral_grid(guide);
+  EXPECT_THROW(solve_bilateral(grid, guide, Image(7, 8), map), InputError);
+  EXPECT_THROW(solve_bilateral(grid, guide, map, Image(8, 8, 2)), InputError);
+  EXPECT_THROW(solve_bilateral(grid, guide, map, map, {}, Image(8, 7)), InputError);
+  EXPECT_THROW(solve_bilateral(grid, guide, map, map, {.lambda = 0}), InputError);
+  EXPECT_THROW(solve_bilateral(grid, guide, map, map, {.lambda = std::nanf("")}), InputError);
+  EXPECT_THROW(solve_bilateral(grid, guide, map, map, {.iterations = -1}), InputError);
+  EXPECT_THROW(solve_bilateral(grid, guide, map, map, {.robust_rounds = 1, .robust_scale = 0}), InputError);
 }
 
 TEST(FillGaps, KeepsWhatIsSureAndAveragesAround) {
