@@ -479,10 +479,12 @@ std::string to_page(const nlohmann::ordered_json& results) {
 
 void print(const nlohmann::ordered_json& results) {
   const auto& paths = results["paths"];
-  std::cout << fmt::format("disparity {:6.1f} ms: solve {:.1f}, median {:.1f}, upsample {:.1f}\nmask      {:6.1f} ms\n",
-                           paths["disparity_ms"].get<double>(), paths["solve_ms"].get<double>(),
-                           paths["median_ms"].get<double>(), paths["upsample_ms"].get<double>(),
-                           paths["mask_ms"].get<double>());
+  std::cout << fmt::format(
+      "disparity {:6.1f} ms ({:.1f} ms of CPU): solve {:.1f}, median {:.1f}, upsample {:.1f}\n"
+      "mask      {:6.1f} ms ({:.1f} ms of CPU)\n",
+      paths["disparity_ms"].get<double>(), paths["disparity_cpu_ms"].get<double>(), paths["solve_ms"].get<double>(),
+      paths["median_ms"].get<double>(), paths["upsample_ms"].get<double>(), paths["mask_ms"].get<double>(),
+      paths["mask_cpu_ms"].get<double>());
   for (const auto& [name, score] : paths["mask_boundary_f_2px"].items()) {
     std::cout << fmt::format("  boundary F at 2 px, {:<20}{:.3f}\n", name, score.get<double>());
   }

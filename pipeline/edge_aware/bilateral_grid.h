@@ -9,6 +9,8 @@
 /// Y, Cb and Cr share a vertex; vertices one cell apart along one of the five axes are neighbours.
 namespace dualpixel::pipeline {
 
+/// Of 4, 8 and 16 px by 4, 8 and 16 levels, no choice is best for all targets; these lie near the front of time against
+/// error for both that `dualpixel bench edges CAPTURE` charts.
 struct BilateralGridOptions {
   float cell_px = 8;      ///< side of a cell along x and y, pixels of the guide; at least 1
   float cell_luma = 8;    ///< along Y, of 255 levels; at least 1. 8, 8, 8 as the authors' public code

