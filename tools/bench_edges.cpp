@@ -112,18 +112,20 @@ Image solve_with_opencv(const Small& small, const BilateralGridOptions& cells, i
   return out;
 }
 
-/// A filter that knows no confidence, used on both: filter(c t) / filter(c).
+/// A filter that knows no confidence, used on both: filter(c t) / filter(c), no further than the targets go, since
+/// filters that overshoot can find next to no confidence.
 template <typename Filter>
 Image normalized(const Small& small, const Filter& filter) {
   Image out(small.guide.width, small.guide.height);
   const cv::Mat guide = guide_of(small), confidence = wrapped(small.confidence) + 1e-4f;
+  const auto [least, most] = std::minmax_element(small.disparity.data.begin(), small.disparity.data.end());
   cv::Mat both, filtered;
   cv::merge(std::vector<cv::Mat>{wrapped(small.disparity).mul(confidence), confidence, confidence}, both);
   filter(guide, both, filtered);
   for (int y = 0; y < out.height; ++y) {
     for (int x = 0; x < out.width; ++x) {
       const cv::Vec3f sums = filtered.at<cv::Vec3f>(y, x);
-      out.at(x, y) = sums[0] / std::max(sums[1], 1e-6f);
+      out.at(x, y) = std::clamp(sums[0] / std::max(sums[1], 1e-6f), *least, *most);
     }
   }
   return out;
