@@ -35,8 +35,8 @@ struct Axis {
   /// Values with a tick, and what is written there.
   std::vector<double> ticks() const {
     if (!log) return round_ticks(low, high, 6);
-    // decades where there are some, else round numbers within them
-    for (const std::vector<double>& steps : {std::vector{1.0}, {1.0, 2.0, 5.0}, {1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0}}) {
+    // decades where there are some, else round numbers
+    for (const std::vector<double>& steps : {std::vector{1.0}, {1.0, 2.0, 5.0}}) {
       std::vector<double> result;
       for (int decade = static_cast<int>(std::floor(low)); decade <= high; ++decade) {
         for (double step : steps) {
@@ -46,7 +46,7 @@ struct Axis {
       }
       if (result.size() >= 2) return result;
     }
-    return {std::pow(10, low), std::pow(10, high)};
+    return round_ticks(std::pow(10, low), std::pow(10, high), 4);
   }
 };
 
