@@ -121,7 +121,14 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
   require_mask(person_mask, options.mode);
   const int width = capture.camera.width_px, height = capture.camera.height_px;
   PortraitResult result;
-  StageClock stage(result.stages, options.mode == Mode::seg ? 6 : options.mode == Mode::dp ? 8 : 9, progress);
+  // before the work, not after it
+  std::optional<Correction> correction;
+  if (options.calibration && options.mode != Mode::seg) {
+    correction = make_correction(*options.calibration, capture.camera);
+    if (!correction->warning.empty()) result.warnings.push_back(correction->warning);
+  }
+  const int stages = (options.mode == Mode::seg ? 6 : options.mode == Mode::dp ? 8 : 9) + (correction ? 1 : 0);
+  StageClock stage(result.stages, stages, progress);
 
   MergedBurst burst = stage("merge", [&] { return align_and_merge(capture.frames, capture.exposure); });
   result.input = stage("demosaic", [&] { return develop(burst, capture.camera, capture.exposure); });
@@ -141,6 +148,12 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
       const TileDisparity tiles = match(burst, capture, options);
       return upsample_tiles(tiles, options.match.tile_px, burst.left.width, burst.left.height, options.tile_upsample);
     });
+    if (correction) {
+      matched = stage("calibration", [&] {
+        correct_disparity(*correction, matched.disparity_dp_px, matched.confidence);
+        return std::move(matched);
+      });
+    }
 
     const int small_width = (width + 3) / 4, small_height = (height + 3) / 4;
     PixelDisparity small = reduce(matched, small_width, small_height);

@@ -7,6 +7,7 @@
 
 #include "capture/capture.h"
 #include "capture/image.h"
+#include "pipeline/calibration/calibration.h"
 #include "pipeline/defocus/blur_radius.h"
 #include "pipeline/defocus/layers.h"
 #include "pipeline/defocus/mask_blur.h"
@@ -48,6 +49,7 @@ struct PortraitOptions {
   MatchOptions match;
   LikelihoodMatchOptions likelihood_match;  ///< its noise is the capture's own
   UpsampleOptions tile_upsample;
+  std::optional<Calibration> calibration;  ///< of the capture's camera; matched disparity is corrected by it
   MergeMaskOptions merge_mask;
   BilateralGridOptions grid;
   BilateralSolverOptions solver;
@@ -74,13 +76,15 @@ struct PortraitResult {
   Image portrait_srgb;            ///< the same, exposed and gamma-encoded for display, 0..1
   Image disparity_dp_px;          ///< smoothed, DP pixels; empty in mode seg
   Image confidence;               ///< of the matches that it was smoothed from, 0..1; empty in mode seg
-  Image matched_disparity_dp_px;  ///< before smoothing, at DP resolution (dp_width x dp_height); empty in mode seg
+  Image matched_disparity_dp_px;  ///< corrected but not smoothed, at DP resolution (dp_width x dp_height); empty in
+                                  ///< mode seg
   Image matched_confidence;
   Image mask;            ///< person mask, 0..1: edge-aware filtered in mode seg, as given in dp_seg, empty in dp
   Image blur_radius_px;  ///< r(x) of Eq. 5, full-resolution pixels
   double focus_disparity_dp_px = 0;
   int base_frame = 0;  ///< of the burst: whose scene and pose the pictures and maps show
   std::vector<StageTime> stages;
+  std::vector<std::string> warnings;  ///< for people: what makes the result less good than it could be
 };
 
 /// Called with what is being done and the fraction of all stages that is.
@@ -92,8 +96,9 @@ using PortraitProgress = std::function<void(const std::string& stage, double fra
 /// d_focus is the median disparity over Capture::face_px where that face is well focused, in mode dp_seg otherwise the
 /// person's disparity, and 0 (trust the autofocus) in mode dp.
 ///
-/// Throws InputError where a mode lacks its mask, or the mask is not one channel of finite values. Dense views (1 x 1)
-/// must be of one colour: half-photosites under a mosaic hold nothing that could be matched.
+/// Throws InputError where a mode lacks its mask, or the mask is not one channel of finite values, and where the
+/// calibration is another camera's. Dense views (1 x 1) must be of one colour: half-photosites under a mosaic hold
+/// nothing that could be matched.
 PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options = {},
                             const std::optional<Image>& person_mask = {}, const PortraitProgress& progress = {});
 

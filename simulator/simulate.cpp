@@ -159,26 +159,6 @@ Matrix4 row_major(const glm::mat4& m) {
   return result;
 }
 
-Camera describe_camera(const Simulation& s, const CameraView& view) {
-  Camera c;
-  c.name = "simulated " + s.lens.name;
-  c.width_px = s.sensor.width_px;
-  c.height_px = s.sensor.height_px;
-  c.pixel_pitch_um = s.sensor.pixel_pitch_um;
-  c.dp_downsample_x = s.sensor.dp_downsample_x;
-  c.dp_downsample_y = s.sensor.dp_downsample_y;
-  const ThinLens& thin = s.lens.thin;
-  c.focal_length_mm = thin.focal_length_m * 1e3;
-  c.f_number = thin.f_number;
-  c.focus_distance_m = thin.focus_distance_m;
-  const glm::dvec2 centre = view.lens.sensor().principal_point_px;
-  c.principal_point_px = {centre.x, centre.y};
-  constexpr const char* kSplitNames[] = {"hard", "ramp", "microlens", "table"};
-  c.split = kSplitNames[static_cast<int>(s.lens.split.kind)];
-  c.alpha = s.lens.split.alpha(thin.rim_slope());
-  return c;
-}
-
 const CameraNode& camera_node(const Simulation& s, const Scene& scene) {
   if (scene.cameras.empty()) {
     throw InputError(printable(s.gltf_path) +
@@ -377,6 +357,26 @@ SensorGrid sensor_grid(const Simulation& s) {
           {0.5 * s.sensor.width_px, 0.5 * s.sensor.height_px}};
 }
 
+Camera describe_camera(const Simulation& s) {
+  Camera c;
+  c.name = "simulated " + s.lens.name;
+  c.width_px = s.sensor.width_px;
+  c.height_px = s.sensor.height_px;
+  c.pixel_pitch_um = s.sensor.pixel_pitch_um;
+  c.dp_downsample_x = s.sensor.dp_downsample_x;
+  c.dp_downsample_y = s.sensor.dp_downsample_y;
+  const ThinLens& thin = s.lens.thin;
+  c.focal_length_mm = thin.focal_length_m * 1e3;
+  c.f_number = thin.f_number;
+  c.focus_distance_m = thin.focus_distance_m;
+  const glm::dvec2 centre = sensor_grid(s).principal_point_px;
+  c.principal_point_px = {centre.x, centre.y};
+  constexpr const char* kSplitNames[] = {"hard", "ramp", "microlens", "table"};
+  c.split = kSplitNames[static_cast<int>(s.lens.split.kind)];
+  c.alpha = s.lens.split.alpha(thin.rim_slope());
+  return c;
+}
+
 CameraView place_camera(const Simulation& s, const Scene& scene) {
   try {
     return {world_from_camera(s, scene), LensSampler(s.lens, sensor_grid(s))};
@@ -406,7 +406,7 @@ Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& s
   const RenderScene world(scene);
 
   Capture capture;
-  capture.camera = describe_camera(s, view);
+  capture.camera = describe_camera(s);
   capture.exposure = describe_exposure(s.sensor, s.exposure);
   capture.face_px = s.face_px;
 

@@ -72,6 +72,9 @@ Scene load_scene(const Simulation& simulation, double time_s = 0);
 /// Its photosites, the axis in the middle.
 SensorGrid sensor_grid(const Simulation& simulation);
 
+/// The camera as its captures describe it.
+Camera describe_camera(const Simulation& simulation);
+
 /// The camera of `simulation` as it stands in `scene`, its lens made ready (up to a second for a prescription). Throws
 /// InputError where the node is missing.
 CameraView place_camera(const Simulation& simulation, const Scene& scene);

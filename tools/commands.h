@@ -15,6 +15,7 @@ void add_threads_option(CLI::App& command);
 void add_overrides_option(CLI::App& command, std::vector<std::string>& overrides, const std::string& example);
 
 void add_simulate(CLI::App& program);
+void add_calibrate(CLI::App& program);
 void add_portrait(CLI::App& program);
 void add_score(CLI::App& program);
 void add_report(CLI::App& program);
@@ -26,6 +27,7 @@ CLI::Option* add_tolerance_option(CLI::App& command, double& tolerance_dp_px);
 void add_bench(CLI::App& program);
 /// `experiment`, whose subcommands each measure one thing over a sweep, and write JSON and a page of charts.
 void add_experiment(CLI::App& program);
+void add_experiment_calibration(CLI::App& experiment);
 void add_experiment_failures(CLI::App& experiment);
 void add_experiment_noise(CLI::App& experiment);
 void add_export(CLI::App& program);

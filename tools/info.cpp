@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -7,9 +9,11 @@
 
 #include "capture/capture.h"
 #include "capture/error.h"
+#include "capture/files.h"
 #include "capture/image_io.h"
 #include "capture/json_fields.h"
 #include "simulator/scene/gltf.h"
+#include "tools/calibration_page.h"
 #include "tools/commands.h"
 
 namespace dualpixel::tools {
@@ -78,12 +82,43 @@ json describe_json(const std::string& path) {
   return description;
 }
 
+json describe_calibration(const std::string& path) {
+  const pipeline::Calibration calibration = read_calibration_folder(path);
+  const Camera& camera = calibration.camera;
+  json focuses = json::array();
+  std::vector<float> residuals;
+  std::size_t lines = 0, nodes = 0;
+  for (const pipeline::FocusCalibration& f : calibration.focuses) {
+    focuses.push_back(std::isinf(f.focus_distance_m) ? json("inf") : json(f.focus_distance_m));
+    nodes += f.slope_dp_px_m.data.size();
+    for (std::size_t i = 0; i < f.slope_dp_px_m.data.size(); ++i) {
+      if (f.slope_dp_px_m.data[i] == 0) continue;
+      residuals.push_back(f.residual_dp_px.data[i]);
+      ++lines;
+    }
+  }
+  std::nth_element(residuals.begin(), residuals.begin() + static_cast<std::ptrdiff_t>(lines / 2), residuals.end());
+  return {{"kind", "calibration"},
+          {"camera", camera.name},
+          {"width_px", camera.width_px},
+          {"height_px", camera.height_px},
+          {"focal_length_mm", camera.focal_length_mm},
+          {"f_number", camera.f_number},
+          {"focus_distances_m", focuses},
+          {"nearest_target_m", calibration.nearest_target_m},
+          {"farthest_target_m", calibration.farthest_target_m},
+          {"places_with_a_line", static_cast<double>(lines) / static_cast<double>(nodes)},
+          {"median_residual_dp_px", residuals[lines / 2]},
+          {"warnings", calibration.warnings}};
+}
+
 json describe(const std::string& path) {
   std::error_code error;
   if (fs::is_directory(path, error)) {
     if (fs::exists(path + "/capture.json", error)) return describe_capture(path);
     if (fs::exists(path + "/result.json", error)) return describe_json(path + "/result.json");
-    throw InputError(printable(path) + ": is a folder without capture.json or result.json");
+    if (fs::exists(path + "/calibration.json", error)) return describe_calibration(path);
+    throw InputError(printable(path) + ": is a folder without capture.json, result.json or calibration.json");
   }
   char head[4] = {};
   std::ifstream(path, std::ios::binary).read(head, sizeof(head));
@@ -107,6 +142,7 @@ void print(const json& value, const std::string& indent) {
 
 struct InfoOptions {
   std::string path;
+  std::string page;
   bool as_json = false;
 };
 
@@ -115,11 +151,21 @@ struct InfoOptions {
 void add_info(CLI::App& program) {
   CLI::App* command = program.add_subcommand("info", "Says what a file or folder is, and verifies it");
   const auto options = std::make_shared<InfoOptions>();
-  command->add_option("path", options->path, "Capture or result folder, scene JSON, glTF file or picture")->required();
+  command->add_option("path", options->path, "Capture, result or calibration folder, scene JSON, glTF file or picture")
+      ->required();
+  command->add_option("-o,--output", options->page, "Write a page with the lines and maps of a calibration")
+      ->type_name("PAGE.html");
   command->add_flag("--json", options->as_json, "Print JSON");
-  command->footer("Example:\n  dualpixel info out/capture --json");
+  command->footer(
+      "Example:\n  dualpixel info out/capture --json\n  dualpixel info out/calibration -o calibration.html");
   command->callback([options] {
     const json description = describe(options->path);
+    if (!options->page.empty()) {
+      if (description["kind"] != "calibration") {
+        throw InputError(printable(options->path) + ": -o: pages are made of calibrations only");
+      }
+      replace_file(options->page, to_page(read_calibration_folder(options->path), read_measurements(options->path)));
+    }
     if (options->as_json) {
       std::cout << description.dump(2) << '\n';
     } else {

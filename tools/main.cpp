@@ -60,6 +60,7 @@ int main(int argc, char** argv) {
   program.footer(
       "Example:\n  dualpixel simulate scenes/portrait.json -o out/capture\n  dualpixel portrait out/capture -o out/dp");
   dualpixel::tools::add_simulate(program);
+  dualpixel::tools::add_calibrate(program);
   dualpixel::tools::add_portrait(program);
   dualpixel::tools::add_score(program);
   dualpixel::tools::add_report(program);

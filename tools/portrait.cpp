@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <iostream>
 #include <map>
 #include <memory>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/image_io.h"
+#include "tools/calibration_page.h"
 #include "tools/commands.h"
 #include "tools/plain_pair.h"
 #include "tools/result_io.h"
@@ -29,6 +31,7 @@ struct PortraitCommand {
   std::string matcher = "paper";
   std::string mask;
   bool true_mask = false;
+  std::string calibration;
   std::uint64_t seed = pipeline::PortraitOptions().seed;
 };
 
@@ -71,6 +74,7 @@ void run(const PortraitCommand& command) {
   if (plain == !command.capture.empty()) {
     throw InputError("portrait: give a capture folder, or the two views by --left FILE --right FILE");
   }
+  if (!command.calibration.empty()) options.calibration = read_calibration_folder(command.calibration);
   { const NewFolder writable(command.output, "result.json"); }  // before the work, not after it
 
   Capture capture = plain ? read_plain_pair(command.pair) : read_capture(command.capture, command.true_mask);
@@ -92,6 +96,7 @@ void run(const PortraitCommand& command) {
   pipeline::PortraitResult result =
       pipeline::run_portrait(capture, options, mask, [&](const std::string&, double fraction) { bar(fraction); });
   if (command.pair.vertical_split) transpose_back(result);
+  for (const std::string& warning : result.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
 
   const auto absolute = [](const std::string& path) {
     return std::filesystem::absolute(path).lexically_normal().string();
@@ -108,6 +113,8 @@ void run(const PortraitCommand& command) {
   provenance["mode"] = command.mode;
   provenance["matcher"] = command.matcher;
   provenance["seed"] = command.seed;
+  if (!command.calibration.empty()) provenance["calibration"] = absolute(command.calibration);
+  if (!result.warnings.empty()) provenance["warnings"] = result.warnings;
   if (needs_mask) provenance["mask"] = command.true_mask ? "truth" : command.mask;
   write_result(result, provenance, command.output);
 }
@@ -153,6 +160,10 @@ void add_portrait(CLI::App& program) {
           ->type_name("FILE");
   sub->add_flag("--true-mask", command->true_mask, "Take the capture's true person mask")
       ->excludes(mask)
+      ->excludes(left);
+  sub->add_option("--calibration", command->calibration,
+                  "Calibration folder of this camera, as `dualpixel calibrate` writes it: corrects disparity")
+      ->type_name("DIR")
       ->excludes(left);
   sub->add_option("--seed", command->seed, "Seed of the synthetic noise")->type_name("N")->capture_default_str();
   add_threads_option(*sub);

@@ -1,0 +1,161 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "capture/json_fields.h"
+#include "pipeline/calibration/calibration.h"
+
+namespace dualpixel::pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kVersion = 1;
+constexpr std::size_t kNodes = static_cast<std::size_t>(kCalibrationColumns) * kCalibrationRows;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kMost = 1e6;  ///< of any value at a node
+
+/// JSON has no infinity.
+Json distance_json(double distance_m) { return std::isinf(distance_m) ? Json("inf") : Json(distance_m); }
+
+/// To 1e-5: a hundredth of what any measurement is good for, in half the bytes.
+Json nodes_json(const Image& image) {
+  Json nodes = Json::array();
+  for (const float value : image.data) nodes.push_back(std::round(value * 1e5) / 1e5);
+  return nodes;
+}
+
+void read_nodes(Fields& fields, const std::string& key, Image& image, double low) {
+  std::vector<double> values;
+  fields.required(key).list(key, values, low, kMost, kNodes);
+  if (values.size() != kNodes) {
+    fields.fail(key, fmt::format("{} numbers: must be {} x {}, row by row", values.size(), kCalibrationColumns,
+                                 kCalibrationRows));
+  }
+  image = Image(kCalibrationColumns, kCalibrationRows);
+  for (std::size_t i = 0; i < kNodes; ++i) image.data[i] = static_cast<float>(values[i]);
+}
+
+void read_header(Fields& fields, const std::string& expected) {
+  std::string format;
+  int version = 0;
+  fields.required("format").choice("format", format, {expected});
+  fields.required("version").integer("version", version, kVersion, kVersion);
+}
+
+constexpr const char* kCalibrationFormat = "dualpixel-calibration";
+constexpr const char* kMeasurementFormat = "dualpixel-calibration-measurement";
+constexpr double kNearest_m = 1e-3;
+
+Json camera_json(const Camera& c) {
+  return {{"name", c.name},
+          {"width_px", c.width_px},
+          {"height_px", c.height_px},
+          {"pixel_pitch_um", c.pixel_pitch_um},
+          {"dp_downsample_x", c.dp_downsample_x},
+          {"dp_downsample_y", c.dp_downsample_y},
+          {"focal_length_mm", c.focal_length_mm},
+          {"f_number", c.f_number},
+          {"principal_point_px", c.principal_point_px}};
+}
+
+Camera read_camera(Fields fields) {
+  Camera c;
+  fields.required("name").text("name", c.name);
+  fields.required("width_px").integer("width_px", c.width_px, 2, 65536);
+  fields.required("height_px").integer("height_px", c.height_px, 4, 65536);
+  fields.required("pixel_pitch_um").number("pixel_pitch_um", c.pixel_pitch_um, 0.01, 1000);
+  fields.required("dp_downsample_x").integer("dp_downsample_x", c.dp_downsample_x, 1, 64);
+  fields.required("dp_downsample_y").integer("dp_downsample_y", c.dp_downsample_y, 1, 64);
+  fields.required("focal_length_mm").number("focal_length_mm", c.focal_length_mm, 0.01, 1e5);
+  fields.required("f_number").number("f_number", c.f_number, 0.01, 1000);
+  fields.required("principal_point_px").numbers("principal_point_px", c.principal_point_px.data(), 2);
+  if (c.principal_point_px[0] < 0 || c.principal_point_px[0] > c.width_px || c.principal_point_px[1] < 0 ||
+      c.principal_point_px[1] > c.height_px) {
+    fields.fail("principal_point_px",
+                fmt::format("{}, {}: must lie in the picture", c.principal_point_px[0], c.principal_point_px[1]));
+  }
+  fields.done();
+  return c;
+}
+
+}  // namespace
+
+Json to_json(const Calibration& calibration) {
+  Json focuses = Json::array();
+  for (const FocusCalibration& f : calibration.focuses) {
+    focuses.push_back({{"focus_distance_m", distance_json(f.focus_distance_m)},
+                       {"slope_dp_px_m", nodes_json(f.slope_dp_px_m)},
+                       {"intercept_dp_px", nodes_json(f.intercept_dp_px)},
+                       {"residual_dp_px", nodes_json(f.residual_dp_px)},
+                       {"r_squared", nodes_json(f.r_squared)},
+                       {"count", nodes_json(f.count)}});
+  }
+  return {{"format", kCalibrationFormat},
+          {"version", kVersion},
+          {"camera", camera_json(calibration.camera)},
+          {"nearest_target_m", calibration.nearest_target_m},
+          {"farthest_target_m", calibration.farthest_target_m},
+          {"warnings", calibration.warnings},
+          {"focuses", focuses}};
+}
+
+Calibration read_calibration(const nlohmann::json& json, const std::string& file) {
+  Fields root(json, file);
+  read_header(root, kCalibrationFormat);
+  Calibration calibration;
+  calibration.camera = read_camera(root.required("camera").object("camera"));
+  root.required("nearest_target_m").number("nearest_target_m", calibration.nearest_target_m, kNearest_m, 1e6);
+  root.required("farthest_target_m")
+      .number("farthest_target_m", calibration.farthest_target_m, calibration.nearest_target_m, 1e6);
+  const nlohmann::json& warnings = root.raw("warnings");
+  for (const nlohmann::json& warning : warnings) {
+    if (!warning.is_string()) root.fail("warnings", "must be an array of texts");
+    calibration.warnings.push_back(warning.get<std::string>());
+  }
+  double last = kInfinity;
+  for (Fields& entry : root.required("focuses").objects("focuses")) {
+    FocusCalibration& f = calibration.focuses.emplace_back();
+    entry.required("focus_distance_m").number("focus_distance_m", f.focus_distance_m, kNearest_m, kInfinity);
+    if (calibration.focuses.size() > 1 && !(f.focus_distance_m < last)) {
+      entry.fail("focus_distance_m", fmt::format("{}: must be nearer than the one before it", f.focus_distance_m));
+    }
+    last = f.focus_distance_m;
+    read_nodes(entry, "slope_dp_px_m", f.slope_dp_px_m, -kMost);
+    read_nodes(entry, "intercept_dp_px", f.intercept_dp_px, -kMost);
+    read_nodes(entry, "residual_dp_px", f.residual_dp_px, 0);
+    read_nodes(entry, "r_squared", f.r_squared, -kMost);
+    read_nodes(entry, "count", f.count, 0);
+    if (f.slope_dp_px_m.at(kCalibrationColumns / 2, kCalibrationRows / 2) == 0) {
+      entry.fail("slope_dp_px_m", "0 in the middle of the picture: there is nothing to correct to");
+    }
+    entry.done();
+  }
+  if (calibration.focuses.empty()) root.fail("focuses", "must hold at least one focus distance");
+  root.done();
+  return calibration;
+}
+
+Json to_json(const TargetMeasurement& measurement) {
+  return {{"format", kMeasurementFormat},
+          {"version", kVersion},
+          {"focus_distance_m", distance_json(measurement.focus_distance_m)},
+          {"target_distance_m", measurement.target_distance_m},
+          {"disparity_dp_px", nodes_json(measurement.disparity_dp_px)},
+          {"usable", nodes_json(measurement.usable)}};
+}
+
+TargetMeasurement read_measurement(const nlohmann::json& json, const std::string& file) {
+  Fields root(json, file);
+  read_header(root, kMeasurementFormat);
+  TargetMeasurement m;
+  root.required("focus_distance_m").number("focus_distance_m", m.focus_distance_m, kNearest_m, kInfinity);
+  root.required("target_distance_m").number("target_distance_m", m.target_distance_m, kNearest_m, 1e6);
+  read_nodes(root, "disparity_dp_px", m.disparity_dp_px, -kMost);
+  read_nodes(root, "usable", m.usable, 0);
+  root.done();
+  return m;
+}
+
+}  // namespace dualpixel::pipeline

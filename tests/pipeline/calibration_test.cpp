@@ -1,0 +1,277 @@
+#include "pipeline/calibration/calibration.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "capture/error.h"
+#include "tests/pipeline/texture.h"
+
+namespace dualpixel::pipeline {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kColumns = kCalibrationColumns, kRows = kCalibrationRows;
+
+Camera test_camera() {
+  Camera camera;
+  camera.name = "test";
+  camera.width_px = 2688;
+  camera.height_px = 2016;
+  camera.pixel_pitch_um = 1.4;
+  camera.dp_downsample_y = 4;
+  camera.focal_length_mm = 4.4;
+  camera.f_number = 1.8;
+  camera.focus_distance_m = 0.8;
+  camera.principal_point_px = {1344, 1008};
+  return camera;
+}
+
+/// A lens by formula, u and v from -1 to 1 over the picture: even slope, an intercept that a thin lens would have,
+/// bent.
+double slope_at(double u, double v) { return -0.8 * (1 - 0.2 * u * u + 0.1 * v * v); }
+double intercept_at(double u, double v, double focus_m) { return 0.8 / focus_m + 0.3 * u * u - 0.1 * u * v; }
+
+TargetMeasurement measurement(double focus_m, double target_m, double tilt_x_deg = 0) {
+  TargetMeasurement m{focus_m, target_m, Image(kColumns, kRows), Image(kColumns, kRows, 1, 1.0f)};
+  const double half_field = 1344 * 1.4e-3 / (4.4 / (1 - 4.4e-3 / focus_m));  // slope of the chief ray at u = 1
+  for (int j = 0; j < kRows; ++j) {
+    for (int i = 0; i < kColumns; ++i) {
+      const double u = 2.0 * i / (kColumns - 1) - 1, v = 2.0 * j / (kRows - 1) - 1;
+      // z = D + x tan(tilt) and x = u half_field z: 1/z is linear in u
+      const double inverse = (1 - std::tan(tilt_x_deg * M_PI / 180) * u * half_field) / target_m;
+      m.disparity_dp_px.at(i, j) = static_cast<float>(slope_at(u, v) * inverse + intercept_at(u, v, focus_m));
+    }
+  }
+  return m;
+}
+
+std::vector<TargetMeasurement> sweep(const std::vector<double>& focuses_m, double tilt_x_deg = 0) {
+  std::vector<TargetMeasurement> measurements;
+  for (const double focus : focuses_m) {
+    for (const double target : {0.25, 0.4, 1.0, 2.5}) measurements.push_back(measurement(focus, target, tilt_x_deg));
+  }
+  return measurements;
+}
+
+std::string refusal(const std::vector<TargetMeasurement>& measurements) {
+  try {
+    fit_calibration(test_camera(), measurements);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(CalibrationFlow, FindsASmoothFieldUnderShadingThatDiffersBetweenTheViews) {
+  const int width = 672, height = 252;
+  const Texture texture(3, 1.0 / 32);
+  // right(x + d) = left(x) with d = shift + stretch (x - middle): right(x) = left at x' where x' + d(x') = x
+  const double shift = 0.9, stretch = 0.002, middle = width / 2.0;
+  Image left = texture.raster(width, height, 0.5, 1, 0.5, 1);
+  const double first = (0.5 - shift + stretch * middle) / (1 + stretch);
+  Image right = texture.raster(width, height, first, 1 / (1 + stretch), 0.5, 1);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double u = 2 * (x + 0.5) / width - 1;
+      left.at(x, y) = static_cast<float>((0.5 + 0.2 * left.at(x, y)) * (0.5 - 0.2 * u * u + 0.05 * u));
+      right.at(x, y) = static_cast<float>((0.5 + 0.2 * right.at(x, y)) * (0.5 - 0.2 * u * u - 0.05 * u));
+    }
+  }
+  const Flow flow = match_target(left, right);
+  double square = 0, count = 0;
+  for (int y = flow.disparity_dp_px.height / 20; y < flow.disparity_dp_px.height * 19 / 20; ++y) {
+    for (int x = flow.disparity_dp_px.width / 20; x < flow.disparity_dp_px.width * 19 / 20; ++x) {
+      const double at = (x + 0.5) * width / flow.disparity_dp_px.width;
+      square += std::pow(flow.disparity_dp_px.at(x, y) - (shift + stretch * (at - middle)), 2);
+      ++count;
+      EXPECT_LT(flow.mismatch.at(x, y), 0.05);
+    }
+  }
+  // The views' ratio falls from 1 to 0.71: 0.1 % of light that is left in it reads as 0.03 DP px on this texture.
+  EXPECT_LT(std::sqrt(square / count), 0.03);
+}
+
+TEST(CalibrationFlow, ViewsWithoutTextureAreFiniteAndMatchNowhere) {
+  const Flow flow = match_target(Image(336, 126, 1, 0.5f), Image(336, 126, 1, 0.4f));
+  for (const float d : flow.disparity_dp_px.data) ASSERT_TRUE(std::isfinite(d));
+  for (const float mismatch : flow.mismatch.data) ASSERT_EQ(mismatch, 2);
+}
+
+TEST(Calibration, RecoversExactLines) {
+  const Calibration calibration = fit_calibration(test_camera(), sweep({0.5, kInfinity, 1.5}));
+  ASSERT_EQ(calibration.focuses.size(), 3u);
+  EXPECT_EQ(calibration.focuses[0].focus_distance_m, kInfinity);
+  EXPECT_EQ(calibration.focuses[2].focus_distance_m, 0.5);
+  EXPECT_TRUE(calibration.warnings.empty());
+  for (const FocusCalibration& focus : calibration.focuses) {
+    for (const auto& [i, j] : {std::pair{0, 0}, {20, 15}, {33, 4}, {40, 30}}) {
+      const double u = 2.0 * i / (kColumns - 1) - 1, v = 2.0 * j / (kRows - 1) - 1;
+      EXPECT_NEAR(focus.slope_dp_px_m.at(i, j), slope_at(u, v), 1e-5);
+      EXPECT_NEAR(focus.intercept_dp_px.at(i, j), intercept_at(u, v, focus.focus_distance_m), 1e-5);
+      EXPECT_NEAR(focus.residual_dp_px.at(i, j), 0, 1e-5);
+      EXPECT_NEAR(focus.r_squared.at(i, j), 1, 1e-5);
+      EXPECT_EQ(focus.count.at(i, j), 4);
+    }
+  }
+}
+
+TEST(Calibration, RefusesWhatGivesNoLine) {
+  EXPECT_EQ(refusal({measurement(1, 0.5), measurement(1, 0.5), measurement(1, 1)}),
+            "calibration: focus distance 1 m: 2 target distances: a line needs at least 3");
+  EXPECT_EQ(refusal({measurement(1, 0.99), measurement(1, 1), measurement(1, 1.02)}),
+            "calibration: focus distance 1 m: targets from 0.99 m to 1.02 m: too close together; their inverses must "
+            "differ by 0.2 / m");
+  std::vector<TargetMeasurement> unseen = sweep({1});
+  for (std::size_t k = 0; k < 2; ++k) unseen[k].usable = Image(kColumns, kRows);
+  EXPECT_EQ(refusal(unseen),
+            "calibration: focus distance 1 m: the views match in the middle of only 2 targets; 3 are needed: is the "
+            "target textured and within range?");
+  EXPECT_EQ(refusal({}), "calibration: no measurements");
+}
+
+TEST(Calibration, SaysWhenTheTargetWasTilted) {
+  for (const double tilt : {-5.0, -2.0, 1.0, 5.0}) {
+    const std::vector<TargetMeasurement> measurements = sweep({0.8}, tilt);
+    const Calibration calibration = fit_calibration(test_camera(), measurements);
+    const TargetTilt found = estimate_tilt(test_camera(), calibration.focuses[0], measurements[1]);
+    EXPECT_NEAR(found.x_deg, tilt, 0.05);
+    EXPECT_NEAR(found.y_deg, 0, 0.05);
+    ASSERT_EQ(calibration.warnings.size(), 1u);
+    EXPECT_NE(calibration.warnings[0].find("the target seems tilted"), std::string::npos);
+  }
+}
+
+TEST(Calibration, AFrontoParallelPlaneIsFlatAfterCorrectionAtAnyDepth) {
+  const Calibration calibration = fit_calibration(test_camera(), sweep({kInfinity, 1.5, 0.5}));
+  Camera camera = test_camera();
+  const Correction correction = make_correction(calibration, camera);
+  EXPECT_EQ(correction.warning, "");
+  for (const double depth : {0.3, 0.8, 5.0}) {
+    Image d(1344, 504), confidence(1344, 504, 1, 0.7f);
+    for (int y = 0; y < d.height; ++y) {
+      for (int x = 0; x < d.width; ++x) {
+        const double u = 2 * (x + 0.5) / d.width - 1, v = 2 * (y + 0.5) / d.height - 1;
+        d.at(x, y) = static_cast<float>(slope_at(u, v) / depth + intercept_at(u, v, camera.focus_distance_m));
+      }
+    }
+    correct_disparity(correction, d, confidence);
+    const double axis = slope_at(0, 0) / depth + intercept_at(0, 0, camera.focus_distance_m);
+    for (const float value : d.data) ASSERT_NEAR(value, axis, 2e-3);
+    for (const float value : confidence.data) ASSERT_EQ(value, 0.7f);
+  }
+}
+
+TEST(Calibration, WhereTheSlopeVanishesNothingIsTrustedAndNothingExplodes) {
+  Calibration calibration = fit_calibration(test_camera(), sweep({0.8}));
+  calibration.focuses[0].slope_dp_px_m.at(5, 5) = -1e-30f;
+  calibration.focuses[0].slope_dp_px_m.at(30, 20) = 0.5f;  // of the wrong sign
+  const Correction correction = make_correction(calibration, test_camera());
+  Image d(400, 300, 1, 1.0f), confidence(400, 300, 1, 1.0f);
+  correct_disparity(correction, d, confidence);
+  for (const float value : d.data) ASSERT_LT(std::abs(value), 10);
+  EXPECT_EQ(confidence.at(49, 49), 0);  // node (5, 5) is at (50, 50)
+  EXPECT_EQ(confidence.at(41, 50), 0);
+  EXPECT_EQ(confidence.at(59, 59), 0);
+  EXPECT_EQ(confidence.at(39, 50), 1);
+  EXPECT_EQ(confidence.at(300, 200), 0);
+  EXPECT_EQ(confidence.at(200, 150), 1);
+}
+
+TEST(Calibration, BeyondTheCalibratedFocusTheNearestIsUsedWithLessConfidenceAndAWarning) {
+  const Calibration calibration = fit_calibration(test_camera(), sweep({2, 0.5}));
+  Camera camera = test_camera();
+  camera.focus_distance_m = 0.4;  // 0.5 / m too near
+  const Correction near = make_correction(calibration, camera);
+  EXPECT_NEAR(near.confidence, std::exp(-1.0), 1e-6);
+  EXPECT_EQ(near.warning,
+            "focus distance 0.4 m lies outside the calibrated 0.5 m to 2 m; the nearest calibration, 0.5 m, is used");
+  camera.focus_distance_m = kInfinity;
+  const Correction far = make_correction(calibration, camera);
+  EXPECT_NEAR(far.confidence, std::exp(-1.0), 1e-6);
+  EXPECT_NE(far.warning.find("focus distance inf m"), std::string::npos);
+  EXPECT_NEAR(line_at(focus_at(calibration, kInfinity), 0.5, 0.5).intercept_dp_px, 0.8 / 2, 1e-5);
+}
+
+TEST(Calibration, RefusesAnotherCamerasCapture) {
+  const Calibration calibration = fit_calibration(test_camera(), sweep({0.8}));
+  Camera camera = test_camera();
+  camera.name = "other\n";
+  EXPECT_THROW(make_correction(calibration, camera), InputError);
+  for (int Camera::*field : {&Camera::width_px, &Camera::height_px, &Camera::dp_downsample_x}) {
+    camera = test_camera();
+    camera.*field *= 2;
+    EXPECT_THROW(make_correction(calibration, camera), InputError);
+  }
+  camera = test_camera();
+  camera.f_number = 2;
+  try {
+    make_correction(calibration, camera);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "capture does not fit the calibration: /camera/f_number: 2: another camera; must be 1.8");
+  }
+}
+
+TEST(Calibration, SurvivesItsFileAndRefusesADamagedOne) {
+  const Calibration calibration = fit_calibration(test_camera(), sweep({kInfinity, 0.8}, 3));
+  const nlohmann::json json = to_json(calibration);
+  const Calibration read = read_calibration(json, "c.json");
+  ASSERT_EQ(read.focuses.size(), 2u);
+  EXPECT_EQ(read.warnings, calibration.warnings);
+  EXPECT_EQ(nlohmann::json(to_json(read)), json);
+  EXPECT_LT(json.dump().size(), 2u * 80000u);
+
+  const auto refused = [&](const char* pointer, const nlohmann::json& value) {
+    nlohmann::json damaged = json;
+    damaged[nlohmann::json::json_pointer(pointer)] = value;
+    try {
+      read_calibration(damaged, "c.json");
+    } catch (const InputError& error) {
+      const std::string message = error.what();
+      return message.starts_with("c.json: /") && message.find('\n') == std::string::npos;
+    }
+    return false;
+  };
+  EXPECT_TRUE(refused("/version", 2));
+  EXPECT_TRUE(refused("/format", "other"));
+  EXPECT_TRUE(refused("/surprise", 1));
+  EXPECT_TRUE(refused("/focuses", nlohmann::json::array()));
+  EXPECT_TRUE(refused("/focuses/1/focus_distance_m", "inf"));
+  EXPECT_TRUE(refused("/focuses/0/slope_dp_px_m", {1, 2, 3}));
+  EXPECT_TRUE(refused("/focuses/0/slope_dp_px_m/7", nullptr));
+  EXPECT_TRUE(refused("/focuses/0/slope_dp_px_m/635", 0));
+  EXPECT_TRUE(refused("/camera/width_px", 0));
+  EXPECT_TRUE(refused("/warnings", 5));
+}
+
+TEST(SlowCalibrationSpeed, FlowUnder400MsAndCorrectionUnder2MsAt1344x504) {
+  const Texture texture(3, 1.0 / 48);
+  const Image left = textured(texture, 1344, 504, 0), right = textured(texture, 1344, 504, 1.2);
+  const auto best_ms = [](const auto& work) {
+    double best = kInfinity;
+    for (int i = 0; i < 5; ++i) {
+      const auto start = std::chrono::steady_clock::now();
+      work();
+      best =
+          std::min(best, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    }
+    return best;
+  };
+  const double flow_ms = best_ms([&] { match_target(left, right); });
+  const Correction correction = make_correction(fit_calibration(test_camera(), sweep({0.8})), test_camera());
+  Image d(1344, 504, 1, 1.0f), confidence(1344, 504, 1, 1.0f);
+  const double correct_ms = best_ms([&] { correct_disparity(correction, d, confidence); });
+  RecordProperty("flow_ms", std::to_string(flow_ms));
+  RecordProperty("correct_ms", std::to_string(correct_ms));
+  std::printf("flow %.1f ms, correction %.2f ms\n", flow_ms, correct_ms);
+  EXPECT_LT(flow_ms, 400);
+  EXPECT_LT(correct_ms, 2);
+}
+
+}  // namespace
+}  // namespace dualpixel::pipeline
