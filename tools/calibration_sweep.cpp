@@ -111,9 +111,12 @@ std::vector<pipeline::TargetMeasurement> run_sweep(const simulator::Simulation& 
         measurements.push_back(pipeline::read_measurement(read_json_file(file(j)), file(j)));
       } else {
         if (!sweep) sweep.emplace(simulation, focuses[i], options);
-        measurements.push_back(
-            sweep->measure(sweep->target_distances_m()[j], simulator::hash(options.seed, i * 1000 + j)));
-        if (!folder.empty()) replace_file(file(j), to_json(measurements.back()).dump() + "\n");
+        const pipeline::TargetMeasurement measured =
+            sweep->measure(sweep->target_distances_m()[j], simulator::hash(options.seed, i * 1000 + j));
+        // through JSON, kept or not: a sweep that went on must end as one that was not interrupted
+        const nlohmann::json json = to_json(measured);
+        if (!folder.empty()) replace_file(file(j), json.dump() + "\n");
+        measurements.push_back(pipeline::read_measurement(json, file(j)));
       }
       if (progress) progress((i * options.targets + j + 1) / all);
     }

@@ -187,7 +187,7 @@ TEST(CalibrateCommand, SweepsGoesOnWhereItWasAndIsDescribed) {
   std::filesystem::remove(out + "/measurements/focus_01_target_02.json");
   const auto kept = std::filesystem::last_write_time(out + "/measurements/focus_00_target_00.json");
   ASSERT_EQ(run_program(command).status, 0);
-  EXPECT_EQ(read_bytes(out + "/calibration.json"), whole);
+  EXPECT_TRUE(read_bytes(out + "/calibration.json") == whole);
   EXPECT_EQ(std::filesystem::last_write_time(out + "/measurements/focus_00_target_00.json"), kept);
 
   const Outcome info = run_program("info '" + out + "' --json -o '" + (folder / "page.html") + "'");
