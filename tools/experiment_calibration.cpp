@@ -137,7 +137,6 @@ std::string to_page(const std::vector<Effort>& all, double uncorrected_dp_px, co
   plot.title = "Effort against residual";
   plot.x_label = "photographs";
   plot.y_label = "standard deviation over the field, DP px";
-  plot.log_x = true;
   for (const Effort& e : all) {
     if (plot.series.empty() || plot.series.back().name != e.axis) {
       plot.series.push_back({e.axis, {}, false, e.axis != "focus distances" && e.axis != "target distances"});
