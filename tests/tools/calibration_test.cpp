@@ -111,9 +111,9 @@ TEST(CalibrationSweep, FindsThatTheTargetIsTilted) {
   EXPECT_NEAR(pipeline::estimate_tilt(calibration.camera, calibration.focuses[0], measurements[0]).x_deg, 3, 1);
 }
 
-class SlowCalibrationLens : public testing::TestWithParam<const char*> {};
+class CalibrationLens : public testing::TestWithParam<const char*> {};
 
-TEST_P(SlowCalibrationLens, AgreesWithTheTracedLens) {
+TEST_P(CalibrationLens, AgreesWithTheTracedLens) {
   const simulator::Simulation simulation = camera_with(GetParam());
   for (const double focus_m : {0.5, 2.0}) {
     const FocusSweep sweep(simulation, focus_m, {});
@@ -128,7 +128,7 @@ TEST_P(SlowCalibrationLens, AgreesWithTheTracedLens) {
   }
 }
 
-TEST_P(SlowCalibrationLens, MakesPlanesFlatAtDepthsAndFocusesThatTheSweepDidNotUse) {
+TEST_P(CalibrationLens, MakesPlanesFlatAtDepthsAndFocusesThatTheSweepDidNotUse) {
   const simulator::Simulation simulation = camera_with(GetParam());
   // the two of twenty focus distances on either side of 0.75 m
   std::vector<pipeline::TargetMeasurement> measurements;
@@ -169,13 +169,13 @@ TEST_P(SlowCalibrationLens, MakesPlanesFlatAtDepthsAndFocusesThatTheSweepDidNotU
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SlowCalibrationLens,
+INSTANTIATE_TEST_SUITE_P(Slow, CalibrationLens,
                          testing::Values("phone_aberrated_4.4mm_f1.8", "phone_6p_4.2mm_f1.8", "phone_7p_4.9mm_f1.85"));
 
 const std::string kScene = std::string("'") + DUALPIXEL_SOURCE_DIR + "/scenes/calibration_target.json' ";
 const std::string kSmall = "--focuses 2 --targets 3 --set sensor.width_px=448 --set sensor.height_px=336 ";
 
-TEST(CalibrateCommand, SweepsGoesOnWhereItWasAndIsDescribed) {
+TEST(SlowCalibrateCommand, SweepsGoesOnWhereItWasAndIsDescribed) {
   const TemporaryFolder folder;
   const std::string out = folder / "calibration";
   const std::string command = "calibrate " + kScene + kSmall + "-o '" + out + "'";

@@ -31,7 +31,7 @@ TEST(LensCommand, PrintsJsonWithFirstOrderFiguresAndCalibration) {
   EXPECT_NEAR(row.front()["left_light"].get<double>(), row.back()["right_light"].get<double>(), 0.01);
 }
 
-TEST(LensCommand, WritesAPageThatLoadsNothingAndATwin) {
+TEST(SlowLensCommand, WritesAPageThatLoadsNothingAndATwin) {
   const std::string page = ::testing::TempDir() + "/lens.html", twin = ::testing::TempDir() + "/twin.json";
   const Outcome run = run_program("lens '" + kLens + "' -o '" + page + "' --twin '" + twin + "'");
   ASSERT_EQ(run.status, 0) << run.err;

@@ -226,7 +226,7 @@ TEST(SlowPlanProgram, SimulateAutoAppliesItAndRecordsIt) {
   EXPECT_EQ(left("a"), left("c"));
 }
 
-TEST(PlanProgram, BadOptionsGetOneLine) {
+TEST(SlowPlanProgram, BadOptionsGetOneLine) {
   expect_one_line_refusal(run_program("plan nowhere.json"));
   expect_one_line_refusal(run_program("plan"));
   expect_one_line_refusal(run_program("plan " + kScene + "--tolerance-px 0"));

@@ -163,7 +163,7 @@ TEST(Focus, MovesTheImageOfItsDistanceToTheSensor) {
   EXPECT_NE(p.surfaces[4].thickness_mm, inner["surfaces"][4]["thickness_mm"].get<double>());
 }
 
-TEST(AberratedTwin, FollowsTheTracedPhoneLens) {
+TEST(SlowAberratedTwin, FollowsTheTracedPhoneLens) {
   const Lens lens = read_monochrome("phone_6p_4.2mm_f1.8", 1.5);
   const SensorGrid sensor = full_sensor(lens, 2688);
   const Lens twin = aberrated_twin(lens);
@@ -189,7 +189,7 @@ TEST(AberratedTwin, FollowsTheTracedPhoneLens) {
 
 // Where the sensor's own split says nearly nothing about focus, as these microlenses at the picture's edge, the fit
 // must not be read from it.
-TEST(AberratedTwin, OfALensBehindTiltedMicrolenses) {
+TEST(SlowAberratedTwin, OfALensBehindTiltedMicrolenses) {
   const Lens lens = read_lens_file(shipped("full_frame_50mm_f4_dual_pixel"), 1.0);
   const Lens twin = aberrated_twin(lens);
   EXPECT_EQ(twin.split.kind, SplitPixel::Kind::microlens);

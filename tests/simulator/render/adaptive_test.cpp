@@ -84,7 +84,7 @@ TEST(Adaptive, RealisesTheErrorThatItWasAskedFor) {
 
 // The mean of 64 renders, each with a pilot of its own, against that of 64 with one count for all: were the count to
 // depend on the samples that it counts, dark tiles would stop early.
-TEST(Adaptive, StoppingDoesNotBias) {
+TEST(SlowAdaptive, StoppingDoesNotBias) {
   const Scene scene = barred_wall();
   const RenderScene world(scene);
   constexpr int kSide = 32, kRenders = 64, kPhotosites = kSide * kSide;
