@@ -203,7 +203,7 @@ SampleMap samples_in_time(const Simulation& s, const RenderScene& world, const C
     (share_samples(pilot, share, kMostSamples).total_samples() > affordable ? low : high) = share;
   }
   share = high;
-  const SampleMap map = share_samples(pilot, share, kMostSamples);
+  SampleMap map = share_samples(pilot, share, kMostSamples);
   // The fewest samples may do better than what the time would have allowed.
   double sum = 0;
   for (float ratio : map.error_ratio) sum += static_cast<double>(ratio) * ratio;

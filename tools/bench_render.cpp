@@ -313,7 +313,7 @@ void run(const BenchRenderOptions& options) {
 void add_bench_render(CLI::App& bench) {
   auto options = std::make_shared<BenchRenderOptions>();
   CLI::App* command = bench.add_subcommand("render", "Chart the renderer's error against its time, and Embree's floor");
-  command->add_option("scene", options->scenes, "simulator::Scene JSON files (default: the shipped ones)")
+  command->add_option("scene", options->scenes, "Scene JSON files (default: the shipped ones)")
       ->type_name("SCENE.json");
   command->add_option("-o,--output", options->output, "Folder for render.json and render.html")
       ->type_name("DIR")

@@ -4,7 +4,7 @@ namespace dualpixel::tools {
 
 void add_experiment(CLI::App& program) {
   CLI::App* experiment = program.add_subcommand(
-      "experiment", "Measure what the simulator and the pipeline do, over a sweep: charts and JSON.");
+      "experiment", "Measure what the simulator and the pipeline do, over a sweep: charts and JSON");
   experiment->require_subcommand(1);
   experiment->footer("Example:\n  dualpixel experiment failures -o out/experiments");
   add_experiment_calibration(*experiment);

@@ -149,7 +149,7 @@ struct InfoOptions {
 }  // namespace
 
 void add_info(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("info", "Says what a file or folder is, and verifies it");
+  CLI::App* command = program.add_subcommand("info", "Say what a file or folder is, and verify it");
   const auto options = std::make_shared<InfoOptions>();
   command->add_option("path", options->path, "Capture, result or calibration folder, scene JSON, glTF file or picture")
       ->required();

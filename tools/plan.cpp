@@ -391,10 +391,12 @@ Plan plan(const simulator::Simulation& simulation, const simulator::Scene& scene
 
 simulator::Simulation planned(simulator::Simulation simulation, const Plan& plan) {
   simulation.lens = plan.lenses[plan.lens].model.lens;
+  if (!plan.measured) return simulation;
   simulation.render.max_bounces = plan.bounces[plan.bounce].bounces;
+  simulation.render.samples_per_pixel = plan.samples[plan.sample].samples;
   simulation.noise_fraction.reset();
   simulation.render_error.reset();
-  simulation.render.samples_per_pixel = plan.samples[plan.sample].samples;
+  simulation.time_budget_s.reset();
   return simulation;
 }
 

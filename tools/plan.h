@@ -29,7 +29,7 @@
 ///            0.8 shows other things than it should and counts as an error of 1 DP px.
 /// Three standard errors, from the scatter over the windows, are added to each mean square. Windows count whose
 /// disparity the capture's own sensor noise, its burst merged, blurs by no more than the tolerance. Where fewer than 6
-/// windows have texture, bounces and samples stay as the scene file has them, and the plan says so.
+/// windows have texture, bounces and how samples are chosen stay as the scene file has them, and the plan says so.
 ///
 /// The choice is by counted work, so that it is the same on every machine: a sample through a thin lens costs 1, an
 /// aberrated one 1.1, polynomials 1.4, an exact trace 5.5 (`dualpixel bench lens`), a bounce 1. Times are measured, and
@@ -81,7 +81,8 @@ struct Plan {
 Plan plan(const simulator::Simulation& simulation, const simulator::Scene& scene, double tolerance_dp_px,
           std::uint64_t seed);
 
-/// The same simulation with the plan's choice.
+/// The same simulation with the plan's choice; a measured one takes the place of all that the scene file says of
+/// samples.
 simulator::Simulation planned(simulator::Simulation simulation, const Plan& plan);
 
 /// Everything a program may want. Without times it is the same at every run, as what goes into a capture must be.

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "capture/capture.h"
+#include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
 #include "simulator/render/journal.h"
@@ -27,11 +28,23 @@ struct SimulateOptions {
   bool resume = false;
 };
 
+/// Where the journal of a capture lies: beside its folder, which is replaced as a whole, never in it.
+std::string journal_beside(std::string folder) {
+  while (folder.size() > 1 && folder.back() == '/') folder.pop_back();
+  return folder + ".resume";
+}
+
 void run(const SimulateOptions& options) {
   nlohmann::json json = read_json_file(options.scene);
   for (const std::string& assignment : options.overrides) apply_override(json, assignment);
   if (options.seed) apply_override(json, fmt::format("render.seed={}", *options.seed));
   simulator::Simulation simulation = simulator::read_simulation(json, options.scene);
+  if (options.resume && simulation.time_budget_s && !options.automatic) {
+    throw InputError(
+        fmt::format("{}: /render/time_budget_s: {} cannot go with --resume, whose bytes must not depend on "
+                    "the clock; leave either out",
+                    printable(options.scene), *simulation.time_budget_s));
+  }
   const simulator::Scene scene = simulator::load_scene(simulation);
   simulator::place_camera(simulation, scene);                    // refuses a missing camera before anything is rendered
   { const NewFolder writable(options.output, "capture.json"); }  // and a folder that could not be written in the end
@@ -54,7 +67,7 @@ void run(const SimulateOptions& options) {
     return;
   }
 
-  const std::string journal_path = options.output + ".resume";
+  const std::string journal_path = journal_beside(options.output);
   std::optional<simulator::Journal> journal;
   if (options.resume) {
     const simulator::CameraView camera = simulator::place_camera(simulation, scene);
@@ -73,7 +86,8 @@ void run(const SimulateOptions& options) {
   capture.provenance["gltf_xxh64"] = file_hash(simulation.gltf_path);
   if (options.automatic) capture.provenance["plan"] = plan_of_capture;
   write_capture(capture, options.output);
-  if (options.resume) std::filesystem::remove(journal_path);
+  std::error_code left_behind;  // the capture is there: not worth failing for
+  if (options.resume) std::filesystem::remove(journal_path, left_behind);
 }
 
 }  // namespace
@@ -85,33 +99,31 @@ void add_simulate(CLI::App& program) {
   command->add_option("-o,--output", options->output, "Capture folder to write")->required()->type_name("DIR");
   add_overrides_option(*command, options->overrides, "camera.focus_distance_m=0.9");
   command->add_option("--seed", options->seed, "Seed of rendering and noise (render.seed)")->type_name("N");
-  const auto sampling_option = [&](const std::string& name, const std::string& field, const std::string& meaning) {
-    return command
-        ->add_option_function<double>(
-            name,
-            [options, field](double share) { options->overrides.push_back(fmt::format("render.{}={}", field, share)); },
-            meaning)
-        ->check(CLI::Range(1e-4, 100.0))
-        ->type_name("SHARE");
-  };
-  CLI::Option* by_noise = sampling_option(
-      "--noise-fraction", "noise_fraction",
-      "Sample the views until their error is this share of the sensor's noise, RMS; at 0.25 nobody sees it");
-  CLI::Option* by_error = sampling_option("--error", "error", "... or this share of the white level's signal");
-  by_error->excludes(by_noise);
   CLI::Option* automatic = command->add_flag(
       "--auto", options->automatic, "Lens model, bounces and samples by 'dualpixel plan' instead of the scene file's");
   add_tolerance_option(*command, options->tolerance_dp_px)->needs(automatic);
-  CLI::Option* by_time =
-      command
-          ->add_option_function<double>(
-              "--time-budget",
-              [options](double s) { options->overrides.push_back(fmt::format("render.time_budget_s={}", s)); },
-              "... or until the two views have taken about so many seconds")
-          ->check(CLI::Range(0.0, 1e7))
-          ->type_name("S")
-          ->excludes(by_noise)
-          ->excludes(by_error);
+  const auto sampling_option = [&](const std::string& name, const std::string& field, const std::string& meaning,
+                                   const CLI::Range& range, const std::string& unit) {
+    return command
+        ->add_option_function<double>(
+            name, [options, field](double to) { options->overrides.push_back(fmt::format("render.{}={}", field, to)); },
+            meaning)
+        ->check(range)
+        ->type_name(unit)
+        ->excludes(automatic);
+  };
+  const CLI::Range shares(1e-4, 100.0);
+  CLI::Option* by_noise = sampling_option(
+      "--noise-fraction", "noise_fraction",
+      "Sample the views until their error is this share of the sensor's noise, RMS; at 0.25 nobody sees it", shares,
+      "SHARE");
+  CLI::Option* by_error =
+      sampling_option("--error", "error",
+                      "Sample the views until their error is this share of the white level's signal", shares, "SHARE");
+  CLI::Option* by_time = sampling_option("--time-budget", "time_budget_s", "Sample the views for about so many seconds",
+                                         CLI::Range(0.0, 1e7), "S");
+  by_error->excludes(by_noise);
+  by_time->excludes(by_noise)->excludes(by_error);
   command
       ->add_flag(
           "--resume", options->resume,

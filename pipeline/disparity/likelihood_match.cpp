@@ -208,7 +208,7 @@ void tile_costs(const Padded& left, const Padded& right, int width, int column, 
     return;
   }
   mean /= precision;
-  precision /= static_cast<float>(kTile * kTile / kRowStep);
+  precision *= kRowStep / static_cast<float>(kTile * kTile);
   const float prior = 1 / (square(options.offset_search * mean) * precision + 1e-12f);
 
   float worst = 0;

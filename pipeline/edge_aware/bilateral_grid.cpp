@@ -260,7 +260,7 @@ Image interpolate(const BilateralGrid& grid, const Image& guide, std::span<const
   // Pixels between the middles of four tiles form a block; at the border there are fewer tiles.
   const auto block_begins = [&](int size, int tiles) {
     std::vector<int> begins(tiles + 2, size);
-    for (int x = size - 1; x >= 0; --x) begins[static_cast<int>(cell_position(x, grid.cells.cell_px) + 0.5)] = x;
+    for (int x = size - 1; x >= 0; --x) begins[std::lround(cell_position(x, grid.cells.cell_px))] = x;
     begins[0] = 0;
     return begins;
   };

@@ -122,7 +122,8 @@ struct Convergence {
 Convergence solve(const System& system, const Vertices& right, Vertices& u, const BilateralSolverOptions& options,
                   Iterates& scratch) {
   const BilateralGrid& grid = system.grid;
-  auto& [residual, applied, direction] = scratch;
+  Vertices &residual = scratch.residual, &applied = scratch.applied;
+  std::vector<float>& direction = scratch.direction;
   const double size = sum_over_vertices(grid, [&](int v) { return right[v] * right[v] * system.inverse_diagonal[v]; });
   double energy = sum_over_vertices(grid, [&](int v) {
     residual[v] = right[v] - system.apply(u, v);

@@ -40,9 +40,9 @@ void each_row(const Tile& tile, Images& views, const Visit& visit) {
   }
 }
 
-template <typename T>
-std::uint64_t hash_of(const std::vector<T>& values) {
-  return XXH64(values.data(), values.size() * sizeof(T), 0);
+template <typename Values>
+std::uint64_t hash_of(const Values& values) {
+  return XXH64(values.data(), values.size() * sizeof(*values.data()), 0);
 }
 
 }  // namespace
@@ -108,7 +108,7 @@ void Journal::add(std::uint64_t render, const Tile& tile, const Views& views) {
 }
 
 std::uint64_t fingerprint(const Scene& scene, const CameraView& camera, const std::string& more) {
-  std::uint64_t sum = XXH64(more.data(), more.size(), 0);
+  std::uint64_t sum = hash_of(more);
   const auto add = [&](std::uint64_t value) { sum = hash(sum, value); };
   for (const Mesh& mesh : scene.meshes) {
     add(hash_of(mesh.positions));

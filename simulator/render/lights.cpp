@@ -152,10 +152,10 @@ Lights::Lights(const Scene& scene, glm::vec3 low, glm::vec3 high) : scene_(scene
   std::vector<glm::vec3> towards(seen.size());
   float environment_power = 0;
   for (int i = 0; i < kCells * kCellProbes && !scene.environment.radiance_nits.empty(); ++i) {
-    const int cell = i / kCellProbes, probe = i % kCellProbes;
+    const int cell = i / kCellProbes, probe_column = i % kProbes, probe_row = i % kCellProbes / kProbes;
     const int row = cell / kColumns, column = cell % kColumns;
-    const float u = (column + (probe % kProbes + 0.5f) / kProbes) / kColumns;
-    const float v = (row + (probe / kProbes + 0.5f) / kProbes) / kRows;
+    const float u = (column + (probe_column + 0.5f) / kProbes) / kColumns;
+    const float v = (row + (probe_row + 0.5f) / kProbes) / kRows;
     seen[i] = luminance(radiance_at(scene.environment, u, v));
     environment_power += seen[i] * row_solid_angle(row) / kCellProbes;
     const float theta = kPi * v, phi = 2 * kPi * (u - 0.5f);

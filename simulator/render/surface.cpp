@@ -19,11 +19,11 @@ inline Tap linear_tap(float u, int size, Wrap mode) {
   const float period = repeat ? 1.0f : 2.0f, per_period = 1 / period;
   u = mode == Wrap::clamp ? u : u - period * std::floor(u * per_period);
   u = mode == Wrap::mirror && u > 1 ? 2 - u : u;
-  u = u < 1 ? u : 1.0f;  // also where it is no number
-  const float x = (u > 0 ? u : 0.0f) * static_cast<float>(size);
-  const int low = static_cast<int>(x + 0.5f) - 1, high = low + 1, last = size - 1;
+  u = u < 1 ? u : 1.0f;                                                  // also where it is no number
+  const float x = (u > 0 ? u : 0.0f) * static_cast<float>(size) + 0.5f;  // from the texel before the first
+  const int low = static_cast<int>(x) - 1, high = low + 1, last = size - 1;
   const int below = repeat ? last : 0, above = repeat ? 0 : last;
-  return {low >= 0 ? low : below, high <= last ? high : above, x - 0.5f - static_cast<float>(low)};
+  return {low >= 0 ? low : below, high <= last ? high : above, x - static_cast<float>(low + 1)};
 }
 
 /// The texel that u lies in.
@@ -157,7 +157,7 @@ TrianglePacket triangles_of(const Mesh& mesh, const int lanes[kPacket], const Ra
 
 /// One attribute of the three corners, in lanes.
 struct Corners {
-  Vec3Packet first, second, third;
+  Vec3Packet first{}, second{}, third{};
 
   Corners(const std::vector<glm::vec3>& values, const TrianglePacket& t) {
     for (int i = 0; i < (t.one ? 1 : kPacket); ++i) {

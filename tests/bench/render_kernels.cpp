@@ -14,7 +14,7 @@ namespace {
 void mirrored(benchmark::State& state) {
   alignas(64) float s[4][kPacket];
   std::uint64_t key = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     mirrored_samples(0, ++key, s);
     benchmark::DoNotOptimize(s);
   }
@@ -25,7 +25,7 @@ BENCHMARK(mirrored);
 void padded(benchmark::State& state) {
   alignas(64) float u[kPacket], v[kPacket];
   std::uint64_t key = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     padded_samples(0, 31, ++key, 0, u, v);
     benchmark::DoNotOptimize(u);
     benchmark::DoNotOptimize(v);
@@ -42,7 +42,7 @@ void lens(benchmark::State& state, const char* file, bool exact) {
   mirrored_samples(0, 1, s);
   LensPacket rays;
   int pixel = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     pixel = (pixel + 7919) % (1344 * 1008);
     sampler.sample(pixel % 1344, pixel / 1344, 1, s, rays);
     benchmark::DoNotOptimize(rays);
@@ -91,29 +91,19 @@ struct Hits {
   }
 };
 
-void base_colors(benchmark::State& state) {
+template <typename Packet>
+void shading(benchmark::State& state, void (*shade)(const Scene&, const Mesh&, const int*, const RayPacket&, Packet&)) {
   const Scene scene = wall();
   const Hits hits;
-  Vec3Packet colors;
-  for (auto _ : state) {
-    base_colors_at(scene, scene.meshes[0], hits.lanes, hits.rays, colors);
-    benchmark::DoNotOptimize(colors);
+  Packet packet;
+  for ([[maybe_unused]] auto _ : state) {
+    shade(scene, scene.meshes[0], hits.lanes, hits.rays, packet);
+    benchmark::DoNotOptimize(packet);
   }
   state.SetItemsProcessed(state.iterations() * kPacket);
 }
-BENCHMARK(base_colors);
-
-void surfaces(benchmark::State& state) {
-  const Scene scene = wall();
-  const Hits hits;
-  SurfacePacket surface;
-  for (auto _ : state) {
-    surfaces_at(scene, scene.meshes[0], hits.lanes, hits.rays, surface);
-    benchmark::DoNotOptimize(surface);
-  }
-  state.SetItemsProcessed(state.iterations() * kPacket);
-}
-BENCHMARK(surfaces);
+BENCHMARK_CAPTURE(shading, base_colors, base_colors_at);
+BENCHMARK_CAPTURE(shading, surfaces, surfaces_at);
 
 void light_samples(benchmark::State& state) {
   const Scene scene = wall();
@@ -124,7 +114,7 @@ void light_samples(benchmark::State& state) {
   alignas(64) float u[kPacket], v[kPacket];
   padded_samples(0, 31, 1, 0, u, v);
   LightPacket out;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     lights.sample(hits.lanes, surface.position, surface.normal, u, v, out);
     benchmark::DoNotOptimize(out);
   }

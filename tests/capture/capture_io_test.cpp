@@ -86,7 +86,7 @@ std::string read_refusal(const std::string& path) {
 
 std::string write_refusal(const Capture& capture) {
   const TemporaryFolder folder;
-  const std::string message = message_of<InputError>([&] { write_capture(capture, folder / "out"); });
+  std::string message = message_of<InputError>([&] { write_capture(capture, folder / "out"); });
   EXPECT_TRUE(message.empty() || folder.names().empty());
   return message;
 }

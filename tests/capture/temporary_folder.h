@@ -10,6 +10,10 @@
 
 namespace dualpixel {
 
+inline void write_bytes(const std::string& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
 /// A folder for one test, removed with it.
 struct TemporaryFolder {
   std::filesystem::path path;
@@ -28,6 +32,13 @@ struct TemporaryFolder {
 
   std::string operator/(const std::string& name) const { return (path / name).string(); }
 
+  /// Writes a file and the folders above it; its path.
+  std::string write(const std::string& name, const std::string& bytes) const {
+    std::filesystem::create_directories((path / name).parent_path());
+    write_bytes(path / name, bytes);
+    return path / name;
+  }
+
   std::set<std::string> names() const {
     std::set<std::string> found;
     for (const auto& entry : std::filesystem::directory_iterator(path)) found.insert(entry.path().filename().string());
@@ -38,10 +49,6 @@ struct TemporaryFolder {
 inline std::string read_bytes(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-inline void write_bytes(const std::string& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary) << bytes;
 }
 
 /// The message of the InputError that `act` throws; "" where it throws none.

@@ -93,14 +93,8 @@ TEST(Align, FindsMotionUpToTheReachAndStaysFiniteBeyond) {
 }
 
 TEST(Align, SmallestFramesAreFinite) {
-  for (const auto& [width, height] : {std::pair{2, 2}, {2, 40}, {38, 2}, {18, 22}}) {
-    std::vector<Frame> frames(3);
-    for (Frame& frame : frames) {
-      frame.mosaic = ImageU16(width, height, 1, 100);
-      frame.left = frame.right = ImageU16(width / 2, (height + 3) / 4, 1, 80);
-    }
-    frames[1].mosaic.at(1, 1) = 1000;
-    for (const MotionField& motion : align_burst(frames, 0, exposure_at(5))) {
+  for (const auto& [width, height] : kSmallestMosaics) {
+    for (const MotionField& motion : align_burst(flat_frames(width, height), 0, exposure_at(5))) {
       EXPECT_EQ(motion.width, (width / 2 + 7) / 8 + 1);
       EXPECT_EQ(motion.height, (height / 2 + 7) / 8 + 1);
       for (const float m : motion.data) EXPECT_TRUE(std::isfinite(m));

@@ -51,7 +51,7 @@ Pair defocused_pair(unsigned seed, double highest, double contrast, double b) {
   const Texture texture(seed, highest, 24);
   for (int j = 0; j < steps; ++j) {
     for (int i = 0; i < steps / 2; ++i) {
-      const double x = (i + 0.5) / (steps / 2) * radius, y = ((j + 0.5) / steps * 2 - 1) * radius;
+      const double x = (i + 0.5) / steps * 2 * radius, y = ((j + 0.5) / steps * 2 - 1) * radius;
       if (x * x + y * y > radius * radius) continue;
       const double side = b > 0 ? x : -x;
       const Image l = texture.raster(kWidth, kHeight, 0.5 + side, 1, 0.5 - y, 1);

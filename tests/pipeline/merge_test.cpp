@@ -391,13 +391,8 @@ TEST(Merge, LostFramesLeaveTheBase) {
 }
 
 TEST(Merge, SmallestFramesAreFinite) {
-  for (const auto& [width, height] : {std::pair{2, 2}, {2, 40}, {38, 2}, {18, 22}}) {
-    std::vector<Frame> frames(3);
-    for (Frame& frame : frames) {
-      frame.mosaic = ImageU16(width, height, 1, 100);
-      frame.left = frame.right = ImageU16(width / 2, (height + 3) / 4, 1, 80);
-    }
-    frames[1].mosaic.at(1, 1) = 1000;
+  for (const auto& [width, height] : kSmallestMosaics) {
+    std::vector<Frame> frames = flat_frames(width, height);
     const MergedBurst merged = align_and_merge(frames, exposure_at(5));
     for (const Image* image : {&merged.mosaic, &merged.left, &merged.right}) {
       for (const float value : image->data) EXPECT_TRUE(std::isfinite(value));

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "capture/capture.h"
@@ -120,6 +121,20 @@ inline std::vector<Frame> hand_held(const Target& target, int width, int height,
                                     unsigned seed) {
   std::vector<Frame> frames;
   for (const Pose& pose : kHandShake) frames.push_back(expose(see(target, width, height, pose), exposure, seed++));
+  return frames;
+}
+
+/// Mosaics smaller than a tile, or hardly larger: (width, height) in photosites.
+inline const std::array<std::pair<int, int>, 4> kSmallestMosaics = {{{2, 2}, {2, 40}, {38, 2}, {18, 22}}};
+
+/// Three frames without texture, but for one bright photosite of the second.
+inline std::vector<Frame> flat_frames(int width, int height) {
+  std::vector<Frame> frames(3);
+  for (Frame& frame : frames) {
+    frame.mosaic = ImageU16(width, height, 1, 100);
+    frame.left = frame.right = ImageU16(width / 2, (height + 3) / 4, 1, 80);
+  }
+  frames[1].mosaic.at(1, 1) = 1000;
   return frames;
 }
 

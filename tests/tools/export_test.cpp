@@ -73,11 +73,12 @@ TEST(Export, DngOpensInLibRaw) {
     ASSERT_EQ(rgb.width, kWidth);
     ASSERT_EQ(rgb.height, kHeight);
     double grey[3] = {}, color[3] = {};
+    constexpr double kPixels = (kHeight - 16) * (kWidth / 2 - 16);
     for (int y = 8; y < kHeight - 8; ++y) {
       for (int x = 8; x < kWidth / 2 - 8; ++x) {
         for (int c = 0; c < 3; ++c) {
-          grey[c] += rgb.at(x, y, c) / ((kHeight - 16) * (kWidth / 2 - 16));
-          color[c] += rgb.at(x + kWidth / 2, y, c) / ((kHeight - 16) * (kWidth / 2 - 16));
+          grey[c] += rgb.at(x, y, c) / kPixels;
+          color[c] += rgb.at(x + kWidth / 2, y, c) / kPixels;
         }
       }
     }

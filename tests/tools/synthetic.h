@@ -37,10 +37,11 @@ inline Capture synthetic_capture(int width = 64, int height = 48) {
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const bool valid = y < height - 1;
-      const bool left = x < width / 2;
+      const int middle = width / 2;
+      const bool left = x < middle;
       truth.valid.at(x, y) = valid ? 1.0f : 0.0f;
       truth.depth_m.at(x, y) = valid ? (left ? 0.5f : 2.0f) : INFINITY;
-      truth.disparity_dp_px.at(x, y) = left ? -1.0f : 0.5f + (x - width / 2) / (width / 2.0f - 1);
+      truth.disparity_dp_px.at(x, y) = left ? -1.0f : 0.5f + (x - middle) / (middle - 1.0f);
       truth.person_mask.at(x, y) = left && y < height / 2 ? 1.0f : 0.0f;
       truth.object_id.at(x, y) = valid ? 1 : 0;
       truth.normal.at(x, y, 2) = valid ? -1.0f : 0.0f;

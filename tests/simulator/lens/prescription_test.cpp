@@ -123,7 +123,7 @@ TEST(TracedLens, RenderedDisparityIsTheFields) {
   const double depth = 1.2, pitch = 1.4e-6;
   for (const glm::dvec2 field_mm : {glm::dvec2(0), glm::dvec2(1.5, 0), glm::dvec2(-1.2, 1.4)}) {
     constexpr int kSize = 64;
-    SensorGrid sensor{kSize, kSize, pitch, glm::dvec2(kSize / 2) - field_mm * 1e-3 / pitch};
+    SensorGrid sensor{kSize, kSize, pitch, glm::dvec2(kSize / 2.0) - field_mm * 1e-3 / pitch};
     const CameraView camera{glm::mat4(1), LensSampler(lens, sensor)};
     const glm::dvec2 chief = camera.lens.chief_slope(field_mm.x * 1e-3, field_mm.y * 1e-3) * depth;
     const auto side = static_cast<float>(14 * pitch / lens.thin.image_distance_m() * depth);

@@ -130,7 +130,8 @@ TEST(Lights, EnvironmentDensityIntegratesToOneAndIsTheSamplers) {
       const int lane = i % kPacket;
       lanes[lane] = -1;
       normals.set(lane, normal);
-      u[lane] = (i % 100 + 0.5f) / 100, v[lane] = (i / 100 + 0.5f) / 100;
+      const int row = i / 100;
+      u[lane] = (i % 100 + 0.5f) / 100, v[lane] = (row + 0.5f) / 100;
       LightPacket s;
       lights.sample(lanes, points, normals, u, v, s);
       EXPECT_NEAR(glm::length(s.direction.at(lane)), 1, 1e-6);

@@ -3,8 +3,6 @@
 
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -13,6 +11,7 @@
 
 #include "capture/error.h"
 #include "simulator/scene/gltf.h"
+#include "tests/capture/temporary_folder.h"
 
 namespace dualpixel::simulator {
 
@@ -97,23 +96,5 @@ std::string refusal(Read read) {
   ADD_FAILURE() << "was not refused";
   return "";
 }
-
-/// A folder that is gone when the test is over.
-struct TemporaryFolder {
-  std::filesystem::path path;
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "dualpixel-test-XXXXXX").string();
-    path = mkdtemp(name.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path); }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  std::string write(const std::string& name, const std::string& bytes) const {
-    std::filesystem::create_directories((path / name).parent_path());
-    std::ofstream(path / name, std::ios::binary) << bytes;
-    return (path / name).string();
-  }
-};
 
 }  // namespace dualpixel::simulator
