@@ -75,6 +75,14 @@ struct Frame {
   Matrix4 camera_from_world = kIdentity4;  ///< pose, metres
 };
 
+/// Raw digital numbers as the normalised signal.
+inline Image normalised(const ImageU16& raw, const Exposure& exposure) {
+  const double black = exposure.black_level_dn, range = exposure.white_level_dn - black;
+  Image signal(raw.width, raw.height);
+  for (std::size_t i = 0; i < raw.data.size(); ++i) signal.data[i] = static_cast<float>((raw.data[i] - black) / range);
+  return signal;
+}
+
 /// What the simulator knows and a phone does not, of the first frame's scene and camera. All images have the full
 /// sensor's size; geometry is that of the pinhole ray through the pixel's centre, unfiltered. Pictures are linear RGB
 /// in the frames' normalised signal after white balance (1.0 = green's white level), noiseless and unclipped. Where

@@ -93,11 +93,11 @@ TileDisparity match(const MergedBurst& burst, const Capture& capture, const Port
     return match_tiles(normalize_locally(burst.left, options.normalize),
                        normalize_locally(burst.right, options.normalize), options.match);
   }
-  const double variance = merged_view_variance(static_cast<int>(capture.frames.size()));
-  const double range = capture.exposure.white_level_dn - capture.exposure.black_level_dn;
+  const auto left = static_cast<float>(merged_view_variance(static_cast<int>(capture.frames.size())));
+  const ViewNoise noise = view_noise(capture.exposure);
   LikelihoodMatchOptions likelihood = options.likelihood_match;
-  likelihood.noise = {static_cast<float>(variance * capture.exposure.dp_noise.shot_dn / range),
-                      static_cast<float>(variance * capture.exposure.dp_noise.read_dn2 / (range * range))};
+  likelihood.noise.reset();
+  if (noise.shot > 0 || noise.read > 0) likelihood.noise = {left * noise.shot, left * noise.read};
   return match_by_likelihood(burst.left, burst.right, likelihood);
 }
 
@@ -125,6 +125,7 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
   std::optional<Correction> correction;
   if (options.calibration && options.mode != Mode::seg) {
     correction = make_correction(*options.calibration, capture.camera);
+    result.warnings = options.calibration->warnings;
     if (!correction->warning.empty()) result.warnings.push_back(correction->warning);
   }
   const int stages = (options.mode == Mode::seg ? 6 : options.mode == Mode::dp ? 8 : 9) + (correction ? 1 : 0);
@@ -146,7 +147,7 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
   } else {
     PixelDisparity matched = stage("disparity", [&] {
       const TileDisparity tiles = match(burst, capture, options);
-      return upsample_tiles(tiles, options.match.tile_px, burst.left.width, burst.left.height, options.tile_upsample);
+      return upsample_tiles(tiles, burst.left.width, burst.left.height, options.tile_upsample);
     });
     if (correction) {
       matched = stage("calibration", [&] {

@@ -47,7 +47,7 @@ struct PortraitOptions {
   double face_in_focus_dp_px = 0.5;
   NormalizeOptions normalize;
   MatchOptions match;
-  LikelihoodMatchOptions likelihood_match;  ///< its noise is the capture's own
+  LikelihoodMatchOptions likelihood_match;  ///< its noise is the capture's own, estimated where that has none
   UpsampleOptions tile_upsample;
   std::optional<Calibration> calibration;  ///< of the capture's camera; matched disparity is corrected by it
   MergeMaskOptions merge_mask;
@@ -92,6 +92,8 @@ using PortraitProgress = std::function<void(const std::string& stage, double fra
 
 /// Runs all stages on `capture`; its truth is never looked at. `person_mask` (one channel, 0..1, of any size: it is
 /// stretched over the picture) is needed in the modes dp_seg and seg. A capture without mosaic gives a grey picture.
+/// Mask and face are those of the first frame; where the base is the second or third they are used as they are, a
+/// hand's motion of a few pixels aside.
 ///
 /// d_focus is the median disparity over Capture::face_px where that face is well focused, in mode dp_seg otherwise the
 /// person's disparity, and 0 (trust the autofocus) in mode dp.

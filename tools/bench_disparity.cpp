@@ -54,12 +54,12 @@ struct Method {
 Found match_as_the_paper(const Views& views) {
   const pipeline::TileDisparity tiles =
       pipeline::match_tiles(pipeline::normalize_locally(views.left), pipeline::normalize_locally(views.right));
-  return pipeline::upsample_tiles(tiles, 8, views.left.width, views.left.height);
+  return pipeline::upsample_tiles(tiles, views.left.width, views.left.height);
 }
 
 Found match_likelihood(const Views& views) {
   const pipeline::TileDisparity tiles = pipeline::match_by_likelihood(views.left, views.right, {.noise = views.noise});
-  return pipeline::upsample_tiles(tiles, 8, views.left.width, views.left.height);
+  return pipeline::upsample_tiles(tiles, views.left.width, views.left.height);
 }
 
 #ifdef DUALPIXEL_OPENCV
@@ -111,22 +111,14 @@ std::vector<Method> methods() {
   return all;
 }
 
-Image signal_of(const ImageU16& numbers, const Exposure& exposure) {
-  Image signal(numbers.width, numbers.height);
-  const double range = exposure.white_level_dn - exposure.black_level_dn;
-  for (std::size_t i = 0; i < signal.data.size(); ++i) {
-    signal.data[i] = static_cast<float>((numbers.data[i] - exposure.black_level_dn) / range);
-  }
-  return signal;
-}
-
 /// A quarter of the scene's photosites, one frame, 64 samples each: rendering noise is common to both views, and fewer
 /// samples would draw every matcher to 0.
 Capture render(const std::string& scene_file) {
   nlohmann::json document = read_json_file(scene_file);
-  for (const char* assignment : {"sensor.width_px=1344", "sensor.height_px=1008", "sensor.pixel_pitch_um=2.8",
-                                 "burst.frames=1", "render.samples_per_pixel=64",
-                                 "render.photograph_samples_per_pixel=1", "render.all_in_focus_samples_per_pixel=1"}) {
+  for (const char* assignment :
+       {"sensor.width_px=1344", "sensor.height_px=1008", "sensor.pixel_pitch_um=2.8", "sensor.dp_downsample_x=2",
+        "sensor.dp_downsample_y=4", "burst.frames=1", "render.samples_per_pixel=64",
+        "render.photograph_samples_per_pixel=1", "render.all_in_focus_samples_per_pixel=1"}) {
     apply_override(document, assignment);
   }
   const simulator::Simulation s = simulator::read_simulation(document, scene_file);
@@ -260,11 +252,8 @@ void run(const BenchDisparityOptions& options) {
   nlohmann::ordered_json results = {{"copy_1344x1008_ms", copy_ms()}, {"scenes", nlohmann::ordered_json::array()}};
   for (const std::string& file : options.scenes) {
     const Capture capture = render(file);
-    const double range = capture.exposure.white_level_dn - capture.exposure.black_level_dn;
-    const Views views{signal_of(capture.frames[0].left, capture.exposure),
-                      signal_of(capture.frames[0].right, capture.exposure),
-                      {static_cast<float>(capture.exposure.dp_noise.shot_dn / range),
-                       static_cast<float>(capture.exposure.dp_noise.read_dn2 / (range * range))}};
+    const Views views{normalised(capture.frames[0].left, capture.exposure),
+                      normalised(capture.frames[0].right, capture.exposure), pipeline::view_noise(capture.exposure)};
     const std::vector<double> ms = times_ms(all, views);
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     for (std::size_t i = 0; i < all.size(); ++i) {

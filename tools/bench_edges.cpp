@@ -101,12 +101,13 @@ cv::Mat guide_of(const Small& small) {
   return bgr;
 }
 
-Image solve_with_opencv(const Small& small, const BilateralGridOptions& cells, int iterations = 25) {
+Image solve_with_opencv(const Small& small, const BilateralGridOptions& cells) {
+  constexpr int kIterations = 25;  // its default
   Image out(small.guide.width, small.guide.height);
   cv::Mat solved;
   std::cout.setstate(std::ios::failbit);  // the library prints its progress there
   cv::ximgproc::fastBilateralSolverFilter(guide_of(small), wrapped(small.disparity), wrapped(small.confidence), solved,
-                                          cells.cell_px, cells.cell_luma, cells.cell_chroma, 128, iterations);
+                                          cells.cell_px, cells.cell_luma, cells.cell_chroma, 128, kIterations);
   std::cout.clear();
   solved.copyTo(wrapped(out));
   return out;
@@ -234,8 +235,15 @@ Problem make_problem(const std::string& path) {
   };
   problem.valid = mask_of(capture.truth->valid);
   problem.person = mask_of(capture.truth->person_mask);
+  const bool moved = !capture.truth->motion.empty();
   capture.truth.reset();
   pipeline::PortraitResult portrait = pipeline::run_portrait(capture);
+  if (moved && portrait.base_frame > 0) {
+    throw InputError(
+        fmt::format("{}: truth/motion: the base is frame {}, and truth is frame 0's: give a burst that "
+                    "stands still",
+                    printable(path), portrait.base_frame));
+  }
   problem.guide = pipeline::encode_guide(portrait.input, pipeline::guide_gain(portrait.input));
   problem.disparity = std::move(portrait.matched_disparity_dp_px);
   problem.confidence = std::move(portrait.matched_confidence);

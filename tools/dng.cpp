@@ -33,9 +33,9 @@ class Directory {
   void rationals(int tag, const std::vector<double>& values, bool with_sign = false) {
     std::string data;
     for (const double value : values) {
-      constexpr std::int32_t kDenominator = 1'000'000;
-      append(data, static_cast<std::int32_t>(std::lround(std::clamp(value, -2000.0, 2000.0) * kDenominator)));
-      append(data, kDenominator);
+      const std::int32_t denominator = std::abs(value) < 2000 ? 1'000'000 : 1000;
+      append(data, static_cast<std::int32_t>(std::lround(std::clamp(value, -2e6, 2e6) * denominator)));
+      append(data, denominator);
     }
     add(tag, with_sign ? 10 : 5, values.size(), data);
   }

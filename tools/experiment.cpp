@@ -6,7 +6,7 @@ void add_experiment(CLI::App& program) {
   CLI::App* experiment = program.add_subcommand(
       "experiment", "Measure what the simulator and the pipeline do, over a sweep: charts and JSON");
   experiment->require_subcommand(1);
-  experiment->footer("Example:\n  dualpixel experiment failures -o out/experiments");
+  experiment->footer("Example:\n  dualpixel experiment failures -o out/failures");
   add_experiment_calibration(*experiment);
   add_experiment_failures(*experiment);
   add_experiment_noise(*experiment);

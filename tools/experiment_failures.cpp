@@ -1,13 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <iostream>
-#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "capture/error.h"
 #include "capture/files.h"
 #include "tools/commands.h"
 #include "tools/failure_atlas.h"
@@ -107,9 +104,7 @@ disparity d by 1/D = 1/z - d / (alpha L f) is then wrong by the difference of 1/
 )html";
 
 void run(const std::string& folder) {
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
-  if (failed) throw InputError(fmt::format("{}: cannot be made a folder: {}", printable(folder), failed.message()));
+  NewFolder out(folder, "failures.json");
   const std::vector<FailureRow> rows = failure_rows();
   nlohmann::ordered_json results = nlohmann::ordered_json::array();
   std::string summary =
@@ -137,10 +132,11 @@ void run(const std::string& folder) {
   const std::string page = kIntroduction + summary +
                            "</table></div><p class=\"soft\">Broken: more than a tenth of the pixels are wrong.</p>" +
                            body;
-  replace_file(folder + "/failures.json",
-               nlohmann::ordered_json{{"experiment", "failures"}, {"rows", results}}.dump(2) + "\n");
-  replace_file(folder + "/failures.html",
-               html_page("How matching fails", std::string(kReportStyle) + kPlotStyle, page));
+  const nlohmann::ordered_json json = {{"format", "dualpixel-experiment-failures"}, {"version", 1}, {"rows", results}};
+  write_file(out.path() + "/failures.json", json.dump(2) + "\n");
+  write_file(out.path() + "/failures.html",
+             html_page("How matching fails", std::string(kReportStyle) + kPlotStyle, page));
+  out.commit();
 }
 
 }  // namespace
@@ -153,7 +149,7 @@ void add_experiment_failures(CLI::App& experiment) {
       ->required()
       ->type_name("DIR");
   add_threads_option(*command);
-  command->footer("Example:\n  dualpixel experiment failures -o out/experiments");
+  command->footer("Example:\n  dualpixel experiment failures -o out/failures");
   command->callback([folder] { run(*folder); });
 }
 

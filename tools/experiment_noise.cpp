@@ -6,7 +6,6 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "capture/files.h"
 #include "pipeline/burst/merge.h"
@@ -99,16 +98,12 @@ simulator::ExposureOptions expose_grey(double lux, double lux_per_nit, const sim
 }
 
 /// Disparity of every tile that the border does not cut short.
-std::vector<double> match(const Image& left, const Image& right, Matcher matcher, const NoiseProfile& noise,
-                          double range_dn) {
+std::vector<double> match(const Image& left, const Image& right, Matcher matcher, const pipeline::ViewNoise& noise) {
   pipeline::TileDisparity tiles;
   if (matcher == Matcher::paper) {
     tiles = pipeline::match_tiles(pipeline::normalize_locally(left), pipeline::normalize_locally(right));
   } else {
-    pipeline::LikelihoodMatchOptions options;
-    options.noise = {static_cast<float>(noise.shot_dn / range_dn),
-                     static_cast<float>(noise.read_dn2 / (range_dn * range_dn))};
-    tiles = pipeline::match_by_likelihood(left, right, options);
+    tiles = pipeline::match_by_likelihood(left, right, {.noise = noise});
   }
   std::vector<double> values;
   for (int y = 1; y + 1 < tiles.disparity_dp_px.height; ++y) {
@@ -163,16 +158,15 @@ Matched expose_and_match(const Target& target, double lux, simulator::SensorOpti
   for (int i = 0; i < kFrames; ++i) {
     frames.push_back(simulator::expose(electrons, sensor, options, simulator::hash(seed, i)));
   }
-  const double range = exposure.white_level_dn - exposure.black_level_dn;
   const pipeline::MergedBurst single = pipeline::align_and_merge({frames.front()}, exposure);
   const pipeline::MergedBurst merged = pipeline::align_and_merge(frames, exposure);
-  const double left = pipeline::merged_view_variance(kFrames);
-  const NoiseProfile merged_noise = {left * exposure.dp_noise.shot_dn, left * exposure.dp_noise.read_dn2};
+  const auto left = static_cast<float>(pipeline::merged_view_variance(kFrames));
+  const pipeline::ViewNoise noise = pipeline::view_noise(exposure);
   Matched result;
   for (const Matcher matcher : {Matcher::paper, Matcher::likelihood}) {
     const int i = static_cast<int>(matcher);
-    result.one[i] = match(single.left, single.right, matcher, exposure.dp_noise, range);
-    result.six[i] = match(merged.left, merged.right, matcher, merged_noise, range);
+    result.one[i] = match(single.left, single.right, matcher, noise);
+    result.six[i] = match(merged.left, merged.right, matcher, {left * noise.shot, left * noise.read});
   }
   return result;
 }
@@ -228,28 +222,25 @@ Series over_light(const std::string& name, const LightSweep& sweep, const Value&
 
 constexpr const char* kLightLabel = "light on the target, lux";
 
-/// Why the ratios are what they are, in the figures of the sweep without a fixed pattern.
+/// What the ratios consist of, in the figures of the sweep without a fixed pattern.
 std::string explanation(const NoiseExperiment& experiment) {
-  const LightPoint &dim = experiment.light[0].points.front(), &bright = experiment.light[0].points.back();
-  const LightPoint &dim_ml = experiment.light[1].points.front(), &bright_ml = experiment.light[1].points.back();
-  return fmt::format(
-      "<p>The merge leaves {:.3f} of one frame's noise in the views, so {:.2f} is the ratio of whatever follows the "
-      "noise of the pixels. The likelihood matcher does: {:.2f} in the brightest light, {:.2f} in the dimmest, where "
-      "one "
-      "frame also has outliers. The paper's matcher does not: what changes from burst to burst falls from {:.3f} to "
-      "{:.3f} DP px over the light, but {:.3f} DP px stay. That is no property of the data, where the other matcher "
-      "has a "
-      "floor of {:.3f}: it is the parabola's pixel locking, by an amount that each tile's texture decides. Without "
-      "outliers its ratio falls from {:.2f} to {:.2f}, around the paper's 2 and 1.5; with them from {:.2f} (single "
-      "frames "
-      "mismatch) to {:.2f} (the floor's tails are the same in one frame and in six). A fixed pattern, which no merging "
-      "of "
-      "a static burst takes away, changes little at this size: it is below the shot noise of one frame at every "
-      "light.</p>\n",
-      std::sqrt(pipeline::merged_view_variance(kFrames)), 1 / std::sqrt(pipeline::merged_view_variance(kFrames)),
-      bright_ml.one.sigma / bright_ml.six.sigma, dim_ml.one.sigma / dim_ml.six.sigma, dim.six.temporal,
-      bright.six.temporal, bright.six.floor, bright_ml.six.floor, dim.one.robust / dim.six.robust,
-      bright.one.robust / bright.six.robust, dim.one.sigma / dim.six.sigma, bright.one.sigma / bright.six.sigma);
+  const double left = std::sqrt(pipeline::merged_view_variance(kFrames));
+  std::string text = fmt::format(
+      "<p>The merge leaves {:.3f} of one frame's noise in the views: what follows the noise of the pixels has a ratio "
+      "of {:.2f}. A floor stays in every burst: matching's own error for each tile's texture, and the sensor's fixed "
+      "pattern. In the dimmest and the brightest light:</p>\n<ul>\n",
+      left, 1 / left);
+  for (const LightSweep& sweep : experiment.light) {
+    if (sweep.prnu > 0) continue;
+    const LightPoint &dim = sweep.points.front(), &bright = sweep.points.back();
+    text += fmt::format(
+        "<li>{}: ratio {:.2f} and {:.2f}, without outliers {:.2f} and {:.2f}; of the six frames' error {:.3f} and "
+        "{:.3f} DP px change from burst to burst, {:.3f} and {:.3f} stay.</li>\n",
+        name_of(sweep.matcher), dim.one.sigma / dim.six.sigma, bright.one.sigma / bright.six.sigma,
+        dim.one.robust / dim.six.robust, bright.one.robust / bright.six.robust, dim.six.temporal, bright.six.temporal,
+        dim.six.floor, bright.six.floor);
+  }
+  return text + "</ul>\n";
 }
 
 /// How many targets that stand in some lens's focus that lens measures with the least error, of both matchers.

@@ -55,14 +55,6 @@ struct Export {
   }
 };
 
-/// 0 is black, 1 is clipped.
-Image normalised(const ImageU16& raw, const Exposure& exposure) {
-  const double black = exposure.black_level_dn, range = exposure.white_level_dn - black;
-  Image image(raw.width, raw.height);
-  for (std::size_t i = 0; i < raw.data.size(); ++i) image.data[i] = static_cast<float>((raw.data[i] - black) / range);
-  return image;
-}
-
 /// 0..1 as 0..65535, clipped.
 ImageU16 levels(const Image& image) {
   ImageU16 result(image.width, image.height, image.channels);
@@ -107,14 +99,11 @@ ImageOf<T> turned(const ImageOf<T>& image) {
   return result;
 }
 
-/// NumPy's format, version 1.0: little-endian float32 or uint16, rows first; (height, width) or (height, width,
-/// channels).
-template <typename T>
-void write_npy(const std::string& path, const ImageOf<T>& image) {
+/// NumPy's format, version 1.0: little-endian float32, rows first; (height, width) or (height, width, channels).
+void write_npy(const std::string& path, const Image& image) {
   std::string shape = fmt::format("({}, {}", image.height, image.width);
   if (image.channels > 1) shape += fmt::format(", {}", image.channels);
-  std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': {}), }}",
-                                   std::is_same_v<T, float> ? "<f4" : "<u2", shape);
+  std::string header = fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': {}), }}", shape);
   header.resize((10 + header.size() + 1 + 63) / 64 * 64 - 10 - 1, ' ');
   header += '\n';
   std::string bytes = "\x93NUMPY";
@@ -123,25 +112,24 @@ void write_npy(const std::string& path, const ImageOf<T>& image) {
   bytes += static_cast<char>(header.size() & 0xff);
   bytes += static_cast<char>(header.size() >> 8);
   bytes += header;
-  bytes.append(reinterpret_cast<const char*>(image.data.data()), image.data.size() * sizeof(T));
+  bytes.append(reinterpret_cast<const char*>(image.data.data()), image.data.size() * sizeof(float));
   write_file(path, bytes);
 }
 
-/// visit(frame number, kind, raw) for the pictures of every frame.
-void each_raw(const Export& e, const std::function<void(const std::string&, const ImageU16&)>& visit) {
+/// visit(file name without its ending, raw, whether raw is a mosaic) for the pictures of every frame.
+void each_raw(const Export& e, const std::function<void(const std::string&, const ImageU16&, bool)>& visit) {
   for (std::size_t i = 0; i < e.capture.frames.size(); ++i) {
     const Frame& frame = e.capture.frames[i];
-    if (!frame.mosaic.empty()) visit(fmt::format("{:03}_mosaic", i), frame.mosaic);
-    visit(fmt::format("{:03}_left", i), frame.left);
-    visit(fmt::format("{:03}_right", i), frame.right);
+    if (!frame.mosaic.empty()) visit(fmt::format("{:03}_mosaic", i), frame.mosaic, true);
+    visit(fmt::format("{:03}_left", i), frame.left, false);
+    visit(fmt::format("{:03}_right", i), frame.right, false);
   }
 }
 
 void export_dng(const Export& e) {
   const Camera& camera = e.capture.camera;
   const double pixel_height = static_cast<double>(camera.dp_downsample_y) / camera.dp_downsample_x;
-  each_raw(e, [&](const std::string& name, const ImageU16& raw) {
-    const bool whole = name.ends_with("mosaic");
+  each_raw(e, [&](const std::string& name, const ImageU16& raw, bool whole) {
     write_file(e.file(name + ".dng"),
                dng(raw, e.capture, whole || e.dense(),
                    whole ? e.capture.exposure.mosaic_noise : e.capture.exposure.dp_noise, whole ? 1 : pixel_height));
@@ -149,20 +137,20 @@ void export_dng(const Export& e) {
 }
 
 void export_png16(const Export& e) {
-  each_raw(e, [&](const std::string& name, const ImageU16& raw) {
+  each_raw(e, [&](const std::string& name, const ImageU16& raw, bool) {
     write_png16(e.file(name + ".png"), levels(normalised(raw, e.capture.exposure)));
   });
 }
 
 void export_exr(const Export& e) {
-  each_raw(e, [&](const std::string& name, const ImageU16& raw) {
+  each_raw(e, [&](const std::string& name, const ImageU16& raw, bool) {
     const Image image = normalised(raw, e.capture.exposure);
     write_exr(e.file(name + ".exr"), {{"Y", &image}}, false);
   });
 }
 
 void export_npy(const Export& e) {
-  each_raw(e, [&](const std::string& name, const ImageU16& raw) {
+  each_raw(e, [&](const std::string& name, const ImageU16& raw, bool) {
     write_npy(e.file(name + ".npy"), normalised(raw, e.capture.exposure));
   });
   if (!e.capture.truth) return;

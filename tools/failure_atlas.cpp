@@ -65,8 +65,8 @@ class Waves {
     return waves;
   }
 
-  /// Through a pupil of which pixels are `blur_px` wide and signed: point p of the kernel moves the picture by
-  /// -blur_px / 2 * p, so that with the right view's kernel at x > 0 and blur behind the focus > 0, ...
+  /// Through a pupil whose image is `blur_px` wide, signed: point p of the kernel moves the picture by
+  /// blur_px / 2 * p to the right.
   Image seen(const Kernel& kernel, double blur_px, double shift_px) const {
     std::vector<double> sums(static_cast<std::size_t>(kWidth) * kHeight);
     std::vector<std::complex<double>> across(kWidth);
@@ -333,8 +333,8 @@ FailureFigures measure_failure(const FailureCase& failure, FailureMethod method)
       method == FailureMethod::paper
           ? pipeline::match_tiles(pipeline::normalize_locally(failure.left), pipeline::normalize_locally(failure.right))
           : pipeline::match_by_likelihood(failure.left, failure.right, {.noise = failure.noise});
-  constexpr int kTile = 8, kBorder = 16;
-  const pipeline::PixelDisparity found = pipeline::upsample_tiles(tiles, kTile, kWidth, kHeight);
+  constexpr int kBorder = 16;
+  const pipeline::PixelDisparity found = pipeline::upsample_tiles(tiles, kWidth, kHeight);
   FailureFigures figures;
   std::vector<float> sigmas;
   double count = 0;

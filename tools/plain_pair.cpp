@@ -15,6 +15,7 @@
 namespace dualpixel::tools {
 namespace {
 
+constexpr double kLeastRange = 1e-3;  // of the values that a file may hold, between black and white
 constexpr double kFullScale = 65535;  // of the digital numbers that the views become
 
 struct Metadata {
@@ -32,7 +33,11 @@ Metadata read_metadata(const std::string& path) {
   Fields fields(json, path);
   fields.choice("encoding", metadata.encoding, {"srgb", "linear"});
   fields.number("black_level", metadata.black, 0, 1).number("white_level", metadata.white, 0, 1);
-  if (metadata.white <= metadata.black) fields.fail("white_level", "must be above black_level");
+  if (metadata.white - metadata.black < kLeastRange) {
+    fields.fail(fields.has("white_level") ? "white_level" : "black_level",
+                fmt::format("white level {:g}, black level {:g}: white must exceed black by {:g}", metadata.white,
+                            metadata.black, kLeastRange));
+  }
   if (fields.has("noise")) {
     Fields noise = fields.object("noise");
     metadata.noise.emplace();

@@ -78,7 +78,8 @@ void run(const PortraitCommand& command) {
   { const NewFolder writable(command.output, "result.json"); }  // before the work, not after it
 
   Capture capture = plain ? read_plain_pair(command.pair) : read_capture(command.capture, command.true_mask);
-  if (!plain && capture.camera.dp_downsample_x * capture.camera.dp_downsample_y == 1) {
+  if (!plain && options.mode != pipeline::Mode::seg &&
+      capture.camera.dp_downsample_x * capture.camera.dp_downsample_y == 1) {
     throw InputError(printable(command.capture) +
                      ": /camera/dp_downsample_x: 1 x 1: views under a colour mosaic cannot be matched; 2 x 2 can");
   }

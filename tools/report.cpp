@@ -75,14 +75,6 @@ Picture gray_map(const std::string& title, const std::string& caption, const Ima
           fmt::format("{:.3g}{}", limit, unit)};
 }
 
-Image normalised(const ImageU16& dn, const Exposure& exposure) {
-  Image signal(dn.width, dn.height);
-  const double range = exposure.white_level_dn - exposure.black_level_dn;
-  std::transform(dn.data.begin(), dn.data.end(), signal.data.begin(),
-                 [&](std::uint16_t v) { return static_cast<float>((v - exposure.black_level_dn) / range); });
-  return signal;
-}
-
 CaptureSection capture_section(const Capture& capture, const std::string& path) {
   const Camera& camera = capture.camera;
   CaptureSection section;
@@ -108,7 +100,7 @@ CaptureSection capture_section(const Capture& capture, const std::string& path) 
   return section;
 }
 
-/// estimate - truth, NaN where the truth is not valid.
+/// estimate - truth, NaN where the truth is not valid or nothing was estimated.
 Image disparity_error(const Truth& truth, const Image& estimate, const AffineFit& fit) {
   Image error(estimate.width, estimate.height);
   for (std::size_t i = 0; i < error.data.size(); ++i) {
@@ -136,15 +128,16 @@ std::vector<Picture> result_maps(const pipeline::PortraitResult& result, const s
     maps.push_back(
         signed_map("Estimated disparity", "Blue is in front of the focus plane, orange behind.", estimate, limit));
     if (truth) {
+      const Image seen = disparity_seen_from_first(result, *truth);
       maps.push_back(signed_map("True disparity", "From geometry and optics.", true_disparity, limit));
       maps.push_back(signed_map("Error", "Estimate minus truth; grey where nothing was hit.",
-                                to_page(disparity_error(*truth, result.disparity_dp_px, {})), kErrorLimitDpPx));
+                                to_page(disparity_error(*truth, seen, {})), kErrorLimitDpPx));
       const nlohmann::ordered_json& everything = score["disparity"]["everything"];
       if (everything["affine_scale"].is_number()) {
         const AffineFit fit{everything["affine_scale"].get<double>(), everything["affine_offset_px"].get<double>()};
         maps.push_back(signed_map("Error after the affine fit",
                                   fmt::format("{:.3f} × estimate {:+.3f}, minus truth.", fit.scale, fit.offset),
-                                  to_page(disparity_error(*truth, result.disparity_dp_px, fit)), kErrorLimitDpPx));
+                                  to_page(disparity_error(*truth, seen, fit)), kErrorLimitDpPx));
       }
     }
     maps.push_back(gray_map("Confidence", "Of the estimated disparity.", to_page(result.confidence), 1, ""));

@@ -40,13 +40,20 @@ Image seen_from_first(const Image& image, const Image& motion, std::optional<flo
   return moved;
 }
 
-pipeline::PortraitResult seen_from_first(pipeline::PortraitResult result, const Truth& truth) {
+bool has_moved(const pipeline::PortraitResult& result, const Truth& truth) {
+  return result.base_frame > 0 && !truth.motion.empty();
+}
+
+/// What of a result is scored.
+pipeline::PortraitResult seen_from_first(const pipeline::PortraitResult& result, const Truth& truth) {
   const Image& motion = truth.motion[result.base_frame - 1];
-  result.input = seen_from_first(result.input, motion);
-  result.portrait = seen_from_first(result.portrait, motion);
-  result.disparity_dp_px = seen_from_first(result.disparity_dp_px, motion, NAN);
-  result.confidence = seen_from_first(result.confidence, motion, 0);
-  return result;
+  pipeline::PortraitResult seen;
+  seen.input = seen_from_first(result.input, motion);
+  seen.portrait = seen_from_first(result.portrait, motion);
+  seen.disparity_dp_px = disparity_seen_from_first(result, truth);
+  seen.confidence = seen_from_first(result.confidence, motion, 0);
+  seen.stages = result.stages;
+  return seen;
 }
 
 Json or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
@@ -185,6 +192,11 @@ std::string figure_text(const Json& value, int decimals) {
 
 }  // namespace
 
+Image disparity_seen_from_first(const pipeline::PortraitResult& result, const Truth& truth) {
+  if (!has_moved(result, truth)) return result.disparity_dp_px;
+  return seen_from_first(result.disparity_dp_px, truth.motion[result.base_frame - 1], NAN);
+}
+
 Json score_result(const Capture& capture, const std::string& capture_path, const StoredResult& stored,
                   const std::string& result_path) {
   if (!capture.truth) throw InputError(printable(capture_path) + ": holds no truth to score against");
@@ -200,8 +212,9 @@ Json score_result(const Capture& capture, const std::string& capture_path, const
     throw InputError(fmt::format("{}: /base_frame: {}; the capture {} has {} frames", printable(result_path), base,
                                  printable(capture_path), capture.frames.size()));
   }
-  const bool moved = base > 0 && !truth.motion.empty();
-  const pipeline::PortraitResult result = moved ? seen_from_first(stored.result, truth) : stored.result;
+  const pipeline::PortraitResult moved =
+      has_moved(stored.result, truth) ? seen_from_first(stored.result, truth) : pipeline::PortraitResult();
+  const pipeline::PortraitResult& result = has_moved(stored.result, truth) ? moved : stored.result;
 
   Json score = {{"format", "dualpixel-score"}, {"version", 1}, {"capture", capture_path}, {"result", result_path}};
   score["mode"] = stored.json["provenance"].value("mode", nlohmann::json("unknown"));

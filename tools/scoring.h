@@ -21,16 +21,21 @@
 ///   image.<metric>   against the true photograph through the wider aperture, of the portrait and of the un-blurred
 ///     input: psnr_srgb_db, psnr_linear_db, ssim_srgb, ssim_linear, and each as <metric>_input. Linear: signal clipped
 ///     to 0..1. sRGB: the same, encoded. psnr_db, psnr_input_db, ssim, ssim_input are the sRGB ones.
-/// Truth is the first frame's. Where a result's base is a later one, its maps and pictures are first looked up where
-/// truth says that frame sees the first one's points; what lies outside of them counts as not estimated.
 ///   stages.<name>.ms, .peak_rss_mb
 ///   notes   why a figure is null: one line each
+///
+/// Truth is the first frame's. Where a result's base is a later one, its maps and pictures are first looked up where
+/// truth says that frame sees the first one's points. What lies outside of it counts as not estimated in the maps; the
+/// pictures go on there as their border does.
 namespace dualpixel::tools {
 
 inline constexpr float kConfidentThreshold = 0.5f;
 inline constexpr float kEdgeJumpDpPx = 0.1f;
 inline constexpr int kEdgeReachPx = 8;
 inline constexpr float kPersonThreshold = 0.5f;
+
+/// The result's disparity where the first frame sees it; not a number outside of the frame that it was estimated for.
+Image disparity_seen_from_first(const pipeline::PortraitResult& result, const Truth& truth);
 
 /// Figures as above. `capture_path` and `result_path` are named in messages and in the figures. Throws InputError where
 /// the capture holds no truth or the sizes differ.

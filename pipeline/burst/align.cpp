@@ -49,7 +49,8 @@ Image grey(const Frame& frame, const Exposure& exposure) {
     for (std::size_t i = 0; i < sum.data.size(); ++i) {
       sum.data[i] = (static_cast<float>(frame.left.data[i] + frame.right.data[i]) - 2 * black) * scale;
     }
-    return resize_bilinear(sum, sum.width, 2 * sum.height);
+    const auto [width, height] = plane_size(frame);
+    return resize_bilinear(sum, width, height);
   }
   Image mean(frame.mosaic.width / 2, frame.mosaic.height / 2);
   for_rows(mean.height, [&](int y) {
@@ -265,6 +266,11 @@ double gradient_energy(const ImageU16& image, int begin, int step) {
 
 }  // namespace
 
+PlaneSize plane_size(const Frame& frame) {
+  if (frame.mosaic.empty()) return {frame.left.width, 2 * frame.left.height};
+  return {frame.mosaic.width / 2, frame.mosaic.height / 2};
+}
+
 void require_burst(const std::vector<Frame>& frames, const Exposure& exposure) {
   require(!frames.empty(), "no frames");
   const Frame& first = frames.front();
@@ -312,8 +318,7 @@ std::vector<MotionField> align_burst(const std::vector<Frame>& frames, int base,
   std::vector<MotionField> motions;
   for (int z = 0; z < static_cast<int>(frames.size()); ++z) {
     if (z == base) {
-      motions.emplace_back(tile_count(reference[0].width, kMotionTile), tile_count(reference[0].height, kMotionTile),
-                           2);
+      motions.emplace_back(motion_tiles(reference[0].width), motion_tiles(reference[0].height), 2);
     } else {
       motions.push_back(align_frame(reference, make_pyramid(frames[z], exposure)));
     }

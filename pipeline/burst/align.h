@@ -10,11 +10,21 @@ namespace dualpixel::pipeline {
 
 /// The tiles that motion is measured and applied for, in Bayer px (photosites of one colour; two photosites of the
 /// sensor): squares of kMotionTile px, each overlapping the next by half. Tile (i, j) is centred on the corner of
-/// pixels (kMotionStep i, kMotionStep j), so that all four quarters of the picture's outermost pixels are covered.
+/// pixels (kMotionStep i, kMotionStep j): at the border one half of it lies outside of the picture.
 inline constexpr int kMotionTile = 16;
 inline constexpr int kMotionStep = kMotionTile / 2;
 
-/// Two channels, x and y, in Bayer px; one pixel for each tile, ceil(plane size / kMotionStep) + 1 of them:
+/// Tiles along an axis of `plane_size` Bayer px.
+inline int motion_tiles(int plane_size) { return (plane_size + kMotionStep - 1) / kMotionStep + 1; }
+
+struct PlaneSize {
+  int width, height;
+};
+/// Of a frame's Bayer planes. One without a mosaic is taken to have planes as wide as a view and twice as high, as
+/// where a DP pixel is 2 x 4 photosites.
+PlaneSize plane_size(const Frame& frame);
+
+/// Two channels, x and y, in Bayer px; motion_tiles() of the planes' sides:
 /// what the base shows at p, the frame shows at p + motion. It holds for all planes and both DP views alike.
 using MotionField = Image;
 
@@ -24,24 +34,25 @@ using MotionField = Image;
 void require_burst(const std::vector<Frame>& frames, const Exposure& exposure);
 
 /// The frame that the others are aligned to: the sharpest of the first three, near to the press of the shutter.
-/// Sharpness is the sum of squared differences between neighbouring photosites of one green plane, or between pixels of
-/// the left view where there is no mosaic. A later frame must be sharper by 1 %: then noise alone, at a phone's size,
-/// does not prefer it, and a static burst keeps its first frame, which docs/capture.md makes the reference.
-/// Throws as require_burst().
+/// Sharpness is the sum of squared differences between neighbours of the plane of photosites (1, 0), which is green in
+/// RGGB and BGGR, or between pixels of the left view where there is no mosaic. A later frame must be sharper by 1 %:
+/// then noise alone, at a phone's size, does not prefer it, and a static burst keeps its first frame, which
+/// docs/capture.md makes the reference. Throws as require_burst().
 int sharpest_frame(const std::vector<Frame>& frames, const Exposure& exposure);
 
 /// The motion of every frame against frame `base`, whose own field is 0.
 ///
-/// Grey is the mean of the four Bayer planes (of a capture without mosaic: the sum of the views, enlarged to the size
-/// that its planes would have, each DP pixel 1 x 2 of them). Its pyramid shrinks by 2, 4, 4; from the coarsest level
-/// up, tiles of 8, 16, 16, 16 px, overlapping by half, are searched over +-4, 4, 4, 1 px around the best of three
-/// coarser motions: the nearest tile's and its next neighbours' in x and in y. The costs are squared differences, at
-/// the finest level absolute ones; each minimum is refined by a bivariate quadratic through the squared differences
-/// around it. Parameters as in the public implementation at IPOL.
+/// Grey is the mean of the four Bayer planes (of a capture without mosaic: the sum of the views, enlarged to
+/// plane_size()). Its pyramid shrinks by 2, 4, 4; from the coarsest level up, tiles of 8, 16, 16, 16 px, overlapping by
+/// half and moved into the picture at its border, are searched over +-4, 4, 4, 1 px around the best of three coarser
+/// motions by absolute differences: the nearest tile's and its next neighbours' in x and in y. The search is by squared
+/// differences, at the finest level by absolute ones; each minimum is refined by a bivariate quadratic through the
+/// squared differences around it. Parameters as in the public implementation at IPOL.
 ///
-/// The search reaches 4 * 32 + 4 * 8 + 4 * 2 + 1 = 169 Bayer px along each axis. What moved further, or out of the
-/// picture, is given some motion within that reach: merge_burst() finds no likeness there and keeps the base. A tile
-/// without any texture keeps the coarser level's motion.
+/// The search reaches 4 * 32 + 4 * 8 + 4 * 2 + 1 = 169 Bayer px along each axis, and a fraction of up to a pixel of
+/// each level more: 212 at the most. What moved further, or out of the picture, is given some motion within that reach:
+/// merge_burst() finds no likeness there and keeps the base. A tile without any texture keeps the coarser level's
+/// motion.
 /// Throws as require_burst(), and where `base` is none of the frames.
 std::vector<MotionField> align_burst(const std::vector<Frame>& frames, int base, const Exposure& exposure);
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace dualpixel::pipeline {
+namespace dualpixel::pipeline::fft16 {
 namespace {
 
 /// cos and sin of 2 pi k / 16.
@@ -132,4 +132,4 @@ void transform_back(ComplexTile& spectrum) {
   transform_rows(spectrum.im, spectrum.re);
 }
 
-}  // namespace dualpixel::pipeline
+}  // namespace dualpixel::pipeline::fft16

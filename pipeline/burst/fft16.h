@@ -2,7 +2,7 @@
 #include "pipeline/burst/lanes.h"
 
 /// The two-dimensional discrete Fourier transform of 16 x 16 complex samples, eight columns at a time.
-namespace dualpixel::pipeline {
+namespace dualpixel::pipeline::fft16 {
 
 inline constexpr int kTile = 16;
 inline constexpr int kHalves = kTile / kLanes;
@@ -28,4 +28,4 @@ void transform(ComplexTile& tile);
 /// Undoes transform() but for a factor of 256.
 void transform_back(ComplexTile& spectrum);
 
-}  // namespace dualpixel::pipeline
+}  // namespace dualpixel::pipeline::fft16

@@ -13,7 +13,9 @@
 namespace dualpixel::pipeline {
 namespace {
 
-constexpr int kHalfTile = kTile / 2;                        // also the step from tile to tile
+using namespace fft16;
+static_assert(kTile == kMotionTile);  // a motion for each tile
+constexpr int kHalfTile = kMotionStep;
 constexpr float kWindowEnergy = kTile * kTile * 9.0f / 64;  // (mean of the squared window = 3/8) along each axis
 
 /// Two planes of one size that are merged side by side: pixel (x, y) of each is at [y * stride + x * step].
@@ -28,7 +30,8 @@ struct PlanePair {
 struct PairShape {
   int width, height;
   float motion_x, motion_y;  ///< pixels per Bayer px
-  float black, scale;        ///< normalised = (DN - black) * scale
+  float black;               ///< DN
+  float clipped;             ///< DN above black
   float shot, read;          ///< variance = shot * (DN - black) + read
   float strength;
 };
@@ -177,7 +180,7 @@ float noise_energy(const Lanes (&plane)[kTile][kHalves], const Window& window, c
       const Lanes w = across * window.at[y];
       const Lanes signal = plane[y][half];
       const Lanes variance = shape.shot * signal + shape.read;
-      energy += signal < 1 / shape.scale ? w * w * (variance > rounding ? variance : rounding) : none;
+      energy += signal < shape.clipped ? w * w * (variance > rounding ? variance : rounding) : none;
     }
   }
   return 2 * sum(energy);
@@ -188,10 +191,12 @@ TileNoise tile_noise(const ComplexTile& tile, const Window& window, const PairSh
           noise_energy(tile.re, window, shape) + noise_energy(tile.im, window, shape)};
 }
 
-/// The share of a frame's tile that is merged, by its energy over what noise explains: all up to `surely`.
-float trust(float energy_ratio, float surely) {
+/// The share of a frame's tile that is merged, by its energy over the expected: all up to `surely`, also of 0 over 0,
+/// which is what tiles are that are clipped in both frames.
+float trust(float energy, float expected, float surely) {
   constexpr float kRamp = 0.4f;
-  return std::clamp((surely + kRamp - energy_ratio) / kRamp, 0.0f, 1.0f);
+  if (energy <= surely * expected) return 1;
+  return std::clamp(surely + kRamp - energy / expected, 0.0f, kRamp) / kRamp;
 }
 
 /// trust() of each column of a spectrum from the columns' sums of |D|^2, taken together in `Bands` bands of |ky|.
@@ -206,7 +211,7 @@ void trust_columns(const Lanes (&energies)[kHalves], float noise_energy, Lanes (
     energy[band(ky)] += columns[ky];
     expected[band(ky)] += kTile * noise_energy;
   }
-  for (int ky = 0; ky < kTile; ++ky) columns[ky] = trust(energy[band(ky)] / expected[band(ky)], kSurely);
+  for (int ky = 0; ky < kTile; ++ky) columns[ky] = trust(energy[band(ky)], expected[band(ky)], kSurely);
   std::memcpy(trusted, columns, sizeof(columns));
 }
 
@@ -262,7 +267,7 @@ void subtract_difference(const ComplexTile& base, const ComplexTile& other, cons
 /// Adds a merged tile to the planes that it overlaps.
 template <int step>
 void add_tile(const ComplexTile& tile, const PairShape& shape, int x0, int y0, const PlanePair<float>& planes) {
-  const float scale = shape.scale / (kTile * kTile);
+  const float scale = 1 / (shape.clipped * kTile * kTile);
   for (int y = std::max(-y0, 0); y < std::min(kTile, shape.height - y0); ++y) {
     alignas(Lanes) float first[kTile], second[kTile];
     std::memcpy(first, tile.re[y], sizeof(first));
@@ -279,8 +284,7 @@ void add_tile(const ComplexTile& tile, const PairShape& shape, int x0, int y0, c
 template <int step, bool together>
 void merge_pair(const std::vector<PlanePair<const std::uint16_t>>& frames, int base,
                 const std::vector<MotionField>& motions, const PairShape& shape, const PlanePair<float>& out) {
-  const int columns = (shape.width + kHalfTile - 1) / kHalfTile + 1;
-  const int rows = (shape.height + kHalfTile - 1) / kHalfTile + 1;
+  const int columns = motion_tiles(shape.width), rows = motion_tiles(shape.height);
   const float share = 1 / static_cast<float>(frames.size());
   const Window window = shifted_window(Turn(0));
   const auto merge_row = [&](int j) {
@@ -319,8 +323,8 @@ void merge_pair(const std::vector<PlanePair<const std::uint16_t>>& frames, int b
   }
 }
 
-void require(bool holds, const char* what) {
-  if (!holds) throw std::invalid_argument(std::string("burst: ") + what);
+void require(bool holds, const std::string& what) {
+  if (!holds) throw std::invalid_argument("burst: " + what);
 }
 
 }  // namespace
@@ -329,14 +333,13 @@ MergedBurst merge_burst(const std::vector<Frame>& frames, int base, const std::v
                         const Exposure& exposure, const MergeOptions& options) {
   require_burst(frames, exposure);
   require(base >= 0 && base < static_cast<int>(frames.size()), "base is none of the frames");
-  require(std::isfinite(options.strength) && options.strength > 0, "strength must be finite and positive");
+  require(options.strength >= 1e-3 && options.strength <= 1e6,
+          "strength is " + std::to_string(options.strength) + ": must be 0.001 to 1e6");
   const Frame& first = frames.front();
-  const int width = first.mosaic.empty() ? first.left.width : first.mosaic.width / 2;
-  const int height = first.mosaic.empty() ? 2 * first.left.height : first.mosaic.height / 2;
+  const auto [width, height] = plane_size(first);
   require(motions.size() == frames.size(), "one motion field is needed for each frame");
   for (const MotionField& motion : motions) {
-    require(motion.width == (width + kMotionStep - 1) / kMotionStep + 1 &&
-                motion.height == (height + kMotionStep - 1) / kMotionStep + 1 && motion.channels == 2,
+    require(motion.width == motion_tiles(width) && motion.height == motion_tiles(height) && motion.channels == 2,
             "a motion field must have two channels and one pixel for each tile");
     require(std::all_of(motion.data.begin(), motion.data.end(), [](float m) { return std::isfinite(m); }),
             "motions must be finite");
@@ -344,7 +347,7 @@ MergedBurst merge_burst(const std::vector<Frame>& frames, int base, const std::v
 
   PairShape shape;
   shape.black = static_cast<float>(exposure.black_level_dn);
-  shape.scale = static_cast<float>(1 / (exposure.white_level_dn - exposure.black_level_dn));
+  shape.clipped = static_cast<float>(exposure.white_level_dn) - shape.black;
   shape.strength = static_cast<float>(options.strength);
   std::vector<PlanePair<const std::uint16_t>> pairs(frames.size());
   MergedBurst merged;

@@ -59,7 +59,7 @@ struct MergeOptions {
 ///
 /// `motions` holds one field per frame, as align_burst() returns them. Throws as require_burst(), and
 /// std::invalid_argument where `base` is none of the frames, a field's size is wrong or a motion not finite, or the
-/// strength is not finite and positive.
+/// strength is not 0.001 to 1e6.
 MergedBurst merge_burst(const std::vector<Frame>& frames, int base, const std::vector<MotionField>& motions,
                         const Exposure& exposure, const MergeOptions& options = {});
 

@@ -18,11 +18,11 @@ constexpr float kBlind = 1e12f;           // variance of a pixel that says nothi
 constexpr float kLeastVariance = 1e-12f;  // of shot noise in the dark
 constexpr int kSpoiled = 2;               // pixels beside a blind one that interpolation would mix it into
 
-using Lanes = std::array<float, kTile>;  // one entry for each column of a tile: what the compiler makes vectors of
+using Columns = std::array<float, kTile>;  // one entry for each column of a tile: what the compiler makes vectors of
 
 float square(float value) { return value * value; }
 
-float sum(const Lanes& lanes) {
+float sum(const Columns& lanes) {
   std::array<float, kTile / 2> half;
   for (int i = 0; i < kTile / 2; ++i) half[i] = lanes[i] + lanes[i + kTile / 2];
   return (half[0] + half[2]) + (half[1] + half[3]);
@@ -64,31 +64,29 @@ Image box_mean(const Image& image, int reach) {
   return out;
 }
 
-/// Whether a pixel can be used; a clipped or broken one spoils what is interpolated from it, so its neighbours fall
-/// too.
 bool usable(float value, float clipped) { return std::isfinite(value) && value < clipped; }
 
-/// Mean of the usable pixels of each tile that are so in both views.
-std::array<Image, 2> tile_means(const Image& left, const Image& right, float clipped) {
+/// Sums over each tile's pixels that are usable in both views.
+std::array<Image, 2> tile_sums(const Image& left, const Image& right, float clipped) {
   const int columns = (left.width + kTile - 1) / kTile, rows = (left.height + kTile - 1) / kTile;
-  std::array<Image, 2> means{Image(columns, rows), Image(columns, rows)};
+  std::array<Image, 2> sums{Image(columns, rows), Image(columns, rows)};
   for_rows(rows, [&](int row) {
     for (int y = row * kTile; y < std::min((row + 1) * kTile, left.height); ++y) {
       for (int x = 0; x < left.width; ++x) {
         const float l = left.row(y)[x], r = right.row(y)[x];
         if (!usable(l, clipped) || !usable(r, clipped)) continue;
-        means[0].at(x / kTile, row) += l;
-        means[1].at(x / kTile, row) += r;
+        sums[0].at(x / kTile, row) += l;
+        sums[1].at(x / kTile, row) += r;
       }
     }
   });
-  return means;
+  return sums;
 }
 
 /// Root of the local ratio right / left, one pixel a tile. Disparity moves light across a window's border only, so
 /// wide windows see the shading alone.
 Image shading_gain(const Image& left, const Image& right, float clipped) {
-  auto [l, r] = tile_means(left, right, clipped);
+  auto [l, r] = tile_sums(left, right, clipped);
   const int reach = std::max(l.width / 20, 1);
   l = box_mean(box_mean(l, reach), reach);
   r = box_mean(box_mean(r, reach), reach);
@@ -172,14 +170,14 @@ int left_shift(int shift) { return shift >> 1; }
 /// Turns costs into multiples of what noise and an imperfect model do to them, best shift 0.
 void temper(float* cost, int shifts, float model_error) {
   constexpr float kExpected = kTile * kTile;  // least cost of a true match: one for each pixel
-  constexpr float kCorrelated = 16;           // pixels over which what the model gets wrong is alike
+  constexpr float kExcess = 16;  // of the least cost over what is expected that halves all: ours, by the failure atlas
   float least = INFINITY, total = 0;
   for (int i = 0; i < shifts; ++i) {
     least = std::min(least, cost[i]);
     total += cost[i];
   }
   const float contrast = total / static_cast<float>(shifts) - least;
-  const float scale = 1 / (1 + model_error * contrast + std::max(least - kExpected, 0.0f) / kCorrelated);
+  const float scale = 1 / (1 + model_error * contrast + std::max(least - kExpected, 0.0f) / kExcess);
   for (int i = 0; i < shifts; ++i) cost[i] = (cost[i] - least) * scale;
 }
 
@@ -195,7 +193,7 @@ void tile_costs(const Padded& left, const Padded& right, int width, int column, 
     const float* r = right.smooth.row(y) + right.margin + x0;
     const float* vl = left.variance.row(y) + left.margin + x0;
     const float* vr = right.variance.row(y) + right.margin + x0;
-    Lanes means, weights;
+    Columns means, weights;
     for (int i = 0; i < kTile; ++i) {
       weights[i] = weight(vl[i], vr[i]);
       means[i] = weights[i] * 0.5f * (l[i] + r[i]);
@@ -220,7 +218,7 @@ void tile_costs(const Padded& left, const Padded& right, int width, int column, 
       cost[shift + range] = -1;  // too little of it lies inside: filled in below
       continue;
     }
-    Lanes squares{}, sums{}, inside;
+    Columns squares{}, sums{}, inside;
     for (int i = 0; i < kTile; ++i) inside[i] = i >= first && i < last ? 1.0f : 0.0f;
     for (int y = row * kTile; y < (row + 1) * kTile; y += kRowStep) {
       const float* l = left.smooth.row(y) + left.margin + x0 - a;
@@ -320,7 +318,7 @@ TileSums sample_tile(const Padded& left, const Padded& right, int x0, int y0, fl
   // Variances are those of the nearest pixel.
   const int left_near = static_cast<int>(std::lround(at_left)), right_near = static_cast<int>(std::lround(at_right));
 
-  Lanes one{}, r{}, b{}, e{}, rr{}, br{}, er{}, bb{}, be{}, ee{}, left_noise{}, right_noise{};
+  Columns one{}, r{}, b{}, e{}, rr{}, br{}, er{}, bb{}, be{}, ee{}, left_noise{}, right_noise{};
   for (int y = y0; y < y0 + kTile; ++y) {
     const float* l = left.signal.row(y) + left.margin + x0 + left_whole - 3;
     const float* ls = left.smooth.row(y) + left.margin + x0 + left_whole - 3;
@@ -328,7 +326,7 @@ TileSums sample_tile(const Padded& left, const Padded& right, int x0, int y0, fl
     const float* q = right.signal.row(y) + right.margin + x0 + right_whole - 3;
     const float* qs = right.smooth.row(y) + right.margin + x0 + right_whole - 3;
     const float* qv = right.variance.row(y) + right.margin + x0 + right_near;
-    Lanes difference{}, slope{}, smooth{};
+    Columns difference{}, slope{}, smooth{};
     for (int k = 0; k < 8; ++k) {
       for (int i = 0; i < kTile; ++i) {
         difference[i] += right_taps.value[k] * q[i + k] - left_taps.value[k] * l[i + k];
@@ -403,7 +401,7 @@ Refined refine(const Padded& left, const Padded& right, int x0, int y0, float st
     // Interpolation has taken noise out of the high frequencies, where the slope's excess lies.
     const float left_share = s.left_noise / pixels;
     const float passed = left_share * lt.value_value + (1 - left_share) * rt.value_value;
-    const float noise_square = s.bb + passed * (DD - s.bb) - 2 * mean_D * D + square(mean_D) * s.one;
+    const float noise_square = std::max(s.bb + passed * (DD - s.bb) - 2 * mean_D * D + square(mean_D) * s.one, 0.0f);
     out.noise = (noise_square + square(D - mean_D * s.one) / prior) / square(hessian);
     const float expected = pixels * passed - 2;
     const float residual = (s.rr - s.r * s.r / (s.one + prior) - square(gradient) / hessian) / expected;
@@ -421,8 +419,8 @@ constexpr float kTilesPerPixel = 0.25f;  // standard deviation of pooling's weig
 /// kernels, and err differently: the mean over those that agree, by a weight that reaches as far as the shift is large.
 Refined pooled(const std::vector<Refined>& tiles, int columns, int rows, int column, int row) {
   constexpr int kReach = 2;
-  constexpr float kAgreement = 0.15f;    // difference that still is the same surface, over the shift
-  constexpr float kKernelError = 0.02f;  // of a tile beyond its own prediction, over the shift: keeps weights alike
+  constexpr float kSameSurface = 0.15f;  // difference that still is the same surface, over the shift
+  constexpr float kLeastSigma = 0.02f;   // of a tile, over the shift: no tile outweighs all others
   const Refined& tile = tiles[static_cast<std::size_t>(row) * columns + column];
   const float d = tile.disparity;
   const float spread = 2 * square(kTilesPerPixel * d);
@@ -434,8 +432,9 @@ Refined pooled(const std::vector<Refined>& tiles, int columns, int rows, int col
       if (!std::isfinite(other.noise)) continue;
       const float variance = other.noise + other.model;
       const float away = square(static_cast<float>(x - column)) + square(static_cast<float>(y - row));
-      const float differs = square(other.disparity - d) / (tile.noise + tile.model + variance + square(kAgreement * d));
-      const float weight = std::exp(-away / spread - 0.5f * differs) / (variance + square(kKernelError * d));
+      const float differs =
+          square(other.disparity - d) / (tile.noise + tile.model + variance + square(kSameSurface * d));
+      const float weight = std::exp(-away / spread - 0.5f * differs) / (variance + square(kLeastSigma * d));
       total += weight;
       shifts += weight * other.disparity;
       independent += square(weight) * other.noise;
@@ -516,7 +515,7 @@ TileDisparity match_by_likelihood(const Image& left, const Image& right, const L
       Found& tile = found[static_cast<std::size_t>(row) * columns + column];
       tile = find_shift(costs.at(column, row), range);
       const int a = left_shift(tile.shift), b = tile.shift - a;
-      Lanes sums{}, levels{};
+      Columns sums{}, levels{};
       for (int y = row * kTile; y < (row + 1) * kTile; ++y) {
         const float* ls = l.smooth.row(y) + margin + column * kTile - a;
         const float* rs = r.smooth.row(y) + margin + column * kTile + b;
@@ -553,7 +552,7 @@ TileDisparity match_by_likelihood(const Image& left, const Image& right, const L
       smooth[static_cast<std::size_t>(row) * columns + column] = pooled(refined, columns, rows, column, row);
     }
   });
-  TileDisparity tiles{Image(columns, rows), Image(columns, rows), Image(columns, rows), Image(columns, rows)};
+  TileDisparity tiles{Image(columns, rows), Image(columns, rows), Image(columns, rows), Image(columns, rows), kTile};
   for_rows(rows, [&](int row) {
     for (int column = 0; column < columns; ++column) {
       const float variance = predicted_variance(smooth, columns, rows, column, row);

@@ -92,7 +92,7 @@ TileDisparity match_tiles(const Image& left, const Image& right, const MatchOpti
   const int range = options.range_px;
   const int columns = (left.width + tile - 1) / tile;
   const int rows = (left.height + tile - 1) / tile;
-  TileDisparity tiles{Image(columns, rows), Image(columns, rows)};
+  TileDisparity tiles{.disparity_dp_px = Image(columns, rows), .confidence = Image(columns, rows), .tile_px = tile};
   for_rows(rows, [&](int row) {
     std::vector<float> cost(2 * range + 1);
     const int y0 = row * tile;

@@ -22,6 +22,7 @@ struct TileDisparity {
   Image confidence;       ///< 0..1
   Image sigma_dp_px;      ///< predicted standard deviation of the error; empty from match_tiles, which predicts none
   Image shared;           ///< share of sigma^2, 0..1, that neighbouring tiles' errors have in common; empty as sigma is
+  int tile_px = 8;
 };
 
 /// `left` and `right` are normalised views (normalize.h) of one size. Returns d with right(x + d) = left(x): for each

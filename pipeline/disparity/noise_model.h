@@ -1,4 +1,5 @@
 #pragma once
+#include "capture/capture.h"
 #include "capture/image.h"
 
 /// Noise of DP views, and the best that any matcher can make of them.
@@ -9,6 +10,13 @@ struct ViewNoise {
   float shot = 0;
   float read = 0;
 };
+
+/// What the capture states; {0, 0} where it is unknown.
+inline ViewNoise view_noise(const Exposure& exposure) {
+  const double range = exposure.white_level_dn - exposure.black_level_dn;
+  return {static_cast<float>(exposure.dp_noise.shot_dn / range),
+          static_cast<float>(exposure.dp_noise.read_dn2 / (range * range))};
+}
 
 /// The profile read off the views themselves, as shot noise alone: the lower quartile, over 8 x 8 tiles, of the
 /// variance of second differences along both axes over the mean. Texture finer than 3 px counts as noise. Never 0.

@@ -9,13 +9,12 @@
 
 namespace dualpixel::pipeline {
 
-PixelDisparity upsample_tiles(const TileDisparity& tiles, int tile_px, int width, int height,
-                              const UpsampleOptions& options) {
+PixelDisparity upsample_tiles(const TileDisparity& tiles, int width, int height, const UpsampleOptions& options) {
   const Image& disparity = tiles.disparity_dp_px;
   const int columns = disparity.width;
   // The grid of whole tiles, whose last row and column may reach over the picture's border.
-  const int grid_width = columns * tile_px;
-  const int grid_height = disparity.height * tile_px;
+  const int grid_width = columns * tiles.tile_px;
+  const int grid_height = disparity.height * tiles.tile_px;
   std::vector<LinearTap> taps(width);
   for (int x = 0; x < width; ++x) taps[x] = linear_tap(x, grid_width, columns);
   PixelDisparity out{Image(width, height), Image(width, height)};

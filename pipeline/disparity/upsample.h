@@ -22,7 +22,6 @@ struct UpsampleOptions {
 ///
 /// sigma_dp_px^2 is the variance of that blend, each tile's sigma and what they share given, plus what the tiles
 /// disagree by beyond twice what their sigmas explain.
-PixelDisparity upsample_tiles(const TileDisparity& tiles, int tile_px, int width, int height,
-                              const UpsampleOptions& options = {});
+PixelDisparity upsample_tiles(const TileDisparity& tiles, int width, int height, const UpsampleOptions& options = {});
 
 }  // namespace dualpixel::pipeline

@@ -204,8 +204,12 @@ BilateralGrid make_bilateral_grid(const Image& guide, const BilateralGridOptions
   if (guide.pixel_count() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
     throw InputError("bilateral grid: the guide must have under 2^31 pixels");
   }
-  for (const float cell : {options.cell_px, options.cell_luma, options.cell_chroma}) {
-    if (!(cell >= 1 && cell <= 1e6f)) throw InputError(fmt::format("bilateral grid: cell {}, allowed 1 to 1e6", cell));
+  for (const auto& [name, cell] : {std::pair{"cell_px", options.cell_px},
+                                   {"cell_luma", options.cell_luma},
+                                   {"cell_chroma", options.cell_chroma}}) {
+    if (!(cell >= 1 && cell <= 1e6f)) {
+      throw InputError(fmt::format("bilateral grid: {} {}, allowed 1 to 1e6", name, cell));
+    }
   }
   BilateralGrid grid;
   grid.cells = options;
@@ -293,8 +297,9 @@ Image interpolate(const BilateralGrid& grid, const Image& guide, std::span<const
                 const float down = corner / 2 ? second : 1 - second;
                 for (float& weight : segment.place) weight *= down;
                 const std::int32_t* first = grid.first_of_tile.data() + static_cast<std::size_t>(row) * columns;
-                const NearVertex* vertices = near[corner / 2].data() - *first;
-                for (std::int32_t v = first[column]; v < first[column + 1]; ++v) segment.add(vertices[v]);
+                for (std::int32_t v = first[column]; v < first[column + 1]; ++v) {
+                  segment.add(near[corner / 2][v - *first]);
+                }
               }
               float* to = out.row(y) + static_cast<std::ptrdiff_t>(left) * channels + c;
               for (int i = 0; i < count; ++i) to[i * channels] = segment.sums[i] / segment.weights[i];

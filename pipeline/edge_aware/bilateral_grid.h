@@ -38,8 +38,9 @@ struct BilateralGrid {
 /// five integer coordinates, never by a hash alone; along chroma they are centred on grey, lest rounding split it.
 /// Vertices are in the order of their tiles, row by row, then of their colours.
 ///
-/// There are at most as many vertices as pixels: 4 bytes a pixel and 44 a vertex, whatever the guide holds. Throws
-/// InputError where the guide is empty, has 2^31 pixels or more or another number of channels, or a cell is under 1.
+/// There are at most as many vertices as pixels: 4 bytes a pixel and 44 a vertex, whatever the guide holds, and while
+/// it is made some 16 for each pixel of a tile and thread. Throws InputError where the guide is empty, has 2^31 pixels
+/// or more or another number of channels, or a cell is not 1 to 1e6.
 BilateralGrid make_bilateral_grid(const Image& guide, const BilateralGridOptions& options = {});
 
 /// A picture from `channels` values for each vertex: each pixel takes the mean over the vertices less than a cell away

@@ -272,13 +272,15 @@ std::pair<Image, Image> split_channels(const Image& image) {
   return halves;
 }
 
-void require_sizes(const BilateralGrid& grid, const Image& guide, const Image& target, const Image& confidence,
-                   const Image& start, const BilateralSolverOptions& options) {
+void require_inputs(const BilateralGrid& grid, const Image& guide, const Image& target, const Image& confidence,
+                    const Image& start, const BilateralSolverOptions& options) {
   const auto fits = [&](const Image& image) { return image.width == grid.width && image.height == grid.height; };
-  if (!fits(guide) || !fits(target) || !fits(confidence) || confidence.channels != 1 || target.channels < 1 ||
+  if (!fits(guide) || (guide.channels != 1 && guide.channels != 3) || !fits(target) || !fits(confidence) ||
+      confidence.channels != 1 || target.channels < 1 ||
       (!start.empty() && (!fits(start) || start.channels != target.channels))) {
-    throw InputError(fmt::format("bilateral solver: guide, target, confidence (one channel) and start must be {} x {}",
-                                 grid.width, grid.height));
+    throw InputError(
+        fmt::format("bilateral solver: guide (1 or 3 channels), target, confidence (1) and start must be {} x {}",
+                    grid.width, grid.height));
   }
   const auto require = [](const char* name, double value, bool allowed, const char* range) {
     if (!allowed) throw InputError(fmt::format("bilateral solver: {} {}, allowed {}", name, value, range));
@@ -296,8 +298,8 @@ void require_sizes(const BilateralGrid& grid, const Image& guide, const Image& t
 Image fill_gaps(const Image& target, const Image& confidence) {
   const int width = target.width, height = target.height;
   Image filled(width, height);
-  if (width == 1 && height == 1) {
-    if (confidence.data[0] > 0) filled.data[0] = target.data[0];
+  if (width <= 1 && height <= 1) {
+    if (!target.empty() && confidence.data[0] > 0) filled.data[0] = target.data[0];
     return filled;
   }
   // Pull: half the size, a mean weighted by confidence; confidences add up, to 1 at most.
@@ -327,7 +329,7 @@ Image fill_gaps(const Image& target, const Image& confidence) {
 
 BilateralSolution solve_bilateral(const BilateralGrid& grid, const Image& guide, const Image& target,
                                   const Image& confidence, const BilateralSolverOptions& options, const Image& start) {
-  require_sizes(grid, guide, target, confidence, start, options);
+  require_inputs(grid, guide, target, confidence, start, options);
   const int channels = target.channels;
   const auto target_at = [&](std::size_t pixel, int c) -> double { return target.data[pixel * channels + c]; };
 

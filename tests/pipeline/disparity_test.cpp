@@ -173,7 +173,7 @@ TEST(Match, SmallAndBrokenInputsAreFiniteAndWithinRange) {
     EXPECT_EQ(tiles.disparity_dp_px.width, (width + 7) / 8);
     for (const float d : tiles.disparity_dp_px.data) EXPECT_LE(std::abs(d), 3);
     for (const float confidence : tiles.confidence.data) EXPECT_TRUE(confidence >= 0 && confidence <= 1);
-    const PixelDisparity pixels = upsample_tiles(tiles, 8, width, height);
+    const PixelDisparity pixels = upsample_tiles(tiles, width, height);
     for (const float d : pixels.disparity_dp_px.data) EXPECT_LE(std::abs(d), 3);
     for (const float confidence : pixels.confidence.data) EXPECT_TRUE(confidence >= 0 && confidence <= 1);
   }
@@ -183,13 +183,13 @@ TEST(Upsample, DoubtfulTilesGiveWayAndEdgesLoseConfidence) {
   TileDisparity tiles{Image(4, 1, 1, 1.0f), Image(4, 1, 1, 1.0f)};
   tiles.disparity_dp_px.at(1, 0) = -3;
   tiles.confidence.at(1, 0) = 0;
-  const PixelDisparity doubtful = upsample_tiles(tiles, 8, 32, 8);
+  const PixelDisparity doubtful = upsample_tiles(tiles, 32, 8);
   for (const float d : doubtful.disparity_dp_px.data) EXPECT_TRUE(d == -3 || std::abs(d - 1) < 1e-5);
   EXPECT_NEAR(doubtful.disparity_dp_px.at(9, 4), 1, 1e-5);  // inside the doubtful tile
   EXPECT_LT(doubtful.confidence.at(11, 4), 0.1f);
 
   tiles.confidence.at(1, 0) = 1;  // now an edge of 4 px between sure tiles
-  const PixelDisparity edge = upsample_tiles(tiles, 8, 32, 8);
+  const PixelDisparity edge = upsample_tiles(tiles, 32, 8);
   EXPECT_LT(edge.confidence.at(7, 4), 1e-3f);
   EXPECT_NEAR(edge.confidence.at(3, 4), 1, 1e-6f);
 }
@@ -197,7 +197,7 @@ TEST(Upsample, DoubtfulTilesGiveWayAndEdgesLoseConfidence) {
 TEST(Upsample, IsLinearBetweenEquallySureTiles) {
   TileDisparity tiles{Image(5, 1), Image(5, 1, 1, 1.0f)};
   for (int i = 0; i < 5; ++i) tiles.disparity_dp_px.at(i, 0) = 0.1f * static_cast<float>(i);
-  const PixelDisparity pixels = upsample_tiles(tiles, 8, 40, 8);
+  const PixelDisparity pixels = upsample_tiles(tiles, 40, 8);
   for (int x = 4; x < 36; ++x) {
     EXPECT_NEAR(pixels.disparity_dp_px.at(x, 3), 0.1 * ((x + 0.5) / 8 - 0.5), 1e-5);
   }
@@ -206,19 +206,19 @@ TEST(Upsample, IsLinearBetweenEquallySureTiles) {
 TEST(Upsample, SigmaIsThatOfTheBlend) {
   // Four tiles that err by 0.1 each, independently or alike; then two that disagree by far more.
   TileDisparity tiles{Image(2, 2, 1, 0.5f), Image(2, 2, 1, 1.0f), Image(2, 2, 1, 0.1f), Image(2, 2)};
-  const PixelDisparity independent = upsample_tiles(tiles, 8, 16, 16);
+  const PixelDisparity independent = upsample_tiles(tiles, 16, 16);
   EXPECT_NEAR(independent.sigma_dp_px.at(0, 0), 0.1, 1e-6);  // one tile alone
   // 9/16 and 7/16 of two tiles along each axis
   EXPECT_NEAR(independent.sigma_dp_px.at(7, 7), 0.1 * (81 + 49) / 256, 1e-5);
   tiles.shared = Image(2, 2, 1, 1.0f);
-  EXPECT_NEAR(upsample_tiles(tiles, 8, 16, 16).sigma_dp_px.at(7, 7), 0.1, 1e-5);
+  EXPECT_NEAR(upsample_tiles(tiles, 16, 16).sigma_dp_px.at(7, 7), 0.1, 1e-5);
   tiles.disparity_dp_px.at(1, 0) = tiles.disparity_dp_px.at(1, 1) = 2.5f;
   const double spread = 2 * std::sqrt(9.0 / 16 * 7 / 16);
-  EXPECT_NEAR(upsample_tiles(tiles, 8, 16, 16).sigma_dp_px.at(7, 7), std::hypot(spread, 0.1), 1e-4);
+  EXPECT_NEAR(upsample_tiles(tiles, 16, 16).sigma_dp_px.at(7, 7), std::hypot(spread, 0.1), 1e-4);
   tiles.confidence = Image(2, 2);  // nobody knows: the plain blend of variances
-  EXPECT_NEAR(upsample_tiles(tiles, 8, 16, 16).sigma_dp_px.at(7, 7), 0.1, 1e-5);
+  EXPECT_NEAR(upsample_tiles(tiles, 16, 16).sigma_dp_px.at(7, 7), 0.1, 1e-5);
   tiles.sigma_dp_px = tiles.shared = {};
-  EXPECT_TRUE(upsample_tiles(tiles, 8, 16, 16).sigma_dp_px.empty());
+  EXPECT_TRUE(upsample_tiles(tiles, 16, 16).sigma_dp_px.empty());
 }
 
 TEST(MergeMask, FaceIsWeightedByConfidenceAndTheInteriorFlattened) {

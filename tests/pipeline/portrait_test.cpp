@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "capture/error.h"
 #include "pipeline/portrait.h"
@@ -164,6 +165,23 @@ TEST(Portrait, TheLikelihoodMatcherReachesFurther) {
   EXPECT_GT(confidence[1], 0.5);
   EXPECT_LT(within[0], 0.05);
   EXPECT_LT(confidence[0], 0.2);
+}
+
+TEST(Portrait, AnUnknownNoiseIsNotTakenForNone) {
+  Capture capture = make_capture();
+  capture.frames.resize(1);
+  PortraitOptions options = test_options();
+  options.matcher = Matcher::likelihood;
+  const auto mean_confidence = [&] {
+    const Image confidence = run_portrait(capture, options).matched_confidence;
+    return std::accumulate(confidence.data.begin(), confidence.data.end(), 0.0) /
+           static_cast<double>(confidence.data.size());
+  };
+  const double known = mean_confidence();
+  capture.exposure.dp_noise = {};
+  const double estimated = mean_confidence();
+  EXPECT_LE(estimated, 1.02 * known);  // texture counts as noise, never the other way round
+  EXPECT_GE(estimated, 0.5 * known);
 }
 
 TEST(Portrait, FacesSetTheFocus) {

@@ -9,7 +9,7 @@ namespace dualpixel::tools {
 namespace {
 
 /// Beside each bound: what a published library does on such a problem.
-TEST(EdgeFailures, StayBelowTheLibrarys) {
+TEST(EdgeFailures, StayWithinTheirBounds) {
   std::map<std::string, double> figures;
   for (const EdgeFailure& failure : edge_failures()) figures[failure.name] = solve_failure(failure);
   for (const auto& [name, figure] : figures) EXPECT_TRUE(std::isfinite(figure)) << name;

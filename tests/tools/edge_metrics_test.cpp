@@ -42,7 +42,7 @@ TEST(EdgeMetrics, BoundariesMatchWithinTheirReach) {
   EXPECT_EQ(boundary_f_score(square(16, 48), square(18, 50), 2), 1);
   // Shifted by 8: the sides, and 8 of the 32 pixels of top and bottom less 2 at the end, are off; the same both ways.
   const double boundary = 4 * 32 - 4, off = 32 + 2 * (8 - 2) - 2;
-  EXPECT_NEAR(boundary_f_score(square(16, 48), square(24, 56), 2), (boundary - off - (32 - 2 - 4)) / boundary, 0.05);
+  EXPECT_NEAR(boundary_f_score(square(16, 48), square(24, 56), 2), (boundary - off - (32 - 2 - 4)) / boundary, 1e-12);
   EXPECT_EQ(boundary_f_score(Mask(64, 64), Mask(64, 64), 2), 1);
   EXPECT_EQ(boundary_f_score(Mask(64, 64), square(16, 48), 2), 0);
 }

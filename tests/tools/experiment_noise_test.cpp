@@ -8,7 +8,7 @@
 namespace dualpixel::tools {
 namespace {
 
-// A quarter of the area and a few points: 19 x 13 whole tiles, a deviation has a standard error of about 5 %.
+// An eighth of the area and a few points: 19 x 13 whole tiles, a deviation has a standard error of about 5 %.
 TEST(SlowExperimentNoise, SixFramesAreLessNoisyAndLightHelps) {
   NoiseExperimentOptions options;
   options.width_px = 336;
@@ -27,7 +27,6 @@ TEST(SlowExperimentNoise, SixFramesAreLessNoisyAndLightHelps) {
     EXPECT_GT(dim.one.sigma / dim.six.sigma, 1.5);
     EXPECT_GT(dim.one.robust, bright.one.robust);
     EXPECT_GE(bright.one.robust, 0.9 * bright.six.robust);
-    EXPECT_NEAR(std::hypot(dim.six.temporal, dim.six.floor), std::max(dim.six.temporal, dim.six.robust), 1e-9);
   }
   // the likelihood's temporal noise follows the frames': 0.43 of one frame's, the views' share of merge.h
   const LightPoint& point = measured.light[1].points[1];

@@ -73,7 +73,7 @@ TEST(Export, DngOpensInLibRaw) {
     ASSERT_EQ(rgb.width, kWidth);
     ASSERT_EQ(rgb.height, kHeight);
     double grey[3] = {}, color[3] = {};
-    constexpr double kPixels = (kHeight - 16) * (kWidth / 2 - 16);
+    constexpr int kPixels = (kHeight - 16) * (kWidth / 2 - 16);
     for (int y = 8; y < kHeight - 8; ++y) {
       for (int x = 8; x < kWidth / 2 - 8; ++x) {
         for (int c = 0; c < 3; ++c) {
@@ -104,6 +104,18 @@ std::vector<T> npy(const std::string& path, const std::string& shape) {
   std::vector<T> values((bytes.size() - 10 - header) / sizeof(T));
   std::memcpy(values.data(), bytes.data() + 10 + header, values.size() * sizeof(T));
   return values;
+}
+
+TEST(Export, DngHoldsHighBlackLevels) {
+  if (!has_libraw()) GTEST_SKIP() << "raw-identify of libraw-bin is not installed";
+  Capture capture = card("RGGB");
+  capture.exposure.bits = 16;
+  capture.exposure.black_level_dn = 4096;
+  capture.exposure.white_level_dn = 65535;
+  const TemporaryFolder folder;
+  export_to(folder, capture, "dng");
+  const std::string about = output_of("raw-identify -v '" + (folder / "out/000_mosaic.dng") + "'");
+  EXPECT_NE(about.find("black: 4096\n"), std::string::npos) << about;
 }
 
 TEST(Export, NumbersSurviveInEveryFormat) {

@@ -45,7 +45,7 @@ TEST(FailureAtlas, CountsWhatIsWrongAndSure) {
 }
 
 // Confidence falls before error rises, in every row and at every step.
-TEST(SlowFailureAtlas, NoRegionIsWrongAndSure) {
+TEST(SlowFailureAtlas, AtMostOnePercentIsWrongAndSure) {
   for (const FailureRow& row : failure_rows()) {
     for (const double value : row.values) {
       const FailureCase failure = row.make(value);

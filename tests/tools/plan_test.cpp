@@ -130,6 +130,7 @@ TEST(Plan, LessToleranceTakesMoreSamples) {
   const Plan coarse = plan(s, glowing_wall(), 0.08, 1);
   const Plan fine = plan(s, glowing_wall(), 0.0002, 1);
   EXPECT_GT(chosen_samples(fine), chosen_samples(coarse));
+  ASSERT_GT(fine.sample, 0u);
   for (const Plan* p : {&coarse, &fine}) {
     EXPECT_TRUE(p->met);
     EXPECT_LE(p->error_dp_px(p->lens, p->bounce, p->sample), p->tolerance_dp_px);
