@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <memory>
 #include <string_view>
@@ -70,7 +71,8 @@ void require_whole_png(const std::string& path) {
     for (int i = 0; i < 4; ++i) length = length << 8 | static_cast<unsigned char>(head[i]);
     file.seekg(length + 4, std::ios::cur);
   }
-  if (!file) fail(path, "cannot be read: the file ends before the PNG does");
+  std::array<char, 4> checksum{};
+  if (!file.read(checksum.data(), checksum.size())) fail(path, "cannot be read: the file ends before the PNG does");
 }
 
 std::unique_ptr<ImageInput> open_picture(const std::string& path) {
