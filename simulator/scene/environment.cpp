@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kLargestWidth = 16384;
 constexpr int kLargestHeight = 8192;
+constexpr float kMostNits = 1e12f;  // the sun's disc has 1.6e9; sums of squares stay far from float's limit
 
 [[noreturn]] void fail(const std::string& path, const std::string& why) {
   throw InputError(printable(path) + ": " + why);
@@ -49,9 +50,9 @@ Environment read_environment(const std::string& path, float nits_per_unit) {
     for (int c = 0; c < 3; ++c) {
       const float value = image.data[i * image.channels + (image.channels == 1 ? 0 : c)];
       const float nits = value * nits_per_unit;
-      if (!std::isfinite(nits) || nits < 0) {
-        fail(path, fmt::format("pixel ({}, {}) holds {}: must be finite and not negative", i % image.width,
-                               i / image.width, value));
+      if (!(nits >= 0 && nits <= kMostNits)) {
+        fail(path, fmt::format("pixel ({}, {}) holds {}, {:g} nits: must lie in [0, {:g}] nits", i % image.width,
+                               i / image.width, value, nits, kMostNits));
       }
       environment.radiance_nits[i][c] = nits;
     }

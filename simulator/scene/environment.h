@@ -6,7 +6,7 @@
 namespace dualpixel::simulator {
 
 /// An equirectangular EXR or HDR file; pixel values times `nits_per_unit` are nits. Throws InputError on other formats,
-/// non-finite or negative values, and pictures over 16384 x 8192.
+/// values outside of [0, 1e12] nits, and pictures over 16384 x 8192.
 Environment read_environment(const std::string& path, float nits_per_unit);
 
 struct SkyOptions {

@@ -183,6 +183,7 @@ Scene read_gltf_bytes(const std::string& bytes, const std::string& name, const s
   if (time_s) pose_nodes(file, *time_s);
   Scene scene;
   scene.warnings = file.warnings;
+  scene.source_hash = file.source_hash;
   read_materials(file, scene);
 
   const std::vector<NodeState> states = walk_tree(file);

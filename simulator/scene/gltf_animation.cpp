@@ -26,11 +26,10 @@ std::vector<double> value_at(const GltfFile& file, const tinygltf::AnimationSamp
   }
   const std::size_t size = rotation ? 4 : 3;
   for (std::size_t i = 0; rotation && i < values.size(); i += 4) {
-    if (!(values[i] * values[i] + values[i + 1] * values[i + 1] + values[i + 2] * values[i + 2] +
-              values[i + 3] * values[i + 3] >
-          1e-6f)) {
+    const float *q = &values[i], squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    if (!(squared > 1e-6f)) {
       fail_gltf(file.name, fmt::format("/accessors/{}", sampler.output),
-                fmt::format("element {}: must be a unit quaternion", i / 4));
+                fmt::format("element {}: ({}, {}, {}, {}): must not be 0", i / 4, q[0], q[1], q[2], q[3]));
     }
   }
   const std::size_t next = std::upper_bound(times.begin(), times.end(), time_s) - times.begin();

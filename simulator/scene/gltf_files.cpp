@@ -194,11 +194,14 @@ GltfFile load_gltf(const std::string& bytes, const std::string& name, const std:
   const bool ignored = !with_animations && root.is_object() && root.erase("animations") > 0;
   check_gltf(root, name, container.bin ? std::optional(container.bin->size()) : std::nullopt);
 
-  GltfFile file{name, {}, ignored_features(root, name)};
+  GltfFile file{name, {}, ignored_features(root, name), {}};
   if (ignored) {
     file.warnings.push_back(printable(name) + ": animations are ignored: nodes keep the pose that the file gives them");
   }
   Bytes uri_bytes = take_uris(root, container.bin, folder, name);
+  std::string hashes = hash_of(bytes);
+  for (const auto& [key, value] : uri_bytes) hashes += hash_of(value);
+  file.source_hash = hash_of(hashes);
   const std::string text = root.dump();
   root = nullptr;
 

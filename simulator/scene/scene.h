@@ -101,6 +101,7 @@ struct Scene {
   Environment environment;
   float unlit_white_nits = 100;
   std::vector<std::string> object_names;  ///< object_names[object_id - 1] is the node's name
+  std::string source_hash;                ///< of the bytes of the glTF file and of all that it names
   std::vector<std::string> warnings;      ///< one line each: zero-area triangles left out, features ignored, ...
 };
 

@@ -59,9 +59,11 @@ TEST(ReadEnvironment, Refusals) {
   EXPECT_EQ(message(png), png + ": is no EXR or HDR picture, as an environment must be");
   image.data[4] = -0.5f;
   const std::string negative = write_picture(folder, "negative.exr", image);
-  EXPECT_EQ(message(negative), negative + ": pixel (1, 0) holds -0.5: must be finite and not negative");
+  EXPECT_EQ(message(negative), negative + ": pixel (1, 0) holds -0.5, -0.5 nits: must lie in [0, 1e+12] nits");
   image.data[4] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_NE(message(write_picture(folder, "nan.exr", image)).find("pixel (1, 0) holds nan"), std::string::npos);
+  image.data[4] = 2e12f;
+  EXPECT_NE(message(write_picture(folder, "bright.exr", image)).find("must lie in [0, 1e+12] nits"), std::string::npos);
   const std::string wide = write_picture(folder, "wide.exr", Image(16385, 1, 1));
   EXPECT_EQ(message(wide), wide + ": 16385 x 1 pixels: an environment has at most 16384 x 8192");
   const std::string two = write_picture(folder, "two.exr", Image(2, 1, 2));
