@@ -11,8 +11,6 @@
 namespace dualpixel::simulator {
 namespace {
 
-constexpr int kPhotositesPerDpPixel = 2;  // horizontally
-
 /// Sums over rays with one view's weight.
 struct Sums {
   double light = 0;
@@ -31,12 +29,13 @@ bool same_everywhere(const Lens& lens) {
 DisparityCoefficients closed_form(const LensSampler& lens) {
   const ThinLens& thin = lens.lens().thin;
   const double per_px = 1 / lens.sensor().pixel_pitch_m;
+  const double dp_px_per_px = 1.0 / lens.sensor().dp_downsample_x;
   const double alpha = lens.lens().split.alpha(thin.rim_slope());
   DisparityCoefficients c;
   c.blur_intercept_px = thin.blur_diameter_m(std::numeric_limits<double>::infinity()) * per_px;
   c.blur_slope_px_m = -thin.pupil_diameter_m() * thin.image_distance_m() * per_px;
-  c.intercept_dp_px = alpha * c.blur_intercept_px / kPhotositesPerDpPixel;
-  c.slope_dp_px_m = alpha * c.blur_slope_px_m / kPhotositesPerDpPixel;
+  c.intercept_dp_px = alpha * c.blur_intercept_px * dp_px_per_px;
+  c.slope_dp_px_m = alpha * c.blur_slope_px_m * dp_px_per_px;
   return c;
 }
 
@@ -75,8 +74,8 @@ DisparityCoefficients trace_disparity(const LensSampler& lens, int x, int y, int
   const glm::dmat2 px_per_slope = glm::inverse(slope_per_m) / sensor.pixel_pitch_m;
   const glm::dvec2 origin_gap = right.origin / right.light - left.origin / left.light;
   const glm::dvec2 slope_gap = right.slope / right.light - left.slope / left.light;
-  c.slope_dp_px_m = -(px_per_slope * origin_gap).x / kPhotositesPerDpPixel;
-  c.intercept_dp_px = -(px_per_slope * slope_gap).x / kPhotositesPerDpPixel;
+  c.slope_dp_px_m = -(px_per_slope * origin_gap).x / sensor.dp_downsample_x;
+  c.intercept_dp_px = -(px_per_slope * slope_gap).x / sensor.dp_downsample_x;
 
   // the disc of the whole pupil that fits the rays' misses best
   const double light = left.light + right.light;

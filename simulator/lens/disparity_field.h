@@ -5,12 +5,13 @@
 
 /// What a calibration of this camera should find: at every place x of the sensor a point at planar depth D has, to
 /// first order exactly,
-///     centroid disparity = slope_dp_px_m(x) / D + intercept_dp_px(x)        S_z and I_z of Wadhwa et al. 2018,
-///     sec. 4.2 signed blur        = blur_slope_px_m(x) / D + blur_intercept_px(x)
+///     centroid disparity = slope_dp_px_m(x) / D + intercept_dp_px(x)    (S_z, I_z of Wadhwa et al. 2018, section 4.2)
+///     signed blur        = blur_slope_px_m(x) / D + blur_intercept_px(x)
 /// because a ray that reaches x from the pupil point o with slope m sees depth D at o + D m: what it misses the chief
 /// ray by, turned into sensor length, is linear in 1/D. Each view's centroid is the mean over its rays.
 namespace dualpixel::simulator {
 
+/// Disparity is in DP pixels of SensorGrid::dp_downsample_x photosites, blur in photosites.
 struct DisparityCoefficients {
   double slope_dp_px_m = 0, intercept_dp_px = 0;
   double blur_slope_px_m = 0, blur_intercept_px = 0;

@@ -23,7 +23,8 @@ namespace {
 
 constexpr int kTableSteps = 1024;
 
-/// Value and derivative at r of a function given at evenly spaced nodes, odd about 0.
+/// Value and derivative at r of a function given at evenly spaced nodes, odd about 0. Beyond the last node it goes on
+/// straight: who looks for the place that a chief ray comes from may look there.
 struct Odd {
   double value, slope;
 };
@@ -36,7 +37,9 @@ Odd interpolate_odd(const std::vector<double>& nodes, double spacing, double r) 
   const double v0 = i > 0 ? nodes[i - 1] : -nodes[1];
   const double v3 = i + 2 <= last ? nodes[i + 2] : 2 * v2 - v1;
   const std::array<double, 4> w = cubic_weights(t), s = cubic_slopes(t);
-  return {w[0] * v0 + w[1] * v1 + w[2] * v2 + w[3] * v3, (s[0] * v0 + s[1] * v1 + s[2] * v2 + s[3] * v3) / spacing};
+  const double slope = (s[0] * v0 + s[1] * v1 + s[2] * v2 + s[3] * v3) / spacing;
+  const double over = std::max(r - last * spacing, 0.0);
+  return {w[0] * v0 + w[1] * v1 + w[2] * v2 + w[3] * v3 + slope * over, slope};
 }
 
 /// Slopes in front of the lens of the chief rays of `bounds`' nodes, positive as the picture is upright.

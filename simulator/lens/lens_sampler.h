@@ -19,6 +19,7 @@ struct SensorGrid {
   int height_px = 0;
   double pixel_pitch_m = 0;
   glm::dvec2 principal_point_px{0};  ///< continuous coordinates
+  int dp_downsample_x = 2;           ///< photosites that a DP pixel is wide: the unit of disparity
 
   /// Where the middle of pixel (x, y) lies, metres from the axis, as the picture is upright.
   glm::dvec2 middle_m(double x, double y) const {

@@ -44,6 +44,21 @@ double binomial_error(double p) { return 3 * std::sqrt(p * (1 - p) / kSamples); 
 /// Of a mean over the half pupil, in pupil radii: the half disc's standard deviation along x is 0.264.
 constexpr double kAlphaError = 3 * 0.264 / 181;
 
+// Disparity is counted in DP pixels: a sensor whose are one photosite wide sees twice as many, blur stays.
+TEST(DisparityField, CountsInTheSensorsOwnDpPixels) {
+  Lens lens = base_lens(SplitPixel::Kind::ramp);
+  for (const Lens::Model model : {Lens::Model::thin, Lens::Model::aberrated}) {
+    lens.model = model;
+    SensorGrid sensor = photosite_at(lens, 0.4, -0.3);
+    const DisparityCoefficients two = DisparityField(LensSampler(lens, sensor)).at(0.5, 0.5);
+    sensor.dp_downsample_x = 1;
+    const DisparityCoefficients one = DisparityField(LensSampler(lens, sensor)).at(0.5, 0.5);
+    EXPECT_DOUBLE_EQ(one.slope_dp_px_m, 2 * two.slope_dp_px_m);
+    EXPECT_DOUBLE_EQ(one.intercept_dp_px, 2 * two.intercept_dp_px);
+    EXPECT_DOUBLE_EQ(one.blur_slope_px_m, two.blur_slope_px_m);
+  }
+}
+
 TEST(Knobs, AllZeroIsTheThinLens) {
   Lens aberrated = base_lens(SplitPixel::Kind::ramp);
   Lens thin = aberrated;
