@@ -1,155 +1,28 @@
 #include "simulator/simulate.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
-#include <limits>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
 #include "capture/error.h"
-#include "capture/json_fields.h"
-#include "simulator/lens/lens_file.h"
-#include "simulator/render/adaptive.h"
+#include "simulator/lens/cfa.h"
+#include "simulator/render/motion.h"
 #include "simulator/render/truth.h"
 #include "simulator/sampling/hash.h"
 #include "simulator/scene/gltf.h"
 #include "simulator/sensor/hand_shake.h"
-#include "simulator/sensor/motion.h"
 
 namespace dualpixel::simulator {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::string beside(const std::string& json_path, const std::string& name) {
-  return (std::filesystem::path(json_path).parent_path() / name).string();
-}
-
 glm::dvec3 to_vec(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
-
-void read_camera(Fields camera, Simulation& s, double& focus_distance_m) {
-  camera.text("node", s.camera_node);
-  if (camera.has("position_m") || camera.has("look_at_m") || camera.has("up")) {
-    if (camera.has("node")) camera.fail("node", "give either a camera node or position_m and look_at_m, not both");
-    CameraPose& pose = s.pose.emplace();
-    camera.required("position_m").numbers("position_m", pose.position_m.data(), 3);
-    camera.required("look_at_m").numbers("look_at_m", pose.look_at_m.data(), 3);
-    camera.numbers("up", pose.up.data(), 3);
-    const glm::dvec3 forward = to_vec(pose.look_at_m) - to_vec(pose.position_m);
-    if (!(glm::length(glm::cross(forward, to_vec(pose.up))) > 1e-9 * glm::length(forward))) {
-      camera.fail("look_at_m", "must differ from position_m, and not lie along `up` from it");
-    }
-  }
-  camera.number("focus_distance_m", focus_distance_m, 0.001, kInfinity);
-  camera.done();
-}
-
-void read_sensor(Fields sensor, SensorOptions& s) {
-  sensor.integer("width_px", s.width_px, 2, 32768);
-  sensor.integer("height_px", s.height_px, 4, 32768);
-  if (s.width_px % 2 != 0)
-    sensor.fail("width_px", fmt::format("{}: must be even: the mosaic repeats every 2", s.width_px));
-  if (s.height_px % 4 != 0) {
-    sensor.fail("height_px", fmt::format("{}: must be a multiple of 4: a DP pixel is 4 photosites high", s.height_px));
-  }
-  sensor.number("pixel_pitch_um", s.pixel_pitch_um, 0.1, 100);
-  sensor.numbers("electrons_per_lux_s", s.electrons_per_lux_s.data(), 3);
-  for (double value : s.electrons_per_lux_s) {
-    if (!(value > 0 && value < 1e9)) sensor.fail("electrons_per_lux_s", fmt::format("{}: must lie in (0, 1e9)", value));
-  }
-  sensor.number("full_well_e", s.full_well_e, 1, 1e7);
-  sensor.number("read_noise_e", s.read_noise_e, 0, 1e4);
-  sensor.number("read_noise_after_gain_dn", s.read_noise_after_gain_dn, 0, 1e4);
-  sensor.number("prnu", s.prnu, 0, 0.5);
-  sensor.number("dark_offset_dn", s.dark_offset_dn, 0, 1e4);
-  sensor.integer("fixed_pattern_seed", s.fixed_pattern_seed, 0, std::numeric_limits<std::uint64_t>::max());
-  sensor.integer("dp_downsample_x", s.dp_downsample_x, 1, 2);
-  sensor.integer("dp_downsample_y", s.dp_downsample_y, 1, 4);
-  const int dp_x = s.dp_downsample_x, dp_y = s.dp_downsample_y;
-  if (!(dp_x == 2 && (dp_y == 2 || dp_y == 4)) && !(dp_x == 1 && dp_y == 1)) {
-    sensor.fail("dp_downsample_y", fmt::format("{} x {}: a DP pixel must be 2 x 4, 2 x 2 or 1 x 1", dp_x, dp_y));
-  }
-  sensor.integer("bits", s.bits, 8, 16);
-  sensor.number("black_level_dn", s.black_level_dn, 0, std::exp2(s.bits) / 2);
-  sensor.done();
-}
-
-void read_burst(Fields burst, Simulation& s) {
-  burst.integer("frames", s.burst_frames, 1, 1000);
-  burst.number("hand_shake", s.hand_shake, 0, 100);
-  burst.integer("hand_shake_seed", s.hand_shake_seed, 0, std::numeric_limits<std::uint64_t>::max());
-  s.frame_interval_s = std::max(s.frame_interval_s, s.exposure.time_s);
-  burst.number("interval_s", s.frame_interval_s, s.exposure.time_s, 1e5);
-  burst.integer("exposure_poses", s.exposure_poses, 1, 64);
-  burst.boolean("animation", s.animation);
-  burst.done();
-}
-
-void read_environment_fields(Fields environment, Simulation& s, const std::string& path) {
-  environment.choice("model", s.environment_model, {"none", "constant", "sky", "file"});
-  if (s.environment_model == "constant") {
-    environment.required("nits").numbers("nits", s.environment_nits.data(), 3);
-    for (double value : s.environment_nits) {
-      if (!(value >= 0 && value <= 1e9)) environment.fail("nits", fmt::format("{}: must lie in [0, 1e9]", value));
-    }
-  } else if (s.environment_model == "sky") {
-    environment.number("sun_elevation_deg", s.sky.sun_elevation_deg, -90, 90);
-    environment.number("sun_azimuth_deg", s.sky.sun_azimuth_deg, -360, 360);
-    environment.number("zenith_nits", s.sky.zenith_nits, 0, 1e9);
-    environment.number("horizon_nits", s.sky.horizon_nits, 0, 1e9);
-    environment.number("ground_nits", s.sky.ground_nits, 0, 1e9);
-    environment.number("sun_glow_nits", s.sky.sun_glow_nits, 0, 1e9);
-    environment.number("sun_glow_width_deg", s.sky.sun_glow_width_deg, 0.5, 90);
-  } else if (s.environment_model == "file") {
-    std::string name;
-    environment.required("path").text("path", name);
-    s.environment_path = beside(path, name);
-    environment.number("nits_per_unit", s.environment_nits_per_unit, 0, 1e9);
-  }
-  environment.done();
-}
-
-void read_render(Fields render, Simulation& s) {
-  render.integer("samples_per_pixel", s.render.samples_per_pixel, 1, 65536);
-  const auto share = [&](const char* key, std::optional<double>& value) {
-    if (render.has(key)) render.number(key, value.emplace(), 1e-4, 100);
-  };
-  share("noise_fraction", s.noise_fraction);
-  share("error", s.render_error);
-  if (render.has("time_budget_s")) render.number("time_budget_s", s.time_budget_s.emplace(), 0, 1e7);
-  if (s.noise_fraction.has_value() + s.render_error.has_value() + s.time_budget_s.has_value() > 1) {
-    const char* field = s.time_budget_s ? "time_budget_s" : "error";
-    render.fail(field, "give one of noise_fraction, error and time_budget_s");
-  }
-  render.integer("photograph_samples_per_pixel", s.photograph_samples_per_pixel, 1, 65536);
-  render.integer("all_in_focus_samples_per_pixel", s.all_in_focus_samples_per_pixel, 1, 65536);
-  render.integer("max_bounces", s.render.max_bounces, 0, 1000);
-  render.integer("seed", s.render.seed, 0, std::numeric_limits<std::uint64_t>::max());
-  render.done();
-}
-
-bool moves(const Simulation& s) { return s.hand_shake > 0 || s.animation; }
-
-/// What simulate() holds at once for each photosite: two views, two truth pictures, the geometry, electrons, frames;
-/// where something moves, the motion to each frame and the sum over the poses of an exposure.
-void check_memory(Fields& sensor, const Simulation& s) {
-  const double frame_bytes = 2 + 4.0 / (s.sensor.dp_downsample_x * s.sensor.dp_downsample_y);
-  const double bytes_per_photosite =
-      4 * (2 * 3 + 2 * 3 + 9 + 2) + frame_bytes * s.burst_frames + (moves(s) ? 4 * 2 * (s.burst_frames + 3) : 0);
-  const double needed = bytes_per_photosite * s.sensor.width_px * s.sensor.height_px;
-  const double available = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
-  if (needed > available) {
-    sensor.fail("width_px",
-                fmt::format("{} x {} with a burst of {} needs {:.0f} GB; this machine has {:.0f} GB", s.sensor.width_px,
-                            s.sensor.height_px, s.burst_frames, needed / 1e9, available / 1e9));
-  }
-}
 
 Matrix4 row_major(const glm::mat4& m) {
   Matrix4 result;
@@ -181,7 +54,9 @@ bool gives_light(const Scene& scene) {
                      [&](const Mesh& mesh) { return shines(scene.materials[mesh.material]); });
 }
 
-constexpr std::uint32_t kMostSamples = 16384;
+/// How many frames are rendered, and how many poses each of them is the mean of.
+int rendered_frames(const Simulation& s) { return moves(s) ? s.burst_frames : 1; }
+int poses(const Simulation& s) { return moves(s) ? s.exposure_poses : 1; }
 
 ErrorTarget scaled(ErrorTarget target, double factor) {
   for (double& value : target.per_nit) value *= factor;
@@ -189,40 +64,65 @@ ErrorTarget scaled(ErrorTarget target, double factor) {
   return target;
 }
 
-/// The map whose samples take about `budget_s` with the pilot's own; `share`: the error over `target` that it expects.
+/// What each pose of each frame is sampled with.
+struct ViewSampling {
+  SampleMap map;
+  std::optional<ErrorTarget> target;  ///< what map.error_ratio is over
+};
+
+/// The map whose samples, of all poses and frames, take what the pilot leaves of the time, with the pilot's own speed.
 SampleMap samples_in_time(const Simulation& s, const RenderScene& world, const CameraView& view,
-                          const ErrorTarget& target, double budget_s, double& share, const ProgressCallback& progress) {
+                          const ErrorTarget& target, const SampleLimits& limits, const ProgressCallback& progress) {
   constexpr std::uint32_t kMostPilotSamples = 32;  // about six a photosite in all
   const auto start = std::chrono::steady_clock::now();
+  const auto spent_s = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
   const Pilot pilot = probe_tiles(world, view, s.render, target, kMostPilotSamples, progress);
-  const double spent_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const double affordable = std::max(budget_s - spent_s, 0.0) / spent_s * pilot.samples;
-  double low = 1e-4, high = 1e4;
-  for (int step = 0; step < 24; ++step) {
-    share = std::sqrt(low * high);
-    (share_samples(pilot, share, kMostSamples).total_samples() > affordable ? low : high) = share;
-  }
-  share = high;
-  SampleMap map = share_samples(pilot, share, kMostSamples);
-  // The fewest samples may do better than what the time would have allowed.
-  double sum = 0;
-  for (float ratio : map.error_ratio) sum += static_cast<double>(ratio) * ratio;
-  share = std::sqrt(sum / static_cast<double>(map.error_ratio.size()));
-  return map;
+  const double sample_s = spent_s() / pilot.samples;
+  const double maps = 1.0 * rendered_frames(s) * poses(s);
+  return share_budget(
+      pilot, [&] { return std::max(*s.time_budget_s - spent_s(), 0.0) / (sample_s * maps); }, limits);
 }
 
-void describe_sampling(const SampleMap& map, const Views& views, const ErrorTarget& target, double unit_per_nit,
-                       Truth& truth) {
+/// Each pose draws a net of its own, and errors of independent nets average: of P poses each may have sqrt(P) times
+/// the error of their mean. Counts stay powers of two, and at least 2, one for each half of the pupil.
+ViewSampling sample_map_of(const Simulation& s, const RenderScene& world, const CameraView& view, double unit_per_nit,
+                           const ProgressCallback& progress) {
+  const auto count = static_cast<std::uint32_t>(poses(s));
+  const SampleLimits all;
+  const SampleLimits limits{std::max(all.fewest / std::bit_ceil(count), 2u), all.most / std::bit_floor(count)};
+  const ErrorTarget noise = sensor_noise(s, view.lens.lux_per_nit());
+  if (s.time_budget_s) return {samples_in_time(s, world, view, noise, limits, progress), noise};
+  if (s.noise_fraction || s.render_error) {
+    const double share = s.noise_fraction ? *s.noise_fraction : *s.render_error / unit_per_nit;
+    const ErrorTarget target = scaled(s.noise_fraction ? noise : ErrorTarget{.constant = {1, 1, 1}}, share * share);
+    const Pilot pilot = probe_tiles(world, view, s.render, target, all.most, progress);
+    return {share_samples(pilot, std::sqrt(count), limits), target};
+  }
+  const auto samples = static_cast<std::uint32_t>(s.render.samples_per_pixel);
+  const std::uint32_t each = count == 1 ? samples : std::max(std::bit_floor(samples / count), 2u);
+  return {uniform_map(s.sensor.width_px, s.sensor.height_px, each), {}};
+}
+
+/// RMS over the picture of the error over the target that the mean of all poses has.
+double expected_error(const SampleMap& map, int poses_of_frame) {
+  double sum = 0;
+  for (float ratio : map.error_ratio) sum += static_cast<double>(ratio) * ratio;
+  return std::sqrt(sum / static_cast<double>(map.error_ratio.size()) / poses_of_frame);
+}
+
+void describe_sampling(const SampleMap& map, const ErrorTarget& target, int poses_of_frame, const Views& views,
+                       double unit_per_nit, Truth& truth) {
   truth.samples = truth.render_sigma = Image(map.width_px, map.height_px);
   for (std::size_t i = 0; i < map.samples.size(); ++i) {
     const Tile tile = tile_at(map, static_cast<int>(i));
+    const double ratio = map.error_ratio[i] / std::sqrt(poses_of_frame);
     for (int y = tile.y0; y < tile.y1; ++y) {
       for (int x = tile.x0; x < tile.x1; ++x) {
         const int c = cfa_color(x, y);
         const double nits = 0.5 * (views.left.at(x, y, c) + views.right.at(x, y, c));
-        truth.samples.at(x, y) = static_cast<float>(tile.samples);
-        truth.render_sigma.at(x, y) = static_cast<float>(unit_per_nit * map.error_ratio[i] *
-                                                         std::sqrt(target.per_nit[c] * nits + target.constant[c]));
+        truth.samples.at(x, y) = static_cast<float>(tile.samples) * static_cast<float>(poses_of_frame);
+        truth.render_sigma.at(x, y) =
+            static_cast<float>(unit_per_nit * ratio * std::sqrt(target.per_nit[c] * nits + target.constant[c]));
       }
     }
   }
@@ -246,40 +146,72 @@ glm::mat4 world_from_camera(const Simulation& s, const Scene& scene) {
 
 /// Scene and camera at one time of a burst.
 struct Moment {
-  std::unique_ptr<Scene> scene;            ///< only where it is not the first frame's
-  std::unique_ptr<RenderScene> own_world;  ///< of `scene`
-  const RenderScene* world = nullptr;
+  std::unique_ptr<Scene> own_scene;  ///< empty: the first frame's
   CameraView view;
 };
 
-Moment moment(const Simulation& s, const RenderScene& first_world, const CameraView& first, double time_s) {
-  Moment now{nullptr, nullptr, &first_world, first};
+Moment moment(const Simulation& s, const CameraView& first, double time_s) {
+  Moment now{nullptr, first};
   if (s.animation && time_s != 0) {
-    now.scene = std::make_unique<Scene>(load_scene(s, time_s));
-    now.own_world = std::make_unique<RenderScene>(*now.scene);
-    now.world = now.own_world.get();
-    now.view.world_from_camera = world_from_camera(s, *now.scene);
+    now.own_scene = std::make_unique<Scene>(load_scene(s, time_s));
+    now.view.world_from_camera = world_from_camera(s, *now.own_scene);
   }
   const glm::dmat4 shake = hand_shake(s.hand_shake_seed, time_s, s.hand_shake);
   now.view.world_from_camera = glm::mat4(glm::dmat4(now.view.world_from_camera) * shake);
   return now;
 }
 
-/// The mean over the poses of frame `frame`'s exposure, each of which takes its share of the samples of `map`.
-Views render_frame(const Simulation& s, const RenderScene& first_world, const CameraView& first, SampleMap map,
-                   int frame, const ProgressCallback& progress) {
-  const int poses = moves(s) ? s.exposure_poses : 1;
-  for (std::uint32_t& samples : map.samples) samples = std::max(samples / poses, 1u);
-  Views mean;
-  for (int i = 0; i < poses; ++i) {
-    const double middle_s = frame * s.frame_interval_s;
-    const Moment now = moment(s, first_world, first, middle_s + ((i + 0.5) / poses - 0.5) * s.exposure.time_s);
+double middle_s(const Simulation& s, int frame) { return frame * s.frame_interval_s; }
+
+double pose_s(const Simulation& s, int frame, int pose) {
+  return middle_s(s, frame) + ((pose + 0.5) / poses(s) - 0.5) * s.exposure.time_s;
+}
+
+/// Reads the scene at every time that will be rendered, so that none is refused when hours have been spent on others.
+void check_animation(const Simulation& s, const Scene& first) {
+  std::set<double> times_s;
+  for (int frame = 0; frame < s.burst_frames; ++frame) {
+    times_s.insert(middle_s(s, frame));
+    for (int pose = 0; pose < poses(s); ++pose) times_s.insert(pose_s(s, frame, pose));
+  }
+  for (const double time_s : times_s) {
+    if (time_s == 0) continue;  // `first`
+    if (const auto mesh = mesh_that_differs(first, load_scene(s, time_s))) {
+      throw InputError(
+          fmt::format("{}: /animations: at t = {:.6g} s triangles of mesh {} appear or vanish: must be the "
+                      "same in all frames",
+                      printable(s.gltf_path), time_s, *mesh));
+    }
+  }
+}
+
+/// What `scene` holds in its large arrays.
+double bytes_of(const Scene& scene) {
+  const auto size = [](const auto& values) { return static_cast<double>(values.size()) * sizeof(values[0]); };
+  double bytes = size(scene.environment.radiance_nits);
+  for (const Texture& t : scene.textures) bytes += size(t.rgba) + size(t.decoded);
+  for (const Mesh& m : scene.meshes) {
+    bytes += size(m.positions) + size(m.normals) + size(m.uv0) + size(m.uv1) + size(m.colors) + size(m.triangles);
+  }
+  return bytes;
+}
+
+/// The mean over the poses of frame `frame`'s exposure; `middle` is its moment.
+Views render_frame(const Simulation& s, const RenderScene& first_world, const CameraView& first, const Moment& middle,
+                   const SampleMap& map, int frame, const ProgressCallback& progress) {
+  const auto render = [&](const Moment& now, int pose) {
     RenderOptions options = s.render;
-    if (frame > 0 || i > 0) options.seed = hash(s.render.seed, 4, frame * poses + i);
-    Views views =
-        render_views(*now.world, now.view, options, map, [&](double fraction) { progress((i + fraction) / poses); });
-    if (poses > 1) scale(views.left, 1.0 / poses), scale(views.right, 1.0 / poses);
-    if (i == 0) {
+    if (frame > 0 || pose > 0) options.seed = hash(s.render.seed, 4, frame * poses(s) + pose);
+    const ProgressCallback part = [&](double fraction) { progress((pose + fraction) / poses(s)); };
+    if (!now.own_scene) return render_views(first_world, now.view, options, map, part);
+    return render_views(RenderScene(*now.own_scene), now.view, options, map, part);
+  };
+  Views mean;
+  for (int pose = 0; pose < poses(s); ++pose) {
+    const double time_s = pose_s(s, frame, pose);
+    Views views = time_s == middle_s(s, frame) ? render(middle, pose) : render(moment(s, first, time_s), pose);
+    if (poses(s) > 1) scale(views.left, 1.0 / poses(s)), scale(views.right, 1.0 / poses(s));
+    if (pose == 0) {
       mean = std::move(views);
       continue;
     }
@@ -291,46 +223,31 @@ Views render_frame(const Simulation& s, const RenderScene& first_world, const Ca
   return mean;
 }
 
-}  // namespace
-
-Simulation read_simulation(const nlohmann::json& json, const std::string& path) {
-  Simulation s;
-  s.json = json;
-  s.path = path;
-  Fields root(s.json, path);
-  int version = 1;
-  root.required("version").integer("version", version, 1, 1);
-  std::string gltf;
-  root.required("gltf").text("gltf", gltf);
-  s.gltf_path = beside(path, gltf);
-  double focus_distance_m = 1;
-  read_camera(root.object("camera"), s, focus_distance_m);
-  s.lens = read_lens(root.has("lens") ? root.raw("lens") : nlohmann::json::object(), path, "/lens", focus_distance_m);
-  Fields sensor = root.object("sensor");
-  read_sensor(sensor, s.sensor);
-  Fields exposure = root.object("exposure");
-  exposure.number("time_s", s.exposure.time_s, 1e-7, 1e4);
-  exposure.number("iso", s.exposure.iso, 1, 1e6);
-  exposure.done();
-  read_burst(root.object("burst"), s);
-  read_environment_fields(root.object("environment"), s, path);
-  root.number("unlit_white_nits", s.unlit_white_nits, 0, 1e9);
-  if (root.has("face_px")) {
-    s.face_px.emplace();
-    root.numbers("face_px", s.face_px->data(), 4);
-    const auto& f = *s.face_px;
-    if (f[0] < 0 || f[1] < 0 || !(f[2] > 0) || !(f[3] > 0)) {
-      root.fail("face_px", "must be x, y, width, height in photosites, width and height above 0");
-    }
-  }
-  Fields truth = root.object("truth");
-  truth.number("photograph_aperture_scale", s.photograph_aperture_scale, 0, 100);
-  truth.done();
-  read_render(root.object("render"), s);
-  root.done();
-  check_memory(sensor, s);
-  return s;
+/// What each step of simulate() reports to.
+ProgressCallback step_of(const StageCallback& stage, const char* name) {
+  if (!stage) return {};
+  return [&stage, name](double fraction) { stage(name, fraction); };
 }
+
+/// Truth's pictures in the frames' normalised signal: a neutral grey reads the same in all channels after the sensor's
+/// colour response is divided out, as white balance does.
+void add_truth_pictures(const Simulation& s, const RenderScene& world, const CameraView& view, double unit_per_nit,
+                        const StageCallback& stage, Truth& truth) {
+  RenderOptions options = s.render;
+  options.ideal_aperture_scale = 0;
+  options.samples_per_pixel = s.all_in_focus_samples_per_pixel;
+  options.seed = hash(s.render.seed, 1);
+  truth.all_in_focus = undivided(render_views(world, view, options, step_of(stage, "all-in-focus image")));
+  options.ideal_aperture_scale = s.photograph_aperture_scale;
+  options.samples_per_pixel = s.photograph_samples_per_pixel;
+  options.seed = hash(s.render.seed, 2);
+  truth.photograph = undivided(render_views(world, view, options, step_of(stage, "wide-aperture photograph")));
+  truth.photograph_aperture_scale = s.photograph_aperture_scale;
+  scale(truth.all_in_focus, unit_per_nit);
+  scale(truth.photograph, unit_per_nit);
+}
+
+}  // namespace
 
 Scene load_scene(const Simulation& s, double time_s) {
   Scene scene = read_gltf(s.gltf_path, s.animation ? std::optional(time_s) : std::nullopt);
@@ -354,7 +271,8 @@ SensorGrid sensor_grid(const Simulation& s) {
   return {s.sensor.width_px,
           s.sensor.height_px,
           s.sensor.pixel_pitch_um * 1e-6,
-          {0.5 * s.sensor.width_px, 0.5 * s.sensor.height_px}};
+          {0.5 * s.sensor.width_px, 0.5 * s.sensor.height_px},
+          s.sensor.dp_downsample_x};
 }
 
 Camera describe_camera(const Simulation& s) {
@@ -398,10 +316,8 @@ ErrorTarget sensor_noise(const Simulation& s, double lux_per_nit) {
 }
 
 Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& stage) {
-  const auto report = [&](const char* name) -> ProgressCallback {
-    if (!stage) return {};
-    return [&stage, name](double fraction) { stage(name, fraction); };
-  };
+  check_memory(s, (s.animation ? 2 : 1) * bytes_of(scene));
+  if (s.animation) check_animation(s, scene);
   const CameraView view = place_camera(s, scene);
   const RenderScene world(scene);
 
@@ -409,51 +325,26 @@ Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& s
   capture.camera = describe_camera(s);
   capture.exposure = describe_exposure(s.sensor, s.exposure);
   capture.face_px = s.face_px;
-
-  // Truth pictures in the frames' normalised signal: a neutral grey reads the same in all channels after the sensor's
-  // colour response is divided out, as white balance does.
   const double lux_s_per_nit = view.lens.lux_per_nit() * s.exposure.time_s;
   const double unit_per_nit = lux_s_per_nit / capture.exposure.lux_s_per_unit;
-  capture.truth = trace_truth(world, view);
-  scale(capture.truth->disparity_dp_px, 2.0 / s.sensor.dp_downsample_x);  // it takes DP pixels to be 2 photosites wide
-  RenderOptions options = s.render;
-  options.ideal_aperture_scale = 0;
-  options.samples_per_pixel = s.all_in_focus_samples_per_pixel;
-  options.seed = hash(s.render.seed, 1);
-  capture.truth->all_in_focus = undivided(render_views(world, view, options, report("all-in-focus image")));
-  options.ideal_aperture_scale = s.photograph_aperture_scale;
-  options.samples_per_pixel = s.photograph_samples_per_pixel;
-  options.seed = hash(s.render.seed, 2);
-  capture.truth->photograph = undivided(render_views(world, view, options, report("wide-aperture photograph")));
-  capture.truth->photograph_aperture_scale = s.photograph_aperture_scale;
-  scale(capture.truth->all_in_focus, unit_per_nit);
-  scale(capture.truth->photograph, unit_per_nit);
+  Truth& truth = capture.truth.emplace(trace_truth(world, view));
+  add_truth_pictures(s, world, view, unit_per_nit, stage, truth);
 
-  const int rendered_frames = moves(s) ? s.burst_frames : 1;
-  std::optional<ErrorTarget> target;
-  SampleMap map = uniform_map(s.sensor.width_px, s.sensor.height_px, s.render.samples_per_pixel);
-  if (s.time_budget_s) {
-    target = sensor_noise(s, view.lens.lux_per_nit());
-    double share = 0;
-    map = samples_in_time(s, world, view, *target, *s.time_budget_s / rendered_frames, share,
-                          report("error of the two views"));
-    capture.provenance["noise_fraction_reached"] = share;
-  } else if (s.noise_fraction || s.render_error) {
-    const double share = s.noise_fraction ? *s.noise_fraction : *s.render_error / unit_per_nit;
-    target = scaled(s.noise_fraction ? sensor_noise(s, view.lens.lux_per_nit()) : ErrorTarget{.constant = {1, 1, 1}},
-                    share * share);
-    const Pilot pilot = probe_tiles(world, view, s.render, *target, kMostSamples, report("error of the two views"));
-    map = share_samples(pilot, 1, kMostSamples);
-  }
+  const ViewSampling sampling = sample_map_of(s, world, view, unit_per_nit, step_of(stage, "error of the two views"));
+  if (s.time_budget_s) capture.provenance["noise_fraction_reached"] = expected_error(sampling.map, poses(s));
   Image electrons;
   for (int i = 0; i < s.burst_frames; ++i) {
-    const Moment middle = moment(s, world, view, i * s.frame_interval_s);
-    if (i < rendered_frames) {
-      const Views views = render_frame(s, world, view, map, i, [&](double fraction) {
-        if (stage) stage("left and right view", (i + fraction) / rendered_frames);
+    const Moment middle = moment(s, view, middle_s(s, i));
+    if (i < rendered_frames(s)) {
+      const Views views = render_frame(s, world, view, middle, sampling.map, i, [&](double fraction) {
+        if (stage) stage("left and right view", (i + fraction) / rendered_frames(s));
       });
-      if (i == 0 && target) describe_sampling(map, views, *target, unit_per_nit, *capture.truth);
-      if (i > 0) capture.truth->motion.push_back(trace_motion(world, view, middle.world->scene, middle.view));
+      if (i == 0 && sampling.target) {
+        describe_sampling(sampling.map, *sampling.target, poses(s), views, unit_per_nit, truth);
+      }
+      if (i > 0) {
+        truth.motion.push_back(trace_motion(world, view, middle.own_scene ? *middle.own_scene : scene, middle.view));
+      }
       electrons = expected_electrons(views.left, views.right, s.sensor, s.exposure, view.lens.lux_per_nit());
     }
     capture.frames.push_back(expose(electrons, s.sensor, s.exposure, hash(s.render.seed, 3, i)));

@@ -1,69 +1,14 @@
 #pragma once
-#include <array>
-#include <cstdint>
 #include <functional>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 
 #include "capture/capture.h"
-#include "simulator/lens/lens.h"
 #include "simulator/render/adaptive.h"
-#include "simulator/render/views.h"
-#include "simulator/scene/environment.h"
 #include "simulator/scene/scene.h"
-#include "simulator/sensor/sensor.h"
+#include "simulator/scene_file.h"
 
 /// The simulator from end to end: scene + lens + sensor -> capture with truth.
 namespace dualpixel::simulator {
-
-/// A camera of the scene file's own, for glTF files without one; takes the place of the node.
-struct CameraPose {
-  std::array<double, 3> position_m{};
-  std::array<double, 3> look_at_m{};
-  std::array<double, 3> up = {0, 1, 0};
-};
-
-/// What a scene JSON file says (docs/scene.md), every field checked. Units are in the names.
-struct Simulation {
-  std::string path;         ///< of this file
-  std::string gltf_path;    ///< resolved against the JSON file's folder
-  std::string camera_node;  ///< empty: the glTF file's first camera
-  std::optional<CameraPose> pose;
-  Lens lens;  ///< focused
-  SensorOptions sensor;
-  ExposureOptions exposure;
-  int burst_frames = 9;
-  double hand_shake = 0;  ///< scale of hand_shake()'s amplitudes; 0: the camera stands still
-  std::uint64_t hand_shake_seed = 1;
-  double frame_interval_s = 0.04;          ///< from one frame's exposure to the next; at least the exposure time
-  int exposure_poses = 1;                  ///< poses over each exposure that the frame is the mean of
-  bool animation = false;                  ///< glTF's animations play: frame i shows the scene at i * frame_interval_s
-  std::string environment_model = "none";  ///< "none", "constant", "sky", "file"
-  std::array<double, 3> environment_nits{};
-  SkyOptions sky;
-  std::string environment_path;
-  double environment_nits_per_unit = 1;
-  double unlit_white_nits = 100;
-  std::optional<std::array<double, 4>> face_px;
-  double photograph_aperture_scale = 5;
-  RenderOptions render;
-  /// Set: the two views get as many samples, tile by tile, as keep their error's RMS at this share of the sensor's
-  /// noise; instead of render.samples_per_pixel.
-  std::optional<double> noise_fraction;
-  std::optional<double> render_error;  ///< likewise, at this share of the signal 1.0
-  /// Set: likewise, as many as this machine can draw in about this time, for the error to be the same share of the
-  /// sensor's noise everywhere. How many depends on the machine: provenance names the share that was reached.
-  std::optional<double> time_budget_s;
-  int photograph_samples_per_pixel = 48;
-  int all_in_focus_samples_per_pixel = 8;
-  nlohmann::json json;  ///< the document as it was read, overrides applied
-};
-
-/// Reads a scene JSON document that came from `path`, after overrides ("camera.focus_distance_m=0.9") were applied to
-/// it. Throws InputError for unknown fields, values out of range, focus inside the focal length, and pictures that
-/// would not fit into this machine's memory.
-Simulation read_simulation(const nlohmann::json& json, const std::string& path);
 
 /// Reads glTF and environment that `simulation` names, animated objects where they are at `time_s` if
 /// Simulation::animation is set. Throws InputError, also where nothing in them gives light.
@@ -87,6 +32,8 @@ using StageCallback = std::function<void(const std::string& stage, double fracti
 
 /// `scene` is load_scene(simulation). A burst in which nothing moves is rendered once and exposed frame by frame;
 /// otherwise each frame is rendered at its own time, and truth is the first frame's, with the motion to the others.
+/// Throws InputError before anything is rendered where an animation makes triangles appear or vanish, or where pictures
+/// and scenes would not fit into this machine's memory.
 Capture simulate(const Simulation& simulation, const Scene& scene, const StageCallback& stage = {});
 
 }  // namespace dualpixel::simulator

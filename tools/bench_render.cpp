@@ -12,7 +12,7 @@
 #include "capture/json_fields.h"
 #include "simulator/render/adaptive.h"
 #include "simulator/sampling/hash.h"
-#include "simulator/sensor/cfa.h"
+#include "simulator/lens/cfa.h"
 #include "simulator/simulate.h"
 #include "tools/commands.h"
 #include "tools/report_assets.h"

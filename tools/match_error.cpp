@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "simulator/sensor/cfa.h"
+#include "simulator/lens/cfa.h"
 
 namespace dualpixel::tools {
 namespace {

@@ -78,9 +78,8 @@ std::vector<Place> stratified_places(const simulator::RenderScene& world, const 
     const auto row = i / kPlaceColumns;
     Place place{static_cast<int>((i % kPlaceColumns + u) / kPlaceColumns * sensor.width_px),
                 static_cast<int>((row + v) / kPlaceRows * sensor.height_px)};
-    RTCRayHit ray = chief_ray(camera, place.x, place.y);
-    world.intersector.intersect(ray);
-    place.inverse_depth = 1 / static_cast<double>(ray.ray.tfar);
+    const auto hit = world.intersector.intersect(chief_ray(camera, place.x, place.y));
+    if (hit) place.inverse_depth = 1 / static_cast<double>(hit->t);
     places.push_back(place);
   }
   return places;
@@ -163,7 +162,8 @@ std::vector<CameraView> tiles(const simulator::Simulation& simulation, const Len
       const int y = i / kTileColumns * cell_height + static_cast<int>((key >> 32) % (cell_height - kTileHeight + 1));
       const glm::dvec2 corner(x / kPhotositesPerDpPixelX * kPhotositesPerDpPixelX,
                               y / kPhotositesPerDpPixelY * kPhotositesPerDpPixelY);
-      grids.push_back({kTileWidth, kTileHeight, sensor.pixel_pitch_m, sensor.principal_point_px - corner});
+      grids.push_back(
+          {kTileWidth, kTileHeight, sensor.pixel_pitch_m, sensor.principal_point_px - corner, sensor.dp_downsample_x});
     }
   }
   std::vector<std::optional<CameraView>> ready(grids.size());

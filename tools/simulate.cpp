@@ -9,7 +9,7 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
-#include "simulator/render/journal.h"
+#include "simulator/journal.h"
 #include "simulator/simulate.h"
 #include "tools/commands.h"
 #include "tools/plan.h"
@@ -74,7 +74,7 @@ void run(const SimulateOptions& options) {
     const std::string inputs = fmt::format("{} {} {} {}", simulation.json.dump(), file_hash(simulation.gltf_path),
                                            simulation.render.max_bounces, DUALPIXEL_VERSION);
     journal.emplace(journal_path, simulator::fingerprint(scene, camera, inputs));
-    simulation.render.journal = &*journal;
+    simulation.render.store = &*journal;
   }
 
   std::map<std::string, Progress> bars;

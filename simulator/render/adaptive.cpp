@@ -4,13 +4,13 @@
 #include <cmath>
 #include <vector>
 
+#include "simulator/lens/cfa.h"
 #include "simulator/sampling/hash.h"
-#include "simulator/sensor/cfa.h"
 
 namespace dualpixel::simulator {
 namespace {
 
-constexpr std::uint32_t kFirstCount = 8, kGrowth = 4, kFewest = 32;
+constexpr std::uint32_t kFirstCount = 8, kGrowth = 4;
 constexpr int kProbeSide = 4;  ///< one photosite of each 4 x 4 is probed
 constexpr std::uint64_t kPilotStream = 0x70696c6f74;
 
@@ -60,7 +60,7 @@ Pilot probe_tiles(const RenderScene& world, const CameraView& camera, const Rend
                   const ErrorTarget& target, std::uint32_t most_samples, const ProgressCallback& progress) {
   const SensorGrid& sensor = camera.lens.sensor();
   Pilot pilot;
-  pilot.grid = uniform_map(sensor.width_px, sensor.height_px, kFewest);
+  pilot.grid = uniform_map(sensor.width_px, sensor.height_px, SampleLimits{}.fewest);
   const SampleMap& map = pilot.grid;
   std::vector<ErrorCurve> curves(map.samples.size());
   const double levels = std::log(static_cast<double>(most_samples) / kFirstCount) / std::log(double{kGrowth}) + 1;
@@ -103,37 +103,66 @@ Pilot probe_tiles(const RenderScene& world, const CameraView& camera, const Rend
   return pilot;
 }
 
-SampleMap share_samples(const Pilot& pilot, double error, std::uint32_t most_samples) {
-  const std::size_t tiles = pilot.needed.size();
-  const double fewest = std::min(kFewest, most_samples), most = most_samples;
-  // mean square error over the allowed one of a tile with n samples
-  const auto error2 = [&](std::size_t i, double n) { return std::pow(pilot.needed[i] / n, pilot.slope[i]); };
-  // Least work for a given sum of squares: another sample must gain the same everywhere.
-  const auto samples_at = [&](std::size_t i, double gain) {
-    const double s = pilot.slope[i];
-    return std::clamp(std::pow(s * std::pow(pilot.needed[i], s) / gain, 1 / (s + 1)), fewest, most);
-  };
-  double low = 1e-12, high = 1e6;  // gain of a sample
-  for (int step = 0; step < 60; ++step) {
-    const double gain = std::sqrt(low * high);
-    double sum = 0;
-    for (std::size_t i = 0; i < tiles; ++i) sum += error2(i, samples_at(i, gain));
-    (sum / static_cast<double>(tiles) > error * error ? high : low) = gain;
-  }
+namespace {
+
+/// Mean square error over the allowed one of tile i with n samples.
+double error2(const Pilot& pilot, std::size_t i, double n) { return std::pow(pilot.needed[i] / n, pilot.slope[i]); }
+
+/// Least work for a given sum of squares: another sample must gain the same, `gain`, everywhere.
+double samples_at(const Pilot& pilot, std::size_t i, double gain, const SampleLimits& limits) {
+  const double s = pilot.slope[i];
+  return std::clamp(std::pow(s * std::pow(pilot.needed[i], s) / gain, 1 / (s + 1)), 1.0 * limits.fewest,
+                    1.0 * limits.most);
+}
+
+SampleMap map_at_gain(const Pilot& pilot, double gain, const SampleLimits& limits) {
   SampleMap map = pilot.grid;
-  map.error_ratio.resize(tiles);
+  map.error_ratio.resize(pilot.needed.size());
   double carried = 0;
-  for (std::size_t i = 0; i < tiles; ++i) {
+  for (std::size_t i = 0; i < pilot.needed.size(); ++i) {
     // Powers of two sample far better than what lies between, so some tiles get the one below and some the one above;
     // what a tile's square error has too much is carried to the next.
-    const double n = samples_at(i, low), below = std::exp2(std::floor(std::log2(n)));
-    const double e = error2(i, n), e_below = error2(i, below), e_above = error2(i, 2 * below);
-    const bool above = std::abs(carried + e_above - e) < std::abs(carried + e_below - e) && 2 * below <= most;
+    const double n = samples_at(pilot, i, gain, limits), below = std::exp2(std::floor(std::log2(n)));
+    const double e = error2(pilot, i, n), e_below = error2(pilot, i, below), e_above = error2(pilot, i, 2 * below);
+    const bool above = std::abs(carried + e_above - e) < std::abs(carried + e_below - e) && 2 * below <= limits.most;
     carried += (above ? e_above : e_below) - e;
     map.samples[i] = static_cast<std::uint32_t>(above ? 2 * below : below);
-    map.error_ratio[i] = static_cast<float>(std::sqrt(error2(i, map.samples[i])));
+    map.error_ratio[i] = static_cast<float>(std::sqrt(error2(pilot, i, map.samples[i])));
   }
   return map;
+}
+
+struct Bracket {
+  double low = 1e-12, high = 1e6;
+};
+
+/// Closes in on the gain up to which `more_than_enough` is true of the samples.
+template <class MoreThanEnough>
+Bracket bisect_gain(const MoreThanEnough& more_than_enough) {
+  Bracket gain;
+  for (int step = 0; step < 60; ++step) {
+    const double middle = std::sqrt(gain.low * gain.high);
+    (more_than_enough(middle) ? gain.low : gain.high) = middle;
+  }
+  return gain;
+}
+
+}  // namespace
+
+SampleMap share_samples(const Pilot& pilot, double error, const SampleLimits& limits) {
+  const double allowed = error * error * static_cast<double>(pilot.needed.size());
+  const Bracket gain = bisect_gain([&](double g) {
+    double sum = 0;
+    for (std::size_t i = 0; i < pilot.needed.size(); ++i) sum += error2(pilot, i, samples_at(pilot, i, g, limits));
+    return sum <= allowed;
+  });
+  return map_at_gain(pilot, gain.low, limits);
+}
+
+SampleMap share_budget(const Pilot& pilot, const std::function<double()>& affordable, const SampleLimits& limits) {
+  const Bracket gain =
+      bisect_gain([&](double g) { return map_at_gain(pilot, g, limits).total_samples() > affordable(); });
+  return map_at_gain(pilot, gain.high, limits);
 }
 
 }  // namespace dualpixel::simulator

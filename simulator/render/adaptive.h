@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <functional>
 
 #include "simulator/render/views.h"
 
@@ -35,9 +36,19 @@ struct Pilot {
 Pilot probe_tiles(const RenderScene& scene, const CameraView& camera, const RenderOptions& options,
                   const ErrorTarget& target, std::uint32_t most_samples = 16384, const ProgressCallback& progress = {});
 
+/// Of each photosite; powers of two.
+struct SampleLimits {
+  std::uint32_t fewest = 32, most = 16384;
+};
+
 /// The cheapest map whose RMS over the picture of standard error over allowed error is `error`. Counts are powers of
-/// two from 32 to `most_samples`, itself one: a picture for which 32 are too many gets less error than it asked for,
-/// one that 16384 do not satisfy more.
-SampleMap share_samples(const Pilot& pilot, double error, std::uint32_t most_samples = 16384);
+/// two within `limits`: a picture for which the fewest are too many gets less error than it asked for, one that the
+/// most do not satisfy more.
+SampleMap share_samples(const Pilot& pilot, double error, const SampleLimits& limits = {});
+
+/// The map of least error whose samples add up to no more than `affordable()`, or the fewest. It is asked over and
+/// over, so that the time of the search itself, a fraction of a second for a large picture, can be taken off what it
+/// says.
+SampleMap share_budget(const Pilot& pilot, const std::function<double()>& affordable, const SampleLimits& limits = {});
 
 }  // namespace dualpixel::simulator

@@ -4,7 +4,7 @@
 #include "simulator/render/camera_view.h"
 #include "simulator/render/intersector.h"
 
-/// From a lens's rays to Embree's: the world's axes, t = planar depth.
+/// From a lens's rays to the scene's: the world's axes, t = planar depth.
 namespace dualpixel::simulator {
 
 inline void to_world(const LensPacket& packet, const glm::mat4& world_from_camera, RayPacket& rays) {
@@ -25,18 +25,10 @@ inline void to_world(const LensPacket& packet, const glm::mat4& world_from_camer
 }
 
 /// The green chief ray of a pixel.
-inline RTCRayHit chief_ray(const CameraView& camera, int x, int y) {
+inline Ray chief_ray(const CameraView& camera, int x, int y) {
   const glm::dvec2 at = camera.lens.sensor().middle_m(x, y);
-  const glm::vec3 origin(camera.world_from_camera[3]);
-  const glm::vec3 direction = glm::mat3(camera.world_from_camera) * glm::vec3(camera.lens.chief_slope(at.x, at.y), 1);
-  RTCRayHit ray{};
-  ray.ray.org_x = origin.x, ray.ray.org_y = origin.y, ray.ray.org_z = origin.z;
-  ray.ray.dir_x = direction.x, ray.ray.dir_y = direction.y, ray.ray.dir_z = direction.z;
-  ray.ray.tfar = std::numeric_limits<float>::infinity();
-  ray.ray.mask = ~0u;
-  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  return ray;
+  return {glm::vec3(camera.world_from_camera[3]),
+          glm::mat3(camera.world_from_camera) * glm::vec3(camera.lens.chief_slope(at.x, at.y), 1)};
 }
 
 }  // namespace dualpixel::simulator

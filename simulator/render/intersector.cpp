@@ -1,6 +1,13 @@
 #include "simulator/render/intersector.h"
 
+#if __has_include(<embree3/rtcore.h>)
+#include <embree3/rtcore.h>
+#else
+#include <embree4/rtcore.h>
+#endif
+
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -181,10 +188,22 @@ void Intersector::occluded(const int active[kPacket], const RayPacket& rays, boo
   occluded_in<8, RTCRay8>(embree_scene_.get(), active, rays, coherent, hidden);
 }
 
-void Intersector::intersect(RTCRayHit& ray) const {
+std::optional<Hit> Intersector::intersect(const Ray& ray) const {
+  RTCRayHit embree{};
+  embree.ray.org_x = ray.origin.x, embree.ray.org_y = ray.origin.y, embree.ray.org_z = ray.origin.z;
+  embree.ray.dir_x = ray.direction.x, embree.ray.dir_y = ray.direction.y, embree.ray.dir_z = ray.direction.z;
+  embree.ray.tfar = std::numeric_limits<float>::infinity();
+  embree.ray.mask = ~0u;
+  embree.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  embree.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   auto how = to_intersect(false);
-  trace(nullptr, embree_scene_.get(), how, ray);
+  trace(nullptr, embree_scene_.get(), how, embree);
+  if (embree.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+  return Hit{embree.ray.tfar, embree.hit.geomID, embree.hit.primID, embree.hit.u, embree.hit.v};
 }
+
+void Intersector::Release::operator()(RTCDeviceTy* device) const { rtcReleaseDevice(device); }
+void Intersector::Release::operator()(RTCSceneTy* scene) const { rtcReleaseScene(scene); }
 
 Intersector::Intersector(const Scene& scene) {
   device_.reset(rtcNewDevice(nullptr));

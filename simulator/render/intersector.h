@@ -1,14 +1,12 @@
 #pragma once
 #include <memory>
-
-#if __has_include(<embree3/rtcore.h>)
-#include <embree3/rtcore.h>
-#else
-#include <embree4/rtcore.h>
-#endif
+#include <optional>
 
 #include "simulator/render/ray_packet.h"
 #include "simulator/scene/scene.h"
+
+struct RTCDeviceTy;
+struct RTCSceneTy;
 
 /// The only place that talks to Embree; compiles with Embree 3.13 and 4. Geometry id = index into Scene::meshes.
 /// Hits on alpha-cut texels are passed through. Rays must be finite (Debian's Embree aborts on others).
@@ -29,14 +27,15 @@ class Intersector {
   /// on the portrait (`dualpixel bench render`). A constant, so that all machines make the same pictures.
   static constexpr int kWidth = 8;
 
-  /// Nearest hits of the lanes with active[i] = -1 (others 0: left as they are). `coherent`: the rays of one pixel
-  /// through one lens. `width`: 1, 8 or 16 rays at a time.
+  /// Nearest hits of the lanes with active[i] = -1 (others 0: left as they are). `active` is aligned to 64 bytes, as
+  /// Embree reads it in vectors. `coherent`: the rays of one pixel through one lens. `width`: 1, 8 or 16 rays at a
+  /// time.
   void intersect(const int active[kPacket], RayPacket& rays, bool coherent, int width = kWidth) const;
   /// hidden[i] = -1 where lane i is active and something lies between the ray's ends, otherwise 0.
   void occluded(const int active[kPacket], const RayPacket& rays, bool coherent, int hidden[kPacket],
                 int width = kWidth) const;
-  /// One ray.
-  void intersect(RTCRayHit& ray) const;
+  /// The nearest hit of one ray.
+  std::optional<Hit> intersect(const Ray& ray) const;
 
   struct Bounds {
     glm::vec3 low{0}, high{0};
@@ -45,8 +44,8 @@ class Intersector {
 
  private:
   struct Release {
-    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
-    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+    void operator()(RTCDeviceTy* device) const;
+    void operator()(RTCSceneTy* scene) const;
   };
   std::vector<std::unique_ptr<Cutout>> cutouts_;
   std::unique_ptr<RTCDeviceTy, Release> device_;

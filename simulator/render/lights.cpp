@@ -13,7 +13,7 @@ namespace dualpixel::simulator {
 namespace {
 
 constexpr float kPi = 3.14159265358979f;
-constexpr int kNormals = 48;  // cells a side of the octahedral map of normals, some 3 degrees each
+constexpr int kNormals = 48;  // cells a side of the octahedral map of normals, up to 4.2 degrees each
 
 float luminance(glm::vec3 rgb) { return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z; }
 
@@ -64,25 +64,6 @@ void normalise(Iterator begin, Iterator end) {
   for (auto it = begin; it != end; ++it) *it = total > 0 ? *it / total : float(it - begin + 1) / float(end - begin);
   *(end - 1) = 1;
 }
-
-constexpr int kRows = 16;  // Lights::EnvironmentTable's
-constexpr int kColumns = 32;
-
-/// Cosine of the angle from straight up at the top of each row.
-const std::array<float, kRows + 1> kRowCosine = [] {
-  std::array<float, kRows + 1> cosine;
-  for (int row = 0; row <= kRows; ++row) cosine[row] = std::cos(kPi * row / kRows);
-  return cosine;
-}();
-
-/// Of one cell, and how many of it make a steradian.
-float row_solid_angle(int row) { return 2 * kPi / kColumns * (kRowCosine[row] - kRowCosine[row + 1]); }
-
-const std::array<float, kRows> kCellsPerSteradian = [] {
-  std::array<float, kRows> cells;
-  for (int row = 0; row < kRows; ++row) cells[row] = 1 / row_solid_angle(row);
-  return cells;
-}();
 
 /// Cell of the octahedral map that a unit normal falls into. Without branches.
 inline int normal_cell(float nx, float ny, float nz) {
@@ -141,64 +122,94 @@ glm::vec3 environment_radiance(const Environment& environment, glm::vec3 d) {
   return radiance_at(environment, u, v);
 }
 
+const std::array<float, Lights::kRows + 1> Lights::kRowCosine = [] {
+  std::array<float, kRows + 1> cosine;
+  for (int row = 0; row <= kRows; ++row) cosine[row] = std::cos(kPi * row / kRows);
+  return cosine;
+}();
+
+const std::array<float, Lights::kRows> Lights::kCellsPerSteradian = [] {
+  std::array<float, kRows> cells;
+  for (int row = 0; row < kRows; ++row) cells[row] = kColumns / (2 * kPi * (kRowCosine[row] - kRowCosine[row + 1]));
+  return cells;
+}();
+
+struct Lights::EnvironmentProbes {
+  static constexpr int kSide = 4, kOfCell = kSide * kSide;  ///< of one cell
+  std::vector<float> nits;
+  std::vector<glm::vec3> towards;
+  float power = 0;  ///< nits times the sphere's steradians
+
+  explicit EnvironmentProbes(const Environment& environment) {
+    for (int i = 0; i < kRows * kColumns * kOfCell; ++i) {
+      const int cell = i / kOfCell, row = cell / kColumns, column = cell % kColumns;
+      const int probe_column = i % kSide, probe_row = i % kOfCell / kSide;
+      const float u = (column + (probe_column + 0.5f) / kSide) / kColumns;
+      const float v = (row + (probe_row + 0.5f) / kSide) / kRows;
+      nits.push_back(luminance(radiance_at(environment, u, v)));
+      power += nits.back() / (kCellsPerSteradian[row] * kOfCell);
+      const float theta = kPi * v, phi = 2 * kPi * (u - 0.5f);
+      towards.emplace_back(std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi));
+    }
+  }
+};
+
 Lights::Lights(const Scene& scene, glm::vec3 low, glm::vec3 high) : scene_(scene) {
-  const float radius_squared = std::max(0.25f * glm::dot(high - low, high - low), 1e-12f);
-  std::vector<float> powers;
-
-  // luminance of each cell, and the direction to it, at some places
-  constexpr int kProbes = 4;  // per side of a cell
-  constexpr int kCells = kRows * kColumns, kCellProbes = kProbes * kProbes;
-  std::vector<float> seen(kCells * kCellProbes);
-  std::vector<glm::vec3> towards(seen.size());
-  float environment_power = 0;
-  for (int i = 0; i < kCells * kCellProbes && !scene.environment.radiance_nits.empty(); ++i) {
-    const int cell = i / kCellProbes, probe_column = i % kProbes, probe_row = i % kCellProbes / kProbes;
-    const int row = cell / kColumns, column = cell % kColumns;
-    const float u = (column + (probe_column + 0.5f) / kProbes) / kColumns;
-    const float v = (row + (probe_row + 0.5f) / kProbes) / kRows;
-    seen[i] = luminance(radiance_at(scene.environment, u, v));
-    environment_power += seen[i] * row_solid_angle(row) / kCellProbes;
-    const float theta = kPi * v, phi = 2 * kPi * (u - 0.5f);
-    towards[i] = {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
-  }
-  if (environment_power > 0) {
-    environment_tables_.resize(kNormals * kNormals);
-    environment_lux_.resize(kNormals * kNormals);
-    const float least = 0.01f * environment_power / (4 * kPi);  // a probe may have missed what shines in its cell
-    tbb::parallel_for(0, kNormals * kNormals, [&](int n) {
-      EnvironmentTable& table = environment_tables_[n];
-      const glm::vec3 normal = cell_normal(n);
-      float lux = 0;
-      for (int row = 0; row < kRows; ++row) {
-        float nits = 0;
-        for (int column = 0; column < kColumns; ++column) {
-          const int cell = row * kColumns + column;
-          for (int i = cell * kCellProbes; i < (cell + 1) * kCellProbes; ++i) {
-            // lifted, as normals of one cell differ: no place that light could come from may be left out
-            const float cosine = std::max(glm::dot(normal, towards[i]) + 0.04f, 0.0f) + 0.002f;
-            nits += (seen[i] + least) * cosine / kCellProbes;
-          }
-          table.cells[row][column] = nits;
-        }
-        lux += nits * row_solid_angle(row);
-        table.rows[row] = lux;
-        normalise(table.cells[row].begin(), table.cells[row].end());
-      }
-      environment_lux_[n] = lux;
-      normalise(table.rows.begin(), table.rows.end());
-    });
-  }
-
+  make_environment_tables();
   for (const PunctualLight& light : scene.lights) {
     const bool far = light.kind == PunctualLight::Kind::directional;
     if (far && luminance(light.intensity) > 0) directional_.push_back({light, luminance(light.intensity)});
+  }
+  make_near_lights(std::max(0.25f * glm::dot(high - low, high - low), 1e-12f));
+}
+
+void Lights::fill_environment_table(const EnvironmentProbes& probes, int normal) {
+  constexpr int kOfCell = EnvironmentProbes::kOfCell;
+  // No place that light could come from may be left out. Normals lie up to 5.0 degrees from their cell's middle, whose
+  // cosines are lifted by the sine of that; places lie up to 1.4 degrees beyond the outermost probes of their own cell,
+  // and the constant keeps those that only just rise above a surface from being drawn never.
+  constexpr float kLift = 0.09f, kLeast = 0.002f;
+  const float least_nits = 0.01f * probes.power / (4 * kPi);  // a probe may have missed what shines in its cell
+  EnvironmentTable& table = environment_tables_[normal];
+  const glm::vec3 n = cell_normal(normal);
+  float lux = 0;
+  for (int row = 0; row < kRows; ++row) {
+    float nits = 0;
+    for (int column = 0; column < kColumns; ++column) {
+      const int cell = row * kColumns + column;
+      for (int i = cell * kOfCell; i < (cell + 1) * kOfCell; ++i) {
+        const float cosine = std::max(glm::dot(n, probes.towards[i]) + kLift, 0.0f) + kLeast;
+        nits += (probes.nits[i] + least_nits) * cosine / kOfCell;
+      }
+      table.cells[row][column] = nits;
+    }
+    lux += nits / kCellsPerSteradian[row];
+    table.rows[row] = lux;
+    normalise(table.cells[row].begin(), table.cells[row].end());
+  }
+  environment_lux_[normal] = lux;
+  normalise(table.rows.begin(), table.rows.end());
+}
+
+void Lights::make_environment_tables() {
+  if (scene_.environment.radiance_nits.empty()) return;
+  const EnvironmentProbes probes(scene_.environment);
+  if (!(probes.power > 0)) return;
+  environment_tables_.resize(kNormals * kNormals);
+  environment_lux_.resize(kNormals * kNormals);
+  tbb::parallel_for(0, kNormals * kNormals, [&](int normal) { fill_environment_table(probes, normal); });
+}
+
+void Lights::make_near_lights(float radius_squared) {
+  std::vector<float> powers;
+  for (const PunctualLight& light : scene_.lights) {
+    const bool far = light.kind == PunctualLight::Kind::directional;
     powers.push_back(far ? 0 : luminance(light.intensity) / (4 * radius_squared));
   }
-
-  first_triangle_of_mesh_.assign(scene.meshes.size(), -1);
-  for (unsigned m = 0; m < scene.meshes.size(); ++m) {
-    const Mesh& mesh = scene.meshes[m];
-    const Material& material = scene.materials[mesh.material];
+  first_triangle_of_mesh_.assign(scene_.meshes.size(), -1);
+  for (unsigned m = 0; m < scene_.meshes.size(); ++m) {
+    const Mesh& mesh = scene_.meshes[m];
+    const Material& material = scene_.materials[mesh.material];
     if (luminance(material.emission_nits) <= 0 || material.unlit) continue;
     first_triangle_of_mesh_[m] = static_cast<int>(triangles_.size());
     for (unsigned t = 0; t < mesh.triangles.size(); ++t) {
@@ -209,7 +220,6 @@ Lights::Lights(const Scene& scene, glm::vec3 low, glm::vec3 high) : scene_(scene
       powers.push_back(luminance(material.emission_nits) * area / (4 * radius_squared));
     }
   }
-
   double sum = 0;
   for (float power : powers) {
     sum += power;

@@ -45,16 +45,23 @@ class Lights {
                      float abs_cos_at_light) const;
 
  private:
-  /// Where in the environment to look from a surface with a normal like this one: running sums over kRows x kColumns
-  /// cells of the sphere, rows equal in angle, of radiance times cosine.
+  static constexpr int kRows = 16, kColumns = 32;  ///< cells of the sphere; rows equal in angle
+  /// Where in the environment to look from a surface with a normal like this one: running sums over the cells of
+  /// radiance times cosine.
   struct EnvironmentTable {
-    static constexpr int kRows = 16;
-    static constexpr int kColumns = 32;
     std::array<float, kRows> rows{};
     std::array<std::array<float, kColumns>, kRows> cells{};  ///< of each row by itself
   };
-  static constexpr int kRows = EnvironmentTable::kRows;
-  static constexpr int kColumns = EnvironmentTable::kColumns;
+  /// Luminance of the environment at places spread over the cells, and the directions to them.
+  struct EnvironmentProbes;
+  void fill_environment_table(const EnvironmentProbes& probes, int normal);
+  void make_environment_tables();
+  void make_near_lights(float radius_squared);
+
+  // Of one cell of a row: cosine from straight up at its top (the last: at the bottom of all), and how many such cells
+  // make a steradian.
+  static const std::array<float, kRows + 1> kRowCosine;
+  static const std::array<float, kRows> kCellsPerSteradian;
   /// Unoccluded illuminance on a surface, which shares out the samples.
   struct Choice {
     int cell = 0;  ///< of environment_tables_

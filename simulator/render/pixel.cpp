@@ -5,11 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#include "simulator/lens/cfa.h"
 #include "simulator/render/bsdf.h"
 #include "simulator/render/camera_rays.h"
 #include "simulator/render/surface.h"
 #include "simulator/sampling/sobol.h"
-#include "simulator/sensor/cfa.h"
 
 namespace dualpixel::simulator {
 namespace {
@@ -102,10 +102,8 @@ int first_set(const int lanes[kPacket]) {
 }
 
 /// How much of light found along a sampled ray counts when the light sampler could have found it too (balance
-/// heuristic, Veach 1995).
-float mis_weight(float own_pdf, float other_pdf) {
-  return own_pdf == kInfinity ? 1.0f : own_pdf / (own_pdf + other_pdf);
-}
+/// heuristic, Veach 1995). Both finite.
+float mis_weight(float own_pdf, float other_pdf) { return own_pdf / (own_pdf + other_pdf); }
 
 void add_light(Paths& paths, int i, glm::vec3 light) {
   paths.radiance.set(i, paths.radiance.at(i) + paths.throughput.at(i) * light);
@@ -265,6 +263,7 @@ HalfRadiance render_pixel(const RenderScene& world, const CameraView& camera, co
   LensPacket packet;
   alignas(64) RayPacket rays;
   alignas(64) Paths paths;
+  const int odd_left = static_cast<int>(hash(pixel_key) >> 63);  // which half of the pupil gets an odd sample
   const int color = camera.lens.has_color() ? cfa_color(x, y) : 1;
   Vec3Packet left_sum{}, right_sum{};
   for (std::uint32_t first = 0; first < samples; first += kPacket) {
@@ -278,7 +277,7 @@ HalfRadiance render_pixel(const RenderScene& world, const CameraView& camera, co
     }
     to_world(packet, camera.world_from_camera, rays);
     for (int i = 0; i < kPacket; ++i) {
-      const bool wanted = i < kPairs ? i < (lanes + 1) / 2 : i - kPairs < lanes / 2;
+      const bool wanted = i < kPairs ? i < (lanes + odd_left) / 2 : i - kPairs < (lanes + 1 - odd_left) / 2;
       paths.active[i] = wanted && packet.left[i] + packet.right[i] > 0 ? -1 : 0;
       paths.throughput.set(i, glm::vec3(1));
       paths.radiance.set(i, glm::vec3(0));
@@ -288,6 +287,14 @@ HalfRadiance render_pixel(const RenderScene& world, const CameraView& camera, co
       const bool last = bounce == options.max_bounces;
       advance(world, options, rays, paths, place, bounce, last);
       if (last || first_set(paths.active) == kPacket) break;
+    }
+    if (options.ideal_aperture_scale) {  // undivided: one sum for both halves
+      for (int i = 0; i < kPacket; ++i) {
+        left_sum.x[i] += 0.5f * paths.radiance.x[i];
+        left_sum.y[i] += 0.5f * paths.radiance.y[i];
+        left_sum.z[i] += 0.5f * paths.radiance.z[i];
+      }
+      continue;
     }
     for (int i = 0; i < kPacket; ++i) {
       left_sum.x[i] += packet.left[i] * paths.radiance.x[i];
@@ -299,7 +306,8 @@ HalfRadiance render_pixel(const RenderScene& world, const CameraView& camera, co
     }
   }
   const float scale = 1 / static_cast<float>(samples);
-  return {sum_of(left_sum) * scale, sum_of(right_sum) * scale};
+  const glm::vec3 left = sum_of(left_sum) * scale;
+  return {left, options.ideal_aperture_scale ? left : sum_of(right_sum) * scale};
 }
 
 }  // namespace dualpixel::simulator

@@ -26,7 +26,7 @@ struct PathOptions {
   /// pinhole.
   std::optional<double> ideal_aperture_scale;
   Sampling sampling = Sampling::mirrored;
-  RayLog* log = nullptr;  ///< set: gets every packet that is traced, too
+  RayLog* log = nullptr;  ///< set: gets every packet that is traced, too; one log serves one thread
 };
 
 /// Linear RGB in nits, as Views holds it.
@@ -34,7 +34,8 @@ struct HalfRadiance {
   glm::vec3 left{0}, right{0};
 };
 
-/// Mean over `samples` points, 1 .. 65536, of the net that `pixel_key` scrambles; powers of two sample best.
+/// Mean over `samples` points, 1 .. 65536, of the net that `pixel_key` scrambles; powers of two sample best. The last
+/// of an odd number lies in either half of the pupil, by the key.
 HalfRadiance render_pixel(const RenderScene& world, const CameraView& camera, const PathOptions& options, int x, int y,
                           std::uint32_t samples, std::uint64_t pixel_key);
 

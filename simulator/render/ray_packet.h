@@ -1,9 +1,25 @@
 #pragma once
+#include <glm/glm.hpp>
+
 #include "simulator/sampling/packet.h"
 
 namespace dualpixel::simulator {
 
 inline constexpr unsigned kNoMesh = ~0u;
+
+/// One ray. It begins at t = 0 and has no end; the direction's length is t's unit.
+struct Ray {
+  glm::vec3 origin{0};
+  glm::vec3 direction{0, 0, 1};
+};
+
+/// What one ray met.
+struct Hit {
+  float t = 0;
+  unsigned mesh = 0;  ///< of Scene::meshes
+  unsigned triangle = 0;
+  float u = 0, v = 0;  ///< barycentric weights of the triangle's second and third corner
+};
 
 /// Sixteen rays, and what they meet. They begin at t = 0; a direction's length is t's unit.
 struct RayPacket {

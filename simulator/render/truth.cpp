@@ -28,13 +28,11 @@ Truth trace_truth(const RenderScene& world, const CameraView& camera) {
   const glm::mat3 rotation(camera.world_from_camera);
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
-      RTCRayHit ray = chief_ray(camera, x, y);
-      const glm::vec3 direction(ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z);
-      world.intersector.intersect(ray);
-      if (ray.hit.geomID != RTC_INVALID_GEOMETRY_ID) {
-        const Mesh& mesh = world.scene.meshes[ray.hit.geomID];
-        const glm::vec3 normal = glm::transpose(rotation) * geometric_normal(mesh, ray.hit.primID, direction);
-        truth.depth_m.at(x, y) = ray.ray.tfar;
+      const Ray ray = chief_ray(camera, x, y);
+      if (const std::optional<Hit> hit = world.intersector.intersect(ray)) {
+        const Mesh& mesh = world.scene.meshes[hit->mesh];
+        const glm::vec3 normal = glm::transpose(rotation) * geometric_normal(mesh, hit->triangle, ray.direction);
+        truth.depth_m.at(x, y) = hit->t;
         truth.object_id.at(x, y) = mesh.object_id;
         truth.person_mask.at(x, y) = mesh.person ? 1.0f : 0.0f;
         truth.valid.at(x, y) = 1;

@@ -5,7 +5,6 @@
 #include <atomic>
 #include <mutex>
 
-#include "simulator/render/journal.h"
 #include "simulator/sampling/hash.h"
 
 namespace dualpixel::simulator {
@@ -27,7 +26,7 @@ Views render_views(const RenderScene& world, const CameraView& camera, const Ren
   std::mutex progress_mutex;
   for_tiles(map, [&](const Tile& tile) {
     const std::uint64_t render = hash(options.seed, tile.samples);
-    const bool known = options.journal && options.journal->restore(render, tile, views);
+    const bool known = options.store && options.store->restore(render, tile, views);
     for (int y = tile.y0; y < tile.y1 && !known; ++y) {
       for (int x = tile.x0; x < tile.x1; ++x) {
         const std::uint64_t key = hash(options.seed, static_cast<std::uint64_t>(y) << 32 | static_cast<unsigned>(x));
@@ -38,7 +37,7 @@ Views render_views(const RenderScene& world, const CameraView& camera, const Ren
         }
       }
     }
-    if (options.journal && !known) options.journal->add(render, tile, views);
+    if (options.store && !known) options.store->add(render, tile, views);
     done += std::uint64_t{tile.samples} * (tile.x1 - tile.x0) * (tile.y1 - tile.y0);
     if (progress && progress_mutex.try_lock()) {
       progress(static_cast<double>(done) / all);

@@ -5,11 +5,10 @@
 #include "capture/image.h"
 #include "simulator/render/pixel.h"
 #include "simulator/render/sample_map.h"
+#include "simulator/render/tile_store.h"
 
 /// The renderer: one render gives both views, and left + right is the undivided pixel.
 namespace dualpixel::simulator {
-
-class Journal;
 
 using ProgressCallback = std::function<void(double fraction)>;
 
@@ -19,7 +18,7 @@ struct RenderOptions {
   std::uint64_t seed = 1;
   std::optional<double> ideal_aperture_scale;  ///< as in PathOptions
   Sampling sampling = Sampling::mirrored;      ///< as in PathOptions
-  Journal* journal = nullptr;                  ///< set: tiles that it knows are not rendered, others are added
+  TileStore* store = nullptr;                  ///< set: tiles that it knows are not rendered, others are added
 };
 
 /// Both halves of every photosite, full sensor size, linear RGB. left + right is the radiance in nits that the

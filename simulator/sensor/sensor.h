@@ -4,7 +4,7 @@
 
 #include "capture/capture.h"
 #include "capture/image.h"
-#include "simulator/sensor/cfa.h"
+#include "simulator/lens/cfa.h"
 
 /// From light to digital numbers. Each half of a photosite counts photons; the photosite's electrons are the sum of
 /// its halves, so mosaic and DP views share their shot noise as on a real sensor, and each read-out adds its own read
@@ -40,9 +40,9 @@ struct ExposureOptions {
 /// Digital numbers per electron: the full well reaches the white level at ISO 100.
 double gain_dn_per_electron(const SensorOptions& sensor, double iso);
 
-/// Levels and the noise profiles that follow from shot noise, read noise and quantisation (variance 1/12 DN^2): what
-/// differs from frame to frame. Quantisation is even where the noise before it is above half a DN, and so is clipping
-/// at 0 and at white without effect where the mean is three standard deviations away.
+/// Levels and the noise profiles that follow from shot noise, read noise and quantisation (variance 1/12 DN^2). They
+/// hold where the noise ahead of quantisation exceeds half a DN and the mean lies three standard deviations from 0 and
+/// from white; fixed pattern is not part of them.
 Exposure describe_exposure(const SensorOptions& sensor, const ExposureOptions& exposure);
 
 /// Mean electrons of each half-photosite under its colour filter; two channels: left, right. `left` and `right` are

@@ -145,7 +145,7 @@ TEST(Lights, EnvironmentDensityIntegratesToOneAndIsTheSamplers) {
 
 // A sample is worth the light that all lights together throw on the surface, whichever light it went to: here a
 // uniform sky of 1000 nits, pi * 1000 lx, and a sun that stands 30 degrees above the surface, or behind it. The sky's
-// table overstates it by its lifted cosine: (1.04^2 + 0.02) where cosines sum to 1.
+// table overstates it by its lifted cosine: 1.01 (1.09^2 + 0.008) = 1.21 where cosines sum to 1.
 TEST(Lights, ShareTheSamplesByWhatTheyThrowOnTheSurface) {
   Scene scene;
   scene.environment = {8, 4, std::vector<glm::vec3>(32, glm::vec3(1000))};
@@ -174,11 +174,11 @@ TEST(Lights, ShareTheSamplesByWhatTheyThrowOnTheSurface) {
         if (s.pdf[i] > 0) continue;
         ++from_sun;
         EXPECT_GT(lux, sun_lux + sky_lux);
-        EXPECT_LT(lux, sun_lux + 1.11 * sky_lux);
+        EXPECT_LT(lux, sun_lux + 1.22 * sky_lux);
       }
     }
     EXPECT_NEAR(sum / count, sun_lux + sky_lux, 0.002 * (sun_lux + sky_lux));
-    EXPECT_NEAR(from_sun, count * sun_lux / (sun_lux + 1.05 * sky_lux), 0.02 * count);
+    EXPECT_NEAR(from_sun, count * sun_lux / (sun_lux + 1.21 * sky_lux), 0.02 * count);
   }
 }
 

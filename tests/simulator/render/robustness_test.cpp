@@ -79,7 +79,8 @@ TEST(Robustness, WallsOfAllSizesDoNotShadowThemselves) {
     scene.meshes = {make_quad({-5 * size, -5 * size, size}, {10 * size, 0, 0}, {0, 10 * size, 0}, 0)};
     scene.environment = even_sky(100);
     const auto [low, high] = range_of(scene, phone_camera(size > 0.01f ? size : 0.01, 24, 24));
-    // within the light sampler's spread over the cells of its table, of 64 samples
+    // the light sampler's table is flat within a cell of 11 degrees, where cosines are not: a sample's worth spreads by
+    // a fifth, the mean of 64 by 2.5 % of 50 at worst; over 576 photosites the extremes lie three of these away
     EXPECT_NEAR(low, 50, 4) << size;
     EXPECT_NEAR(high, 50, 4) << size;
   }
@@ -95,9 +96,9 @@ TEST(Robustness, GrazingViewsKeepTheirLight) {
   sun.intensity = glm::vec3(1000 * M_PI);
   sun.direction = {0, 1, 0};
   scene.lights = {sun};
-  CameraView camera = phone_camera(10, 24, 24);  // its upper half sees beyond the horizon; 1.4e-6 m x 24 is 0.2 degrees
+  CameraView camera = phone_camera(10, 24, 24);
   camera.world_from_camera = glm::mat4(1);
-  const double down = 0.1 * M_PI / 180 + 24 * 1.4e-6 / 4.442e-3;
+  const double down = 0.1 * M_PI / 180 + 12 * 1.4e-6 / 4.442e-3;  // of the middle: the topmost ray is the flattest
   camera.world_from_camera[1] = glm::vec4(0, std::cos(down), -std::sin(down), 0);
   camera.world_from_camera[2] = glm::vec4(0, std::sin(down), std::cos(down), 0);
   const auto [low, high] = range_of(scene, camera);

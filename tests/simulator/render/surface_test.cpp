@@ -62,7 +62,7 @@ TEST(Intersector, AlphaCutOutsLetRaysThrough) {
   const Intersector intersector(scene);
   for (float x : {-0.5f, 0.5f}) {
     RayPacket rays{};
-    int active[kPacket] = {};
+    alignas(64) int active[kPacket] = {};
     for (int i = 0; i < kPacket; ++i) {
       rays.origin_x[i] = x;
       rays.direction_z[i] = 1;

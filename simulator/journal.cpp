@@ -1,8 +1,5 @@
-#include "simulator/render/journal.h"
+#include "simulator/journal.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <filesystem>
 #include <vector>
 #define XXH_INLINE_ALL
@@ -45,43 +42,86 @@ std::uint64_t hash_of(const Values& values) {
   return XXH64(values.data(), values.size() * sizeof(*values.data()), 0);
 }
 
+/// The hash of one thing after another.
+struct Sum {
+  std::uint64_t value;
+
+  /// The bytes of each; none may have padding.
+  template <typename... Values>
+  void add(const Values&... values) {
+    ((value = hash(value, XXH64(&values, sizeof values, 0))), ...);
+  }
+  template <typename Values>
+  void add_bytes(const Values& values) {
+    value = hash(value, hash_of(values), values.size());
+  }
+};
+
+void add_mesh(const Mesh& mesh, Sum& sum) {
+  sum.add_bytes(mesh.positions);
+  sum.add_bytes(mesh.normals);
+  sum.add_bytes(mesh.uv0);
+  sum.add_bytes(mesh.uv1);
+  sum.add_bytes(mesh.colors);
+  sum.add_bytes(mesh.triangles);
+  sum.add(mesh.material);
+}
+
+void add_material(const Material& m, Sum& sum) {
+  sum.add(m.base_color, m.metallic, m.roughness, m.emission_nits, m.normal_scale, m.alpha_cutoff, m.double_sided,
+          m.unlit);
+  for (const TextureSlot* slot :
+       {&m.base_color_texture, &m.metallic_roughness_texture, &m.emissive_texture, &m.normal_texture}) {
+    sum.add(slot->texture, slot->uv_set, slot->uv_from_uv);
+  }
+}
+
 }  // namespace
 
 Journal::Journal(const std::string& path, std::uint64_t key) : path_(path) {
   const Header ours{kMagic, key};
   Header header{};
   std::uint64_t good = 0;  // bytes that hold whole records
-  if (std::filesystem::is_regular_file(path)) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(path, error)) {
     file_.open(path, std::ios::in | std::ios::binary);
-    if (file_.read(reinterpret_cast<char*>(&header), sizeof header) && header.magic == kMagic && header.key == key) {
-      good = sizeof header;
-      Record record;
-      std::vector<float> pixels;
-      while (file_.read(reinterpret_cast<char*>(&record), sizeof record)) {
-        constexpr std::uint32_t kMostFloats = 6 * SampleMap::kTile * SampleMap::kTile;
-        if (record.floats > kMostFloats) break;
-        pixels.resize(record.floats);
-        if (!file_.read(reinterpret_cast<char*>(pixels.data()), record.floats * sizeof(float))) break;
-        if (checksum(record, pixels) != record.checksum) break;
-        places_[{record.render, record.tile}] = good + sizeof record;
-        good += sizeof record + record.floats * sizeof(float);
-      }
-    }
+    const bool known = file_.read(reinterpret_cast<char*>(&header), sizeof header) && header.magic == kMagic;
+    if (known && header.key == key) good = read_records();
     file_.close();
     file_.clear();
   }
   const bool anew = good == 0;
-  if (!anew) std::filesystem::resize_file(path, good);
+  error.clear();
+  if (!anew) std::filesystem::resize_file(path, good, error);
   file_.open(path, std::ios::in | std::ios::out | std::ios::binary | (anew ? std::ios::trunc : std::ios::ate));
   if (anew) file_.write(reinterpret_cast<const char*>(&ours), sizeof ours);
-  if (!file_) throw InputError(printable(path) + ": cannot be written");
+  if (!file_ || error) throw InputError(printable(path) + ": cannot be written");
+}
+
+std::uint64_t Journal::read_records() {
+  std::uint64_t good = sizeof(Header);
+  Record record;
+  std::vector<float> pixels;
+  while (file_.read(reinterpret_cast<char*>(&record), sizeof record)) {
+    constexpr std::uint32_t kMostFloats = 6 * SampleMap::kTile * SampleMap::kTile;
+    if (record.floats > kMostFloats) break;
+    pixels.resize(record.floats);
+    if (!file_.read(reinterpret_cast<char*>(pixels.data()), record.floats * sizeof(float))) break;
+    if (checksum(record, pixels) != record.checksum) break;
+    places_[{record.render, record.tile}] = {good + sizeof record, record.floats};
+    good += sizeof record + record.floats * sizeof(float);
+  }
+  return good;
 }
 
 bool Journal::restore(std::uint64_t render, const Tile& tile, Views& views) {
   const std::lock_guard lock(mutex_);
   const auto place = places_.find({render, tile.index});
   if (place == places_.end()) return false;
-  file_.seekg(static_cast<std::streamoff>(place->second));
+  // a render of another size has tiles of other sizes under the same numbers
+  const auto floats = static_cast<std::uint32_t>(6 * (tile.x1 - tile.x0) * (tile.y1 - tile.y0));
+  if (place->second.floats != floats) return false;
+  file_.seekg(static_cast<std::streamoff>(place->second.offset));
   each_row(tile, views, [&](float* left, float* right, int count) {
     const auto bytes = static_cast<std::streamsize>(count * sizeof(float));
     file_.read(reinterpret_cast<char*>(left), bytes).read(reinterpret_cast<char*>(right), bytes);
@@ -108,16 +148,20 @@ void Journal::add(std::uint64_t render, const Tile& tile, const Views& views) {
 }
 
 std::uint64_t fingerprint(const Scene& scene, const CameraView& camera, const std::string& more) {
-  std::uint64_t sum = hash_of(more);
-  const auto add = [&](std::uint64_t value) { sum = hash(sum, value); };
-  for (const Mesh& mesh : scene.meshes) {
-    add(hash_of(mesh.positions));
-    add(hash_of(mesh.triangles));
-    add(hash_of(mesh.uv0));
-    add(hash_of(mesh.uv1));
+  Sum sum{hash_of(more)};
+  sum.add_bytes(scene.source_hash);
+  for (const Mesh& mesh : scene.meshes) add_mesh(mesh, sum);
+  for (const Texture& t : scene.textures) {
+    sum.add(t.width, t.height, t.srgb, t.nearest, t.wrap_u, t.wrap_v);
+    sum.add_bytes(t.rgba);
   }
-  for (const Texture& texture : scene.textures) add(hash_of(texture.rgba));
-  add(hash_of(scene.environment.radiance_nits));
+  for (const Material& material : scene.materials) add_material(material, sum);
+  for (const PunctualLight& l : scene.lights) {
+    sum.add(l.kind, l.intensity, l.position, l.direction, l.range_m, l.cos_inner_cone, l.cos_outer_cone);
+  }
+  sum.add(scene.environment.width, scene.environment.height, scene.unlit_white_nits);
+  sum.add_bytes(scene.environment.radiance_nits);
+  sum.add(camera.world_from_camera);
   // of the lens what it does to rays
   float s[4][kPacket];
   for (int i = 0; i < kPacket; ++i) {
@@ -128,9 +172,9 @@ std::uint64_t fingerprint(const Scene& scene, const CameraView& camera, const st
     LensPacket rays;
     camera.lens.sample(place % 4 * (sensor.width_px - 1) / 3, place / 4 * (sensor.height_px - 1) / 3, place % 3, s,
                        rays);
-    add(XXH64(&rays, sizeof rays, 0));
+    sum.add(rays);
   }
-  return sum;
+  return sum.value;
 }
 
 }  // namespace dualpixel::simulator

@@ -1,0 +1,74 @@
+#include "simulator/render/motion.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "simulator/render/camera_rays.h"
+
+namespace dualpixel::simulator {
+namespace {
+
+/// The place on the sensor, metres, whose chief ray has `slope`: Newton's method from a place nearby. Chief rays are
+/// nearly linear in the place, so that three or four steps leave less than float's rounding. Empty where ten do not
+/// find it: beyond the widest angle that the lens takes in, or where the distortion's formula turns back.
+std::optional<glm::dvec2> place_of(const LensSampler& lens, glm::dvec2 slope, glm::dvec2 start_m) {
+  constexpr int kMostSteps = 10;
+  constexpr double kCloseEnoughPx = 1e-4;
+  const double step_m = lens.sensor().pixel_pitch_m;
+  glm::dvec2 at = start_m;
+  for (int i = 0; i < kMostSteps; ++i) {
+    const glm::dvec2 here = lens.chief_slope(at.x, at.y);
+    const glm::dmat2 jacobian((lens.chief_slope(at.x + step_m, at.y) - here) / step_m,
+                              (lens.chief_slope(at.x, at.y + step_m) - here) / step_m);
+    const glm::dvec2 correction = glm::inverse(jacobian) * (slope - here);
+    at += correction;
+    if (glm::length(correction) < kCloseEnoughPx * step_m) return at;  // false where it is no number
+  }
+  return {};
+}
+
+/// What the chief ray of a pixel sees, moved along with its triangle into `later_scene`; w = 0: infinitely far.
+glm::dvec4 seen_point(const RenderScene& world, const CameraView& camera, int x, int y, const Scene& later_scene) {
+  const Ray ray = chief_ray(camera, x, y);
+  const std::optional<Hit> hit = world.intersector.intersect(ray);
+  if (!hit) return glm::dvec4(ray.direction, 0);
+  const Mesh& mesh = later_scene.meshes[hit->mesh];
+  const glm::uvec3 corner = mesh.triangles[hit->triangle];
+  const double u = hit->u, v = hit->v;
+  const glm::dvec3 p0 = mesh.positions[corner.x], p1 = mesh.positions[corner.y], p2 = mesh.positions[corner.z];
+  return glm::dvec4((1 - u - v) * p0 + u * p1 + v * p2, 1);
+}
+
+}  // namespace
+
+Image trace_motion(const RenderScene& first_world, const CameraView& first, const Scene& later_scene,
+                   const CameraView& later) {
+  const SensorGrid& sensor = first.lens.sensor();
+  const glm::dmat4 later_from_world = glm::inverse(glm::dmat4(later.world_from_camera));
+  Image motion(sensor.width_px, sensor.height_px, 2, std::numeric_limits<float>::infinity());
+  tbb::parallel_for(0, motion.height, [&](int y) {
+    for (int x = 0; x < motion.width; ++x) {
+      const glm::dvec3 seen = later_from_world * seen_point(first_world, first, x, y, later_scene);
+      if (!(seen.z > 0)) continue;
+      const glm::dvec2 start_m = sensor.middle_m(x, y);
+      const std::optional<glm::dvec2> end_m = place_of(later.lens, glm::dvec2(seen) / seen.z, start_m);
+      if (!end_m) continue;
+      motion.at(x, y, 0) = static_cast<float>((end_m->x - start_m.x) / sensor.pixel_pitch_m);
+      motion.at(x, y, 1) = static_cast<float>((end_m->y - start_m.y) / sensor.pixel_pitch_m);
+    }
+  });
+  return motion;
+}
+
+std::optional<std::size_t> mesh_that_differs(const Scene& a, const Scene& b) {
+  const std::size_t both = std::min(a.meshes.size(), b.meshes.size());
+  for (std::size_t i = 0; i < both; ++i) {
+    if (a.meshes[i].triangles != b.meshes[i].triangles) return i;
+  }
+  if (a.meshes.size() != b.meshes.size()) return both;
+  return {};
+}
+
+}  // namespace dualpixel::simulator

@@ -1,0 +1,70 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "simulator/lens/lens.h"
+#include "simulator/render/views.h"
+#include "simulator/scene/environment.h"
+#include "simulator/sensor/sensor.h"
+
+/// The JSON file that places a camera in a scene: what to simulate, before anything is.
+namespace dualpixel::simulator {
+
+/// A camera of the scene file's own, for glTF files without one; takes the place of the node.
+struct CameraPose {
+  std::array<double, 3> position_m{};
+  std::array<double, 3> look_at_m{};
+  std::array<double, 3> up = {0, 1, 0};
+};
+
+/// What a scene JSON file says (docs/scene.md), every field checked. Units are in the names.
+struct Simulation {
+  std::string path;         ///< of this file
+  std::string gltf_path;    ///< resolved against the JSON file's folder
+  std::string camera_node;  ///< empty: the glTF file's first camera
+  std::optional<CameraPose> pose;
+  Lens lens;  ///< focused
+  SensorOptions sensor;
+  ExposureOptions exposure;
+  int burst_frames = 9;
+  double hand_shake = 0;  ///< scale of hand_shake()'s amplitudes; 0: the camera stands still
+  std::uint64_t hand_shake_seed = 1;
+  double frame_interval_s = 0.04;          ///< from one frame's exposure to the next; at least the exposure time
+  int exposure_poses = 1;                  ///< poses over each exposure that the frame is the mean of
+  bool animation = false;                  ///< glTF's animations play: frame i shows the scene at i * frame_interval_s
+  std::string environment_model = "none";  ///< "none", "constant", "sky", "file"
+  std::array<double, 3> environment_nits{};
+  SkyOptions sky;
+  std::string environment_path;
+  double environment_nits_per_unit = 1;
+  double unlit_white_nits = 100;
+  std::optional<std::array<double, 4>> face_px;
+  double photograph_aperture_scale = 5;
+  RenderOptions render;
+  /// Set: the two views get as many samples, tile by tile, as keep their error's RMS at this share of the sensor's
+  /// noise; instead of render.samples_per_pixel.
+  std::optional<double> noise_fraction;
+  std::optional<double> render_error;  ///< likewise, at this share of the signal 1.0
+  /// Set: likewise, as many as this machine can draw in about this time, for the error to be the same share of the
+  /// sensor's noise everywhere. How many depends on the machine: provenance names the share that was reached.
+  std::optional<double> time_budget_s;
+  int photograph_samples_per_pixel = 48;
+  int all_in_focus_samples_per_pixel = 8;
+  nlohmann::json json;  ///< the document as it was read, overrides applied
+};
+
+/// Reads a scene JSON document that came from `path`, after overrides ("camera.focus_distance_m=0.9") were applied to
+/// it. Throws InputError for unknown fields, values out of range, focus inside the focal length, and pictures that
+/// would not fit into this machine's memory.
+Simulation read_simulation(const nlohmann::json& json, const std::string& path);
+
+/// The frames of the burst differ in more than noise.
+bool moves(const Simulation& simulation);
+
+/// Throws InputError where the pictures and scenes of `scene_bytes` would not fit into this machine's memory together.
+void check_memory(const Simulation& simulation, double scene_bytes);
+
+}  // namespace dualpixel::simulator
