@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 
+#include "capture/camera_json.h"
 #include "capture/capture.h"
 #include "capture/error.h"
 #include "capture/files.h"
@@ -206,19 +207,10 @@ json to_json(const Exposure& exposure) {
 
 Camera read_camera(Fields fields) {
   Camera camera;
-  camera.focal_length_mm = camera.f_number = camera.focus_distance_m = 0;
-  fields.text("name", camera.name);
-  fields.required("width_px").integer("width_px", camera.width_px, 2, 65536);
-  fields.required("height_px").integer("height_px", camera.height_px, 4, 65536);
-  fields.required("pixel_pitch_um").number("pixel_pitch_um", camera.pixel_pitch_um, 0.01, 1000);
+  camera.focus_distance_m = 0;
+  read_intrinsics(fields, camera);
   fields.choice("cfa", camera.cfa, {"RGGB", "BGGR", "GRBG", "GBRG"});
-  fields.integer("dp_downsample_x", camera.dp_downsample_x, 1, 16);
-  fields.integer("dp_downsample_y", camera.dp_downsample_y, 1, 16);
-  fields.required("focal_length_mm").number("focal_length_mm", camera.focal_length_mm, 0.01, 1e5);
-  fields.required("f_number").number("f_number", camera.f_number, 0.1, 1e6);
   fields.required("focus_distance_m").number("focus_distance_m", camera.focus_distance_m, 1e-4, kInfinity);
-  camera.principal_point_px = {camera.width_px / 2.0, camera.height_px / 2.0};
-  fields.numbers("principal_point_px", camera.principal_point_px.data(), 2);
   fields.choice("split", camera.split, {"hard", "ramp", "microlens", "table", "unknown"});
   fields.number("alpha", camera.alpha, 0, 10);
   fields.done();

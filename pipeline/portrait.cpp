@@ -10,6 +10,7 @@
 #include "capture/error.h"
 #include "pipeline/burst/demosaic.h"
 #include "pipeline/burst/merge.h"
+#include "pipeline/calibration/correction.h"
 #include "pipeline/defocus/render.h"
 #include "pipeline/edge_aware/guide.h"
 #include "pipeline/edge_aware/median.h"

@@ -4,17 +4,20 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <set>
+#include <string>
+#include <vector>
 
 #include "capture/capture.h"
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
 #include "pipeline/burst/merge.h"
+#include "pipeline/calibration/correction.h"
 #include "simulator/lens/disparity_field.h"
 #include "tools/calibration_page.h"
 #include "tools/calibration_sweep.h"
 #include "tools/commands.h"
+#include "tools/matchable.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -33,7 +36,8 @@ struct CalibrateOptions {
 /// All that the measurements of a sweep depend on, the lens by what it does.
 Json describe_sweep(const simulator::Simulation& simulation, const SweepOptions& options) {
   const Camera camera = describe_camera(simulation);
-  const simulator::LensSampler lens(simulation.lens, sensor_grid(simulation));
+  // as the sweep focuses it: where the scene does, does not matter
+  const simulator::LensSampler lens = focused_lens(simulation, options.nearest_focus_m);
   Json traced = Json::array();
   for (const double place : {0.5, 0.75, 0.95}) {
     const simulator::DisparityCoefficients c = trace_disparity(lens, static_cast<int>(place * camera.width_px),
@@ -41,10 +45,12 @@ Json describe_sweep(const simulator::Simulation& simulation, const SweepOptions&
     traced.push_back({c.slope_dp_px_m, c.intercept_dp_px, c.left_light, c.right_light});
   }
   return {{"format", "dualpixel-calibration-sweep"},
-          {"version", 1},
+          {"version", 2},
+          {"program", "dualpixel " DUALPIXEL_VERSION},
           {"camera", camera.name},
           {"size_px", {camera.width_px, camera.height_px}},
-          {"dp_pitch_um", camera.dp_pitch_um()},
+          {"dp_downsample", {camera.dp_downsample_x, camera.dp_downsample_y}},
+          {"pixel_pitch_um", camera.pixel_pitch_um},
           {"lens_fingerprint", traced},
           {"focuses", options.focuses},
           {"targets", options.targets},
@@ -60,16 +66,34 @@ void open_sweep(const std::string& folder, const Json& description) {
       throw InputError(printable(file) + ": is a sweep of another camera or other settings; remove the folder " +
                        "or choose another one");
     }
-    return;
-  }
-  if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error))) {
+  } else if (fs::exists(folder + "/calibration.json", error)) {
+    throw InputError(printable(folder) + ": is a calibration that was not made by a sweep; choose a new folder");
+  } else if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error))) {
     throw InputError(printable(folder) + ": exists and is no calibration; choose a new folder");
   }
-  fs::create_directories(folder + "/measurements", error);
+  fs::create_directories(folder, error);
   if (error) throw InputError(printable(folder) + ": cannot be made: " + error.message());
+  // before the rest: it is what tells an interrupted sweep from a folder of something else
   replace_file(file, description.dump(2) + "\n");
+  fs::create_directories(folder + "/measurements", error);
+  if (error) throw InputError(printable(folder) + "/measurements: cannot be made: " + error.message());
 }
 
+pipeline::TargetMeasurement measure_capture(const Capture& capture, double target_distance_m, const std::string& path) {
+  const pipeline::MergedBurst burst = pipeline::align_and_merge(capture.frames, capture.exposure);
+  pipeline::TargetMeasurement measurement =
+      pipeline::measure_target(burst.left, burst.right, capture.camera.focus_distance_m, target_distance_m);
+  const Image& usable = measurement.usable;
+  const auto seen = std::count(usable.data.begin(), usable.data.end(), 1.0f);
+  if (2 * static_cast<std::size_t>(seen) < usable.data.size()) {
+    throw InputError(
+        fmt::format("{}: the views match on only {:.0f} % of the picture; a target must be textured and fill it",
+                    printable(path), 100.0 * static_cast<double>(seen) / static_cast<double>(usable.data.size())));
+  }
+  return measurement;
+}
+
+/// `camera` becomes the first capture's.
 std::vector<pipeline::TargetMeasurement> measure_captures(const std::string& folder, Camera& camera) {
   const std::string list = folder + "/distances.json";
   const nlohmann::json json = read_json_file(list);
@@ -87,50 +111,38 @@ std::vector<pipeline::TargetMeasurement> measure_captures(const std::string& fol
     entry.done();
     const std::string path = (fs::path(folder) / name).string();
     const Capture capture = read_capture(path, false);
+    require_matchable(capture.camera, path, "/camera/dp_downsample_x");
     if (measurements.empty()) camera = capture.camera;
     pipeline::require_same_camera(camera, capture.camera, printable(path));
-    const pipeline::MergedBurst burst = pipeline::align_and_merge(capture.frames, capture.exposure);
-    measurements.push_back(
-        pipeline::measure_target(burst.left, burst.right, capture.camera.focus_distance_m, distance_m));
-    const Image& usable = measurements.back().usable;
-    const auto seen = std::count(usable.data.begin(), usable.data.end(), 1.0f);
-    if (2 * static_cast<std::size_t>(seen) < usable.data.size()) {
-      throw InputError(
-          fmt::format("{}: the views match on only {:.0f} % of the picture; a target must be textured and "
-                      "fill it",
-                      printable(path), 100.0 * static_cast<double>(seen) / usable.data.size()));
-    }
+    measurements.push_back(measure_capture(capture, distance_m, path));
     bar(static_cast<double>(measurements.size()) / static_cast<double>(entries.size()));
   }
   return measurements;
 }
 
-void run(const CalibrateOptions& options) {
-  if (options.camera.empty() == options.captures.empty()) {
-    throw InputError("calibrate: give a scene file, whose camera is simulated, or --captures DIR");
-  }
-  Camera camera;
-  std::vector<pipeline::TargetMeasurement> measurements;
-  if (options.captures.empty()) {
-    nlohmann::json json = read_json_file(options.camera);
-    for (const std::string& assignment : options.overrides) apply_override(json, assignment);
-    const simulator::Simulation simulation = simulator::read_simulation(json, options.camera);
-    camera = describe_camera(simulation);
-    if (camera.dp_downsample_x == 1) {
-      throw InputError(printable(options.camera) +
-                       ": /sensor/dp_downsample_x: 1: views under a colour mosaic cannot be matched; must be 2");
-    }
-    open_sweep(options.output, describe_sweep(simulation, options.sweep));
-    Progress bar("calibrate");
-    measurements =
-        run_sweep(simulation, options.sweep, options.output + "/measurements", [&](double fraction) { bar(fraction); });
-    const pipeline::Calibration calibration = pipeline::fit_calibration(camera, measurements);
-    replace_file(options.output + "/calibration.json", to_json(calibration).dump() + "\n");
-    for (const std::string& warning : calibration.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
-    return;
-  }
+void warn(const pipeline::Calibration& calibration) {
+  for (const std::string& warning : calibration.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
+}
+
+void sweep_camera(const CalibrateOptions& options) {
+  nlohmann::json json = read_json_file(options.camera);
+  for (const std::string& assignment : options.overrides) apply_override(json, assignment);
+  const simulator::Simulation simulation = simulator::read_simulation(json, options.camera);
+  const Camera camera = describe_camera(simulation);
+  require_matchable(camera, options.camera, "/sensor/dp_downsample_x");
+  require_focuses(simulation, options.sweep);
+  open_sweep(options.output, describe_sweep(simulation, options.sweep));
+  Progress bar("calibrate");
+  const pipeline::Calibration calibration = pipeline::fit_calibration(
+      camera, run_sweep(simulation, options.sweep, options.output + "/measurements", [&](double f) { bar(f); }));
+  replace_file(options.output + "/calibration.json", to_json(calibration).dump() + "\n");
+  warn(calibration);
+}
+
+void fit_captures(const CalibrateOptions& options) {
   NewFolder out(options.output, "calibration.json");
-  measurements = measure_captures(options.captures, camera);
+  Camera camera;
+  const std::vector<pipeline::TargetMeasurement> measurements = measure_captures(options.captures, camera);
   const pipeline::Calibration calibration = pipeline::fit_calibration(camera, measurements);
   fs::create_directory(out.path() + "/measurements");
   for (std::size_t i = 0; i < measurements.size(); ++i) {
@@ -139,7 +151,18 @@ void run(const CalibrateOptions& options) {
   }
   write_file(out.path() + "/calibration.json", to_json(calibration).dump() + "\n");
   out.commit();
-  for (const std::string& warning : calibration.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
+  warn(calibration);
+}
+
+void run(const CalibrateOptions& options) {
+  if (options.camera.empty() == options.captures.empty()) {
+    throw InputError("calibrate: give a scene file, whose camera is simulated, or --captures DIR");
+  }
+  if (options.captures.empty()) {
+    sweep_camera(options);
+  } else {
+    fit_captures(options);
+  }
 }
 
 }  // namespace
@@ -150,12 +173,13 @@ void add_calibrate(CLI::App& program) {
       "calibrate", "Measure how disparity depends on depth and place, from a target swept over focus and distance");
   CLI::Option* camera =
       command->add_option("camera", options->camera, "Scene file whose camera is simulated")->type_name("CAMERA.json");
-  command
-      ->add_option("--captures", options->captures,
-                   "Instead, a folder of captures of a flat, textured target, and distances.json: {\"captures\": "
-                   "[{\"capture\": \"FOLDER\", \"target_distance_m\": 0.5}, ...]}")
-      ->type_name("DIR")
-      ->excludes(camera);
+  CLI::Option* captures =
+      command
+          ->add_option("--captures", options->captures,
+                       "Instead, a folder of captures of a flat, textured target, and distances.json: {\"captures\": "
+                       "[{\"capture\": \"FOLDER\", \"target_distance_m\": 0.5}, ...]}")
+          ->type_name("DIR");
+  captures->excludes(camera);
   command->add_option("-o,--output", options->output, "Folder to write; an interrupted sweep goes on where it was")
       ->required()
       ->type_name("DIR");
@@ -169,6 +193,9 @@ void add_calibrate(CLI::App& program) {
   command->add_option("--nearest-focus-m", options->sweep.nearest_focus_m, "Nearest focus distance")
       ->check(CLI::Range(0.05, 10.0))
       ->capture_default_str();
+  for (const char* of_a_sweep : {"--set", "--focuses", "--targets", "--nearest-focus-m"}) {
+    captures->excludes(command->get_option(of_a_sweep));
+  }
   add_threads_option(*command);
   command->footer(
       "Example:\n  dualpixel calibrate scenes/portrait.json -o out/calibration\n"

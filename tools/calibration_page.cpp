@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
@@ -21,6 +22,8 @@ using pipeline::Calibration;
 using pipeline::FocusCalibration;
 using pipeline::TargetMeasurement;
 
+constexpr float kGap = std::numeric_limits<float>::quiet_NaN();
+
 struct Place {
   const char* name;
   int column, row;
@@ -28,20 +31,28 @@ struct Place {
 constexpr int kLastColumn = pipeline::kCalibrationColumns - 1, kLastRow = pipeline::kCalibrationRows - 1;
 constexpr Place kPlaces[] = {{"centre", kLastColumn / 2, kLastRow / 2},
                              {"left", kLastColumn / 10, kLastRow / 2},
-                             {"right", 9 * kLastColumn / 10, kLastRow / 2},
+                             {"right", kLastColumn - kLastColumn / 10, kLastRow / 2},
                              {"top", kLastColumn / 2, kLastRow / 10},
-                             {"corner", 9 * kLastColumn / 10, kLastRow / 10}};
+                             {"corner", kLastColumn - kLastColumn / 10, kLastRow / 10}};
 
-Plot lines_plot(const FocusCalibration& focus, const std::vector<TargetMeasurement>& measurements) {
+/// Lines run as far as their measurements, or, where those are not at hand, over the whole sweep's targets.
+Plot lines_plot(const Calibration& calibration, const FocusCalibration& focus,
+                const std::vector<TargetMeasurement>& measurements) {
   Plot plot;
-  plot.title = fmt::format("Disparity over inverse depth, focused at {:.3g} m", focus.focus_distance_m);
+  plot.title = fmt::format("Disparity over inverse depth, focused at {:.3g} m (R² {:.5f})", focus.focus_distance_m,
+                           focus.r_squared);
   plot.x_label = "1 / depth of the target, 1/m";
   plot.y_label = "DP px";
-  double near = 0, far = 1e9;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double near = 0, far = kInfinity;
   for (const TargetMeasurement& m : measurements) {
     if (m.focus_distance_m != focus.focus_distance_m) continue;
     near = std::max(near, 1 / m.target_distance_m);
     far = std::min(far, 1 / m.target_distance_m);
+  }
+  if (std::isinf(far)) {
+    near = 1 / calibration.nearest_target_m;
+    far = 1 / calibration.farthest_target_m;
   }
   for (const Place& place : kPlaces) {
     const double slope = focus.slope_dp_px_m.at(place.column, place.row);
@@ -61,13 +72,17 @@ Plot lines_plot(const FocusCalibration& focus, const std::vector<TargetMeasureme
   return plot;
 }
 
-/// A map's difference from its middle, as colour.
-std::string map_figure(const Image& nodes, const std::string& name, const std::string& unit, float limit) {
-  const float middle = nodes.at(kLastColumn / 2, kLastRow / 2);
-  constexpr int kScale = 12;
+/// A map's difference from its value at the principal point, as colour; grey where `slope` says that there is no line.
+std::string map_figure(const Image& nodes, const Image& slope, std::size_t principal, const std::string& name,
+                       const std::string& unit, float limit) {
+  const float middle = nodes.data[principal];
+  constexpr int kScale = 24;
   Image large(kScale * nodes.width, kScale * nodes.height);
   for (int y = 0; y < large.height; ++y) {
-    for (int x = 0; x < large.width; ++x) large.at(x, y) = nodes.at(x / kScale, y / kScale) - middle;
+    for (int x = 0; x < large.width; ++x) {
+      const int i = x / kScale, j = y / kScale;
+      large.at(x, y) = slope.at(i, j) != 0 ? nodes.at(i, j) - middle : kGap;
+    }
   }
   Image bar(256, 8);
   for (int y = 0; y < bar.height; ++y) {
@@ -75,7 +90,7 @@ std::string map_figure(const Image& nodes, const std::string& name, const std::s
   }
   return fmt::format(
       "<figure><img src=\"{}\" alt=\"\"><div class=\"bar\"><span>{:+.2f}</span><img src=\"{}\" alt=\"\"><span>{:+.2f} "
-      "{}</span></div><figcaption><b>{}</b> less the middle's {:.3f}</figcaption></figure>\n",
+      "{}</span></div><figcaption><b>{}</b> less the principal point's {:.3f}</figcaption></figure>\n",
       jpeg_data_uri(diverging_colors(large, limit), 92), -limit, jpeg_data_uri(diverging_colors(bar, limit), 92), limit,
       unit, name, middle);
 }
@@ -89,7 +104,8 @@ Plot over_focus(const std::string& title, const std::string& unit, const Calibra
   for (const Place& place : kPlaces) {
     Series series{place.name, {}};
     for (const FocusCalibration& focus : calibration.focuses) {
-      series.points.emplace_back(1 / focus.focus_distance_m, value(focus).at(place.column, place.row));
+      const bool line = focus.slope_dp_px_m.at(place.column, place.row) != 0;
+      series.points.emplace_back(1 / focus.focus_distance_m, line ? value(focus).at(place.column, place.row) : kGap);
     }
     plot.series.push_back(series);
   }
@@ -128,16 +144,18 @@ std::string to_page(const Calibration& calibration, const std::vector<TargetMeas
   for (const std::string& warning : calibration.warnings) {
     body += "<p>Warning: " + escape_html(printable(warning)) + "</p>\n";
   }
+  const std::size_t principal = pipeline::principal_node(calibration.camera);
   const std::size_t last = focuses.size() - 1;
   std::vector<std::size_t> shown = {last / 4, last / 2, last};
   shown.erase(std::unique(shown.begin(), shown.end()), shown.end());
   body += "<h2>Lines</h2><div class=\"plots\">";
-  for (const std::size_t i : shown) body += svg_plot(lines_plot(focuses[i], measurements));
+  for (const std::size_t i : shown) body += svg_plot(lines_plot(calibration, focuses[i], measurements));
   body += "</div><h2>Maps</h2>";
   for (const std::size_t i : shown) {
     body += fmt::format("<h4>Focused at {:.3g} m</h4><div class=\"maps\">", focuses[i].focus_distance_m);
-    body += map_figure(focuses[i].slope_dp_px_m, "Slope", "DP px m", 0.3f);
-    body += map_figure(focuses[i].intercept_dp_px, "Intercept", "DP px", 1);
+    const Image& slope = focuses[i].slope_dp_px_m;
+    body += map_figure(slope, slope, principal, "Slope", "DP px m", 0.3f);
+    body += map_figure(focuses[i].intercept_dp_px, slope, principal, "Intercept", "DP px", 1);
     body += "</div>";
   }
   body += "<h2>Over the focus distance</h2><p>The thin lens's slope does not depend on the focus distance.</p>";

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pipeline/calibration/calibration.h"
+#include "pipeline/disparity/noise_model.h"
 #include "simulator/simulate.h"
 #include "tools/calibration_target.h"
 
@@ -16,20 +17,24 @@ struct SweepOptions {
   int focuses = 20;  ///< even in 1/z, from infinity to `nearest_focus_m`; 2 or more
   int targets = 8;   ///< for each focus distance, even in inverse depth; 3 or more
   double nearest_focus_m = 0.2;
-  double reach_dp_px = 1;        ///< targets stand where disparity on the axis is within this
-  double farthest_target_m = 3;  ///< and no farther than this, a room's length
-  double tilt_x_deg = 0, tilt_y_deg = 0;
-  int finest_px = 32;      ///< of the texture, as in CalibrationTarget
-  int rays = 128;          ///< a block of DP pixels, as FlowOptions averages them
-  NoiseProfile noise;      ///< of a pixel of a view, in units of the white level and its square; none by default
-  std::uint64_t seed = 1;  ///< of textures and noise; every capture has its own texture
+  double tilt_x_deg = 0;      ///< as in CalibrationTarget
+  int finest_px = 32;         ///< of the texture, as in CalibrationTarget
+  pipeline::ViewNoise noise;  ///< of the captures; none by default
 };
 
 std::vector<double> sweep_focus_distances(const SweepOptions& options);
 
-/// From far to near. `lens` is focused; `pixel_pitch_um` is that of a DP pixel.
-std::vector<double> sweep_target_distances(const simulator::Lens& lens, double dp_pitch_um,
-                                           const SweepOptions& options);
+/// The simulation's lens, focused elsewhere and made ready (up to a second for a prescription). Throws InputError where
+/// it cannot be focused there, or where nothing passes it.
+simulator::LensSampler focused_lens(const simulator::Simulation& simulation, double focus_distance_m);
+
+/// Throws InputError where the lens cannot be focused on one of the sweep's distances.
+void require_focuses(const simulator::Simulation& simulation, const SweepOptions& options);
+
+/// From far to near. `lens` is focused; `dp_pitch_um` is that of a DP pixel. Targets stand no farther than 3 m, a
+/// room's length, and where disparity on the axis is within 1 DP px; but they span 1 / m of inverse depth at least, so
+/// that those of a lens much longer than a phone's leave that range.
+std::vector<double> sweep_target_distances(const simulator::Lens& lens, double dp_pitch_um, int targets);
 
 /// One focus distance of a sweep.
 class FocusSweep {
@@ -43,13 +48,14 @@ class FocusSweep {
 
  private:
   SweepOptions options_;
-  std::vector<double> targets_;
   TargetCamera camera_;
+  std::vector<double> targets_;
   float dp_px_per_pixel_ = 1;  ///< of the views that camera_ sees
 };
 
-/// The whole sweep. With a folder (not empty) every measurement is kept there as soon as it is made, and one that is
-/// there already is not made again. Throws InputError where the lens cannot be focused so near.
+/// The whole sweep; every capture has a texture of its own. With a folder (not empty) every measurement is kept there
+/// as soon as it is made, and one that is there already is not made again. The same bytes for any number of threads;
+/// `progress` is called by one at a time. Throws InputError where the lens cannot be focused so near.
 std::vector<pipeline::TargetMeasurement> run_sweep(const simulator::Simulation& simulation, const SweepOptions& options,
                                                    const std::string& folder = "",
                                                    const std::function<void(double fraction)>& progress = {});

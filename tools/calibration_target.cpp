@@ -5,7 +5,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <numbers>
+#include <utility>
 
 #include "simulator/lens/disparity_field.h"
 #include "simulator/sampling/hash.h"
@@ -45,28 +46,54 @@ constexpr int kLightDegree = 8;
 constexpr int kLightNodes = 41;  ///< a side, where the shading is traced
 
 /// Terms x^i y^j, i + j <= kLightDegree, of a place in half widths and half heights from the middle.
-std::vector<double> light_terms(double x, double y) {
-  std::vector<double> terms;
-  for (int i = 0; i <= kLightDegree; ++i) {
-    for (int j = 0; i + j <= kLightDegree; ++j) terms.push_back(std::pow(x, i) * std::pow(y, j));
+Eigen::RowVectorXd light_terms(double x, double y) {
+  Eigen::RowVectorXd terms((kLightDegree + 1) * (kLightDegree + 2) / 2);
+  int k = 0;
+  double power_x = 1;
+  for (int i = 0; i <= kLightDegree; ++i, power_x *= x) {
+    double power = power_x;
+    for (int j = 0; i + j <= kLightDegree; ++j, power *= y) terms[k++] = power;
   }
   return terms;
 }
 
-double dot(const std::vector<double>& a, const std::vector<double>& b) {
-  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+/// Bilinear between texels; u and v are in texels.
+float texture_at(const Image& texture, float u, float v) {
+  const float floor_u = std::floor(u), floor_v = std::floor(v);
+  const int column = static_cast<int>(floor_u) & (kTexels - 1), row = static_cast<int>(floor_v) & (kTexels - 1);
+  const int next_column = (column + 1) & (kTexels - 1), next_row = (row + 1) & (kTexels - 1);
+  const float fu = u - floor_u, fv = v - floor_v;
+  const float* texels = texture.data.data();
+  const float t00 = texels[row * kTexels + column], t10 = texels[row * kTexels + next_column];
+  const float t01 = texels[next_row * kTexels + column], t11 = texels[next_row * kTexels + next_column];
+  const float top = t00 + fu * (t10 - t00), bottom = t01 + fu * (t11 - t01);
+  return top + fv * (bottom - top);
 }
 
-/// Mean 0.5, within 0.1 .. 0.9.
-Image make_texture(const CalibrationTarget& target) {
-  Image texture(kTexels, kTexels);
-  for (int octave = 0; octave < kOctaves; ++octave)
-    add_octave(texture, target.finest_px / kTexelPx << octave, target.texture_seed);
-  for (float& value : texture.data) value = std::clamp(0.5f + 0.4f * value, 0.1f, 0.9f);
-  return texture;
-}
+/// The target in camera axes.
+struct Plane {
+  float distance_m = 0, tangent = 0;  ///< z = distance + tangent x
+  float texels_per_m = 0;
+
+  /// What one of a packet's rays sees: along a ray, x = origin + slope z.
+  float look_up(const Image& texture, const simulator::LensPacket& rays, int i) const {
+    const float z = (distance_m + tangent * rays.origin_x[i]) / (1 - tangent * rays.slope_x[i]);
+    return texture_at(texture, (rays.origin_x[i] + z * rays.slope_x[i]) * texels_per_m + 0.5f * kTexels,
+                      (rays.origin_y[i] + z * rays.slope_y[i]) * texels_per_m + 0.5f * kTexels);
+  }
+};
 
 }  // namespace
+
+TargetPrint print_target(const CalibrationTarget& target, const simulator::LensSampler& lens) {
+  Image texture(kTexels, kTexels);
+  for (int octave = 0; octave < kOctaves; ++octave) {
+    add_octave(texture, target.finest_px / kTexelPx << octave, target.texture_seed);
+  }
+  for (float& value : texture.data) value = std::clamp(0.5f + 0.4f * value, 0.1f, 0.9f);
+  const double texel_on_sensor_m = kTexelPx * lens.sensor().pixel_pitch_m;
+  return {std::move(texture), texel_on_sensor_m * target.distance_m / lens.lens().thin.image_distance_m()};
+}
 
 TargetCamera make_target_camera(const simulator::LensSampler& lens, int width, int height) {
   const simulator::SensorGrid& sensor = lens.sensor();
@@ -75,34 +102,36 @@ TargetCamera make_target_camera(const simulator::LensSampler& lens, int width, i
   tbb::parallel_for(0, kLightNodes * kLightNodes, [&](int k) {
     const int x = (k % kLightNodes) * (sensor.width_px - 1) / (kLightNodes - 1);
     const int y = (k / kLightNodes) * (sensor.height_px - 1) / (kLightNodes - 1);
-    const std::vector<double> row =
-        light_terms(2 * (x + 0.5) / sensor.width_px - 1, 2 * (y + 0.5) / sensor.height_px - 1);
-    terms.row(k) = Eigen::Map<const Eigen::RowVectorXd>(row.data(), static_cast<Eigen::Index>(row.size()));
+    terms.row(k) = light_terms(2 * (x + 0.5) / sensor.width_px - 1, 2 * (y + 0.5) / sensor.height_px - 1);
     const simulator::DisparityCoefficients c = simulator::trace_disparity(lens, x, y, 1024);
     light.row(k) << c.left_light, c.right_light;
   });
   const Eigen::MatrixXd fit = terms.colPivHouseholderQr().solve(light);
-  const auto column = [&](int k) { return std::vector<double>(fit.col(k).begin(), fit.col(k).end()); };
-  return {lens, width, height, column(0), column(1)};
+  TargetCamera camera{lens, width, height, Image(width, height), Image(width, height)};
+  tbb::parallel_for(0, height, [&](int y) {
+    for (int x = 0; x < width; ++x) {
+      const Eigen::RowVector2d here = light_terms(2 * (x + 0.5) / width - 1, 2 * (y + 0.5) / height - 1) * fit;
+      // a polynomial may overshoot beside a dark corner
+      camera.left_light.at(x, y) = static_cast<float>(std::max(here[0], 0.0));
+      camera.right_light.at(x, y) = static_cast<float>(std::max(here[1], 0.0));
+    }
+  });
+  return camera;
 }
 
 TargetViews render_target(const TargetCamera& camera, const CalibrationTarget& target, int rays) {
   const simulator::LensSampler& lens = camera.lens;
   const simulator::SensorGrid& sensor = lens.sensor();
   const int width = camera.width, height = camera.height;
-  const Image texture = make_texture(target);
-  // z = distance + a x + b y; along a ray, x = origin + slope z
-  const auto a = static_cast<float>(std::tan(target.tilt_x_deg * M_PI / 180));
-  const auto b = static_cast<float>(std::tan(target.tilt_y_deg * M_PI / 180));
-  const auto distance = static_cast<float>(target.distance_m);
-  const auto texels_per_m =
-      static_cast<float>(lens.lens().thin.image_distance_m() / (target.distance_m * kTexelPx * sensor.pixel_pitch_m));
+  const TargetPrint print = print_target(target, lens);
+  const Plane plane = {static_cast<float>(target.distance_m),
+                       static_cast<float>(std::tan(target.tilt_x_deg * std::numbers::pi / 180)),
+                       static_cast<float>(1 / print.texel_m)};
   TargetViews views{Image(width, height), Image(width, height)};
   const float wide = static_cast<float>(sensor.width_px) / static_cast<float>(width);  // of a pixel, photosites
   const float high = static_cast<float>(sensor.height_px) / static_cast<float>(height);
   tbb::parallel_for(0, height, [&](int y) {
     alignas(64) float s[4][kPacket];
-    alignas(64) float level[kPacket];
     simulator::LensPacket packet;
     const int middle_y = static_cast<int>((static_cast<float>(y) + 0.5f) * high);
     const float from_y = static_cast<float>(y) * high - static_cast<float>(middle_y);
@@ -120,32 +149,16 @@ TargetViews render_target(const TargetCamera& camera, const CalibrationTarget& t
         }
         lens.sample(middle_x, middle_y, 1, s, packet);
         for (int i = 0; i < kPacket; ++i) {
-          const float t = (distance + a * packet.origin_x[i] + b * packet.origin_y[i]) /
-                          (1 - a * packet.slope_x[i] - b * packet.slope_y[i]);
-          const float u = (packet.origin_x[i] + t * packet.slope_x[i]) * texels_per_m + 0.5f * kTexels;
-          const float v = (packet.origin_y[i] + t * packet.slope_y[i]) * texels_per_m + 0.5f * kTexels;
-          const float floor_u = std::floor(u), floor_v = std::floor(v);
-          const int column = static_cast<int>(floor_u) & (kTexels - 1), row = static_cast<int>(floor_v) & (kTexels - 1);
-          const int next_column = (column + 1) & (kTexels - 1), next_row = (row + 1) & (kTexels - 1);
-          const float fu = u - floor_u, fv = v - floor_v;
-          const float* texels = texture.data.data();
-          const float t00 = texels[row * kTexels + column], t10 = texels[row * kTexels + next_column];
-          const float t01 = texels[next_row * kTexels + column], t11 = texels[next_row * kTexels + next_column];
-          const float top = t00 + fu * (t10 - t00), bottom = t01 + fu * (t11 - t01);
-          level[i] = top + fv * (bottom - top);
-        }
-        for (int i = 0; i < kPacket; ++i) {
-          left += packet.left[i] * level[i];
-          right += packet.right[i] * level[i];
+          if (packet.left[i] + packet.right[i] == 0) continue;  // blocked: where it would go may not be a number
+          const float level = plane.look_up(print.texture, packet, i);
+          left += packet.left[i] * level;
+          right += packet.right[i] * level;
           left_weight += packet.left[i];
           right_weight += packet.right[i];
         }
       }
-      const std::vector<double> terms = light_terms(2 * (x + 0.5) / width - 1, 2 * (y + 0.5) / height - 1);
-      views.left.at(x, y) =
-          left_weight > 0 ? static_cast<float>(dot(terms, camera.left_light)) * left / left_weight : 0;
-      views.right.at(x, y) =
-          right_weight > 0 ? static_cast<float>(dot(terms, camera.right_light)) * right / right_weight : 0;
+      views.left.at(x, y) = left_weight > 0 ? camera.left_light.at(x, y) * left / left_weight : 0;
+      views.right.at(x, y) = right_weight > 0 ? camera.right_light.at(x, y) * right / right_weight : 0;
     }
   });
   return views;

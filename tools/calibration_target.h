@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <vector>
 
 #include "capture/image.h"
 #include "simulator/lens/lens_sampler.h"
@@ -12,18 +11,26 @@ namespace dualpixel::tools {
 struct CalibrationTarget {
   double distance_m = 1;  ///< planar depth on the axis
   double tilt_x_deg = 0;  ///< its right side is this much farther away
-  double tilt_y_deg = 0;  ///< its lower side
   std::uint64_t texture_seed = 1;
   int finest_px =
       32;  ///< width of the texture's smallest cells, photosites: a power of two; the largest are four times as wide
 };
 
+/// The target as it is printed: three octaves of smooth noise of equal contrast, 0.1 .. 0.9, mean 0.5. It repeats.
+/// Texel (i, j)'s own value stands at ((i - width / 2) * texel_m, (j - height / 2) * texel_m) from the axis, x to the
+/// right and y down; bilinear in between. It is printed for its distance: it looks the same size from any.
+struct TargetPrint {
+  Image texture;
+  double texel_m = 0;
+};
+TargetPrint print_target(const CalibrationTarget& target, const simulator::LensSampler& lens);
+
 /// A simulated camera, focused, for render_target(). Its pixels may be blocks of DP pixels: what is averaged anyway
 /// needs no finer picture, and a block's rays as one net have far less noise than each pixel's own.
 struct TargetCamera {
   simulator::LensSampler lens;
-  int width = 0, height = 0;                    ///< of the views
-  std::vector<double> left_light, right_light;  ///< shading of the views: coefficients of a polynomial over the field
+  int width = 0, height = 0;      ///< of the views
+  Image left_light, right_light;  ///< shading of the views
 };
 TargetCamera make_target_camera(const simulator::LensSampler& lens, int width, int height);
 
@@ -32,8 +39,7 @@ struct TargetViews {
   Image left, right;
 };
 
-/// The texture is three octaves of smooth noise of equal contrast, printed for the target's distance: it looks the same
-/// size from any. Each view is the mean of the texture over `rays` a pixel (a multiple of 16; mirrored pairs over the
+/// Each view is the mean of the texture over `rays` a pixel (a multiple of 16; mirrored pairs over the
 /// pixel's whole area), weighed as the view weighs them, times the view's shading. Shading is a smooth fit: how many of
 /// so few rays the lens happens to block must not show, for 0.3 % of light looks like 0.1 DP px of disparity on so
 /// coarse a texture. The same bytes for any number of threads.

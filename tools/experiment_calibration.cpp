@@ -8,7 +8,8 @@
 
 #include "capture/files.h"
 #include "capture/json_fields.h"
-#include "pipeline/calibration/calibration.h"
+#include "pipeline/calibration/correction.h"
+#include "pipeline/calibration/tilt.h"
 #include "simulator/lens/disparity_field.h"
 #include "simulator/sampling/hash.h"
 #include "tools/calibration_sweep.h"
@@ -30,7 +31,7 @@ struct Effort {
   std::string axis, name;
   SweepOptions sweep;
   double residual_dp_px = 0;
-  double tilt_x_deg = 0;  ///< as the calibration finds it
+  pipeline::TargetTilt tilt;  ///< as the calibration finds it
   bool warned = false;
 };
 
@@ -47,9 +48,9 @@ std::vector<Effort> efforts() {
   for (const int n : {4, 8, 16}) {
     add("target distances", std::to_string(n), [&](SweepOptions& s) { s.targets = n; });
   }
-  // variances of the white level squared: a phone's sensor at ISO 100, 400, 1600
-  for (const double gain : {1.0, 4.0, 16.0}) {
-    add("noise", fmt::format("ISO {:g}", 100 * gain), [&](SweepOptions& s) { s.noise = {4e-5 * gain, 1e-7 * gain}; });
+  // one frame of a phone's sensor
+  for (const float gain : {1.0f, 4.0f, 16.0f}) {
+    add("noise", fmt::format("ISO {:g}", 100 * gain), [&](SweepOptions& s) { s.noise = {4e-5f * gain, 1e-7f * gain}; });
   }
   for (const int finest : {16, 32, 64}) {
     add("texture", fmt::format("cells of {} px", finest), [&](SweepOptions& s) { s.finest_px = finest; });
@@ -76,10 +77,11 @@ double residual(const simulator::DisparityField& field, const Camera& camera, co
     double sum = 0, squares = 0, count = 0;
     for (int y = d.height / 20; y < d.height - d.height / 20; ++y) {
       for (int x = d.width / 20; x < d.width - d.width / 20; ++x) {
-        sum += d.at(x, y), squares += d.at(x, y) * d.at(x, y), ++count;
+        const double value = d.at(x, y);
+        sum += value, squares += value * value, ++count;
       }
     }
-    variance += (squares / count - sum / count * (sum / count)) / std::size(kDepths_m);
+    variance += std::max(squares / count - sum / count * (sum / count), 0.0) / std::size(kDepths_m);
   }
   return std::sqrt(variance);
 }
@@ -102,7 +104,7 @@ void measure(const simulator::Simulation& simulation, const simulator::Disparity
   camera.focus_distance_m = kFocus_m;
   const pipeline::Correction correction = make_correction(calibration, camera);
   effort.residual_dp_px = residual(field, camera, &correction);
-  effort.tilt_x_deg = estimate_tilt(camera, calibration.focuses[0], measurements[0]).x_deg;
+  effort.tilt = estimate_tilt(camera, measurements);
   effort.warned = !calibration.warnings.empty();
 }
 
@@ -113,11 +115,12 @@ Json to_json(const std::vector<Effort>& all, double uncorrected_dp_px, const std
                     {"value", e.name},
                     {"photographs", e.sweep.focuses * e.sweep.targets},
                     {"residual_sigma_dp_px", e.residual_dp_px},
-                    {"tilt_found_deg", e.tilt_x_deg},
+                    {"tilt_found_deg", e.tilt.x_deg},
+                    {"tilt_standard_error_deg", e.tilt.x_error_deg},
                     {"tilt_warning", e.warned}});
   }
   return {{"format", "dualpixel-experiment-calibration"},
-          {"version", 1},
+          {"version", 2},
           {"lens", lens},
           {"focus_distance_m", kFocus_m},
           {"depths_m", kDepths_m},
@@ -145,11 +148,12 @@ std::string to_page(const std::vector<Effort>& all, double uncorrected_dp_px, co
   }
   body += "<div class=\"plots wide-plot\">" + svg_plot(plot) +
           "</div><div class=\"scroll\"><table><tr><th>Changed</th>" +
-          "<th>to</th><th>photographs</th><th>residual, DP px</th><th>tilt found</th><th>warning</th></tr>\n";
+          "<th>to</th><th>photographs</th><th>residual, DP px</th><th>tilt found, degrees</th><th>warning</th></tr>\n";
   for (const Effort& e : all) {
-    body += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.4f}</td><td>{:.2f}</td><td>{}</td></tr>\n", e.axis,
-                        e.name, e.sweep.focuses * e.sweep.targets, e.residual_dp_px, e.tilt_x_deg,
-                        e.warned ? "tilted" : "");
+    body +=
+        fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.4f}</td><td>{:.2f} ± {:.2f}</td><td>{}</td></tr>\n",
+                    e.axis, e.name, e.sweep.focuses * e.sweep.targets, e.residual_dp_px, e.tilt.x_deg,
+                    e.tilt.x_error_deg, e.warned ? "tilted" : "");
   }
   body += "</table></div>";
   return html_page("What a cheaper calibration costs",
@@ -171,7 +175,9 @@ void add_experiment_calibration(CLI::App& experiment) {
   command->add_option("camera", options->scene, "Scene file whose camera is calibrated")
       ->required()
       ->type_name("CAMERA.json");
-  command->add_option("-o,--output", options->folder, "Folder to write calibration.json and calibration.html into")
+  command
+      ->add_option("-o,--output", options->folder,
+                   "Folder to write calibration_cost.json and calibration_cost.html into")
       ->required()
       ->type_name("DIR");
   auto overrides = std::make_shared<std::vector<std::string>>();
@@ -179,12 +185,12 @@ void add_experiment_calibration(CLI::App& experiment) {
   add_threads_option(*command);
   command->footer(
       "Example:\n  dualpixel experiment calibration scenes/portrait.json --set "
-      "lens.file=../lens_models/phone_aberrated_4.4mm_f1.8.json -o out/experiments");
+      "lens.file=../lens_models/phone_aberrated_4.4mm_f1.8.json -o out/calibration_cost");
   command->callback([options, overrides] {
     nlohmann::json json = read_json_file(options->scene);
     for (const std::string& assignment : *overrides) apply_override(json, assignment);
     const simulator::Simulation simulation = simulator::read_simulation(json, options->scene);
-    NewFolder out(options->folder, "calibration.json");
+    NewFolder out(options->folder, "calibration_cost.json");
     Progress bar("calibration");
     std::vector<Effort> all = efforts();
     const simulator::DisparityField field(FocusSweep(simulation, kFocus_m, {}).lens());
@@ -193,8 +199,8 @@ void add_experiment_calibration(CLI::App& experiment) {
       measure(simulation, field, all[i]);
       bar(static_cast<double>(i + 1) / static_cast<double>(all.size()));
     }
-    write_file(out.path() + "/calibration.html", to_page(all, uncorrected, simulation.lens.name));
-    write_file(out.path() + "/calibration.json", to_json(all, uncorrected, simulation.lens.name).dump(2) + "\n");
+    write_file(out.path() + "/calibration_cost.html", to_page(all, uncorrected, simulation.lens.name));
+    write_file(out.path() + "/calibration_cost.json", to_json(all, uncorrected, simulation.lens.name).dump(2) + "\n");
     out.commit();
   });
 }

@@ -88,7 +88,9 @@ json describe_calibration(const std::string& path) {
   json focuses = json::array();
   std::vector<float> residuals;
   std::size_t lines = 0, nodes = 0;
+  double least_r_squared = 1;
   for (const pipeline::FocusCalibration& f : calibration.focuses) {
+    least_r_squared = std::min(least_r_squared, f.r_squared);
     focuses.push_back(std::isinf(f.focus_distance_m) ? json("inf") : json(f.focus_distance_m));
     nodes += f.slope_dp_px_m.data.size();
     for (std::size_t i = 0; i < f.slope_dp_px_m.data.size(); ++i) {
@@ -109,6 +111,7 @@ json describe_calibration(const std::string& path) {
           {"farthest_target_m", calibration.farthest_target_m},
           {"places_with_a_line", static_cast<double>(lines) / static_cast<double>(nodes)},
           {"median_residual_dp_px", residuals[lines / 2]},
+          {"least_r_squared", least_r_squared},
           {"warnings", calibration.warnings}};
 }
 

@@ -14,6 +14,7 @@
 #include "capture/image_io.h"
 #include "tools/calibration_page.h"
 #include "tools/commands.h"
+#include "tools/matchable.h"
 #include "tools/plain_pair.h"
 #include "tools/result_io.h"
 
@@ -78,10 +79,8 @@ void run(const PortraitCommand& command) {
   { const NewFolder writable(command.output, "result.json"); }  // before the work, not after it
 
   Capture capture = plain ? read_plain_pair(command.pair) : read_capture(command.capture, command.true_mask);
-  if (!plain && options.mode != pipeline::Mode::seg &&
-      capture.camera.dp_downsample_x * capture.camera.dp_downsample_y == 1) {
-    throw InputError(printable(command.capture) +
-                     ": /camera/dp_downsample_x: 1 x 1: views under a colour mosaic cannot be matched; 2 x 2 can");
+  if (!plain && options.mode != pipeline::Mode::seg) {
+    require_matchable(capture.camera, command.capture, "/camera/dp_downsample_x");
   }
   std::optional<Image> mask;
   if (command.true_mask) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "capture/camera_json.h"
 #include "capture/json_fields.h"
 #include "pipeline/calibration/calibration.h"
 
@@ -11,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr std::size_t kNodes = static_cast<std::size_t>(kCalibrationColumns) * kCalibrationRows;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMost = 1e6;  ///< of any value at a node
@@ -19,16 +20,18 @@ constexpr double kMost = 1e6;  ///< of any value at a node
 /// JSON has no infinity.
 Json distance_json(double distance_m) { return std::isinf(distance_m) ? Json("inf") : Json(distance_m); }
 
-/// To 1e-5: a hundredth of what any measurement is good for, in half the bytes.
+/// To 1e-4: a tenth of what the best measurement is good for, in half the bytes.
+double rounded(double value) { return std::round(value * 1e4) / 1e4; }
+
 Json nodes_json(const Image& image) {
   Json nodes = Json::array();
-  for (const float value : image.data) nodes.push_back(std::round(value * 1e5) / 1e5);
+  for (const float value : image.data) nodes.push_back(rounded(value));
   return nodes;
 }
 
-void read_nodes(Fields& fields, const std::string& key, Image& image, double low) {
+void read_nodes(Fields& fields, const std::string& key, Image& image, double low, double high = kMost) {
   std::vector<double> values;
-  fields.required(key).list(key, values, low, kMost, kNodes);
+  fields.required(key).list(key, values, low, high, kNodes);
   if (values.size() != kNodes) {
     fields.fail(key, fmt::format("{} numbers: must be {} x {}, row by row", values.size(), kCalibrationColumns,
                                  kCalibrationRows));
@@ -46,7 +49,7 @@ void read_header(Fields& fields, const std::string& expected) {
 
 constexpr const char* kCalibrationFormat = "dualpixel-calibration";
 constexpr const char* kMeasurementFormat = "dualpixel-calibration-measurement";
-constexpr double kNearest_m = 1e-3;
+constexpr double kNearest_m = 1e-4;
 
 Json camera_json(const Camera& c) {
   return {{"name", c.name},
@@ -62,20 +65,7 @@ Json camera_json(const Camera& c) {
 
 Camera read_camera(Fields fields) {
   Camera c;
-  fields.required("name").text("name", c.name);
-  fields.required("width_px").integer("width_px", c.width_px, 2, 65536);
-  fields.required("height_px").integer("height_px", c.height_px, 4, 65536);
-  fields.required("pixel_pitch_um").number("pixel_pitch_um", c.pixel_pitch_um, 0.01, 1000);
-  fields.required("dp_downsample_x").integer("dp_downsample_x", c.dp_downsample_x, 1, 64);
-  fields.required("dp_downsample_y").integer("dp_downsample_y", c.dp_downsample_y, 1, 64);
-  fields.required("focal_length_mm").number("focal_length_mm", c.focal_length_mm, 0.01, 1e5);
-  fields.required("f_number").number("f_number", c.f_number, 0.01, 1000);
-  fields.required("principal_point_px").numbers("principal_point_px", c.principal_point_px.data(), 2);
-  if (c.principal_point_px[0] < 0 || c.principal_point_px[0] > c.width_px || c.principal_point_px[1] < 0 ||
-      c.principal_point_px[1] > c.height_px) {
-    fields.fail("principal_point_px",
-                fmt::format("{}, {}: must lie in the picture", c.principal_point_px[0], c.principal_point_px[1]));
-  }
+  read_intrinsics(fields, c);
   fields.done();
   return c;
 }
@@ -86,11 +76,10 @@ Json to_json(const Calibration& calibration) {
   Json focuses = Json::array();
   for (const FocusCalibration& f : calibration.focuses) {
     focuses.push_back({{"focus_distance_m", distance_json(f.focus_distance_m)},
+                       {"r_squared", rounded(f.r_squared)},
                        {"slope_dp_px_m", nodes_json(f.slope_dp_px_m)},
                        {"intercept_dp_px", nodes_json(f.intercept_dp_px)},
-                       {"residual_dp_px", nodes_json(f.residual_dp_px)},
-                       {"r_squared", nodes_json(f.r_squared)},
-                       {"count", nodes_json(f.count)}});
+                       {"residual_dp_px", nodes_json(f.residual_dp_px)}});
   }
   return {{"format", kCalibrationFormat},
           {"version", kVersion},
@@ -109,7 +98,8 @@ Calibration read_calibration(const nlohmann::json& json, const std::string& file
   root.required("nearest_target_m").number("nearest_target_m", calibration.nearest_target_m, kNearest_m, 1e6);
   root.required("farthest_target_m")
       .number("farthest_target_m", calibration.farthest_target_m, calibration.nearest_target_m, 1e6);
-  const nlohmann::json& warnings = root.raw("warnings");
+  const nlohmann::json& warnings = root.required("warnings").raw("warnings");
+  if (!warnings.is_array()) root.fail("warnings", "must be an array of texts");
   for (const nlohmann::json& warning : warnings) {
     if (!warning.is_string()) root.fail("warnings", "must be an array of texts");
     calibration.warnings.push_back(warning.get<std::string>());
@@ -122,13 +112,12 @@ Calibration read_calibration(const nlohmann::json& json, const std::string& file
       entry.fail("focus_distance_m", fmt::format("{}: must be nearer than the one before it", f.focus_distance_m));
     }
     last = f.focus_distance_m;
+    entry.required("r_squared").number("r_squared", f.r_squared, 0, 1);
     read_nodes(entry, "slope_dp_px_m", f.slope_dp_px_m, -kMost);
     read_nodes(entry, "intercept_dp_px", f.intercept_dp_px, -kMost);
     read_nodes(entry, "residual_dp_px", f.residual_dp_px, 0);
-    read_nodes(entry, "r_squared", f.r_squared, -kMost);
-    read_nodes(entry, "count", f.count, 0);
-    if (f.slope_dp_px_m.at(kCalibrationColumns / 2, kCalibrationRows / 2) == 0) {
-      entry.fail("slope_dp_px_m", "0 in the middle of the picture: there is nothing to correct to");
+    if (f.slope_dp_px_m.data[principal_node(calibration.camera)] == 0) {
+      entry.fail("slope_dp_px_m", "0 at the principal point: there is nothing to correct to");
     }
     entry.done();
   }
@@ -153,7 +142,7 @@ TargetMeasurement read_measurement(const nlohmann::json& json, const std::string
   root.required("focus_distance_m").number("focus_distance_m", m.focus_distance_m, kNearest_m, kInfinity);
   root.required("target_distance_m").number("target_distance_m", m.target_distance_m, kNearest_m, 1e6);
   read_nodes(root, "disparity_dp_px", m.disparity_dp_px, -kMost);
-  read_nodes(root, "usable", m.usable, 0);
+  read_nodes(root, "usable", m.usable, 0, 1);
   root.done();
   return m;
 }

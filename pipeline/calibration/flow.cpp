@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -199,9 +201,18 @@ Image mismatch_of(const Image& left, const Image& right, const Image& d) {
   return squares;
 }
 
+void require(bool holds, const char* what) {
+  if (!holds) throw std::invalid_argument(std::string("calibration: ") + what);
+}
+
 }  // namespace
 
 Flow match_target(const Image& left, const Image& right, const FlowOptions& options) {
+  require(!left.empty() && left.same_size(right), "left and right view must be of one size");
+  require(left.channels == 1 && right.channels == 1, "views must have one channel");
+  require(options.block_width_px > 0 && options.block_height_px > 0 && options.warps > 0 && options.refinements > 0 &&
+              options.sweeps > 0 && options.charbonnier > 0 && options.smooth_blocks > 0 && options.window_blocks > 0,
+          "flow options must be positive");
   const int width = (left.width + options.block_width_px - 1) / options.block_width_px;
   const int height = (left.height + options.block_height_px - 1) / options.block_height_px;
   const Image blocks = resize_area(left, width, height);

@@ -16,24 +16,25 @@ struct FlowOptions {
   float charbonnier = 0.1f;  ///< difference at which the data term turns from square to linear, in local deviations
   float smooth_blocks = 8;   ///< distance over which average texture gives way to its neighbours, blocks
   int warps = 4;             ///< linearisations a level
-  int refinements = 2;       ///< repetitions with the light of both views evened out
+  int refinements = 2;       ///< repetitions with the light of both views evened out, 1 or more
   int sweeps = 40;           ///< over-relaxation sweeps a linearisation (Liu 2009: 30 and more)
 };
 
 /// One pixel a block: ceil(size / block).
 struct Flow {
   Image disparity_dp_px;  ///< d with right(x + d) = left(x), always finite
-  /// Mean squared difference of the matched, normalised views around a block: 0 where they agree, 2 where nothing fits
-  /// or nothing is seen.
+  /// Squared difference of the matched, normalised views: 0 where they agree, 2 where nothing fits or nothing is seen.
   Image mismatch;
 };
 
 /// `left` and `right` are linear views of one size. Minimises over d
 ///     sum sqrt((right(x + d) - left(x))^2 + charbonnier^2) + lambda sum |grad d|^2
 /// over the normalised blocks, from coarse to fine by halves, each level linearised `warps` times. lambda is smooth^2
-/// times the mean curvature of the data term, so that contrast and noise leave the smoothness alone. All of it twice:
-/// the second time with the right view moved by the first answer before it is normalised, so that windows which the
-/// border cuts short hold the same of the target in both views. The same bytes for any number of threads.
+/// times the mean curvature of the data term, so that contrast and noise leave the smoothness alone. All of it once and
+/// then `refinements` times more, with the right view moved by the answer so far before it is normalised, so that
+/// windows which the border cuts short hold the same of the target in both views. The same bytes for any number of
+/// threads. Throws std::invalid_argument where the views differ in size, are empty or have colours, and where an option
+/// is not positive.
 Flow match_target(const Image& left, const Image& right, const FlowOptions& options = {});
 
 }  // namespace dualpixel::pipeline

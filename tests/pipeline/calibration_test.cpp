@@ -2,12 +2,20 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
+#include <functional>
 #include <limits>
+#include <numbers>
+#include <random>
+#include <stdexcept>
 #include <vector>
 
 #include "capture/error.h"
+#include "pipeline/calibration/correction.h"
+#include "pipeline/calibration/tilt.h"
 #include "tests/pipeline/texture.h"
 
 namespace dualpixel::pipeline {
@@ -42,7 +50,7 @@ TargetMeasurement measurement(double focus_m, double target_m, double tilt_x_deg
     for (int i = 0; i < kColumns; ++i) {
       const double u = 2.0 * i / (kColumns - 1) - 1, v = 2.0 * j / (kRows - 1) - 1;
       // z = D + x tan(tilt) and x = u half_field z: 1/z is linear in u
-      const double inverse = (1 - std::tan(tilt_x_deg * M_PI / 180) * u * half_field) / target_m;
+      const double inverse = (1 - std::tan(tilt_x_deg * std::numbers::pi / 180) * u * half_field) / target_m;
       m.disparity_dp_px.at(i, j) = static_cast<float>(slope_at(u, v) * inverse + intercept_at(u, v, focus_m));
     }
   }
@@ -57,13 +65,17 @@ std::vector<TargetMeasurement> sweep(const std::vector<double>& focuses_m, doubl
   return measurements;
 }
 
-std::string refusal(const std::vector<TargetMeasurement>& measurements) {
+std::string message_of(const std::function<void()>& act) {
   try {
-    fit_calibration(test_camera(), measurements);
+    act();
   } catch (const InputError& error) {
     return error.what();
   }
   return "";
+}
+
+std::string refusal(const std::vector<TargetMeasurement>& measurements) {
+  return message_of([&] { fit_calibration(test_camera(), measurements); });
 }
 
 TEST(CalibrationFlow, FindsASmoothFieldUnderShadingThatDiffersBetweenTheViews) {
@@ -101,6 +113,25 @@ TEST(CalibrationFlow, ViewsWithoutTextureAreFiniteAndMatchNowhere) {
   for (const float mismatch : flow.mismatch.data) ASSERT_EQ(mismatch, 2);
 }
 
+TEST(CalibrationFlow, RefusesWhatItCannotMatch) {
+  const Image view(64, 32, 1, 0.5f);
+  EXPECT_THROW(match_target(view, Image(64, 31, 1, 0.5f)), std::invalid_argument);
+  EXPECT_THROW(match_target(Image(), Image()), std::invalid_argument);
+  EXPECT_THROW(match_target(Image(64, 32, 3), Image(64, 32, 3)), std::invalid_argument);
+  for (int FlowOptions::*field : {&FlowOptions::block_width_px, &FlowOptions::block_height_px, &FlowOptions::warps,
+                                  &FlowOptions::refinements, &FlowOptions::sweeps}) {
+    FlowOptions options;
+    options.*field = 0;
+    EXPECT_THROW(match_target(view, view, options), std::invalid_argument);
+  }
+}
+
+TEST(Calibration, AMeasurementOfViewsOfOnePixelIsFinite) {
+  const TargetMeasurement m = measure_target(Image(1, 1, 1, 0.5f), Image(1, 1, 1, 0.5f), 1, 1);
+  for (const float d : m.disparity_dp_px.data) ASSERT_TRUE(std::isfinite(d));
+  for (const float usable : m.usable.data) ASSERT_EQ(usable, 0);
+}
+
 TEST(Calibration, RecoversExactLines) {
   const Calibration calibration = fit_calibration(test_camera(), sweep({0.5, kInfinity, 1.5}));
   ASSERT_EQ(calibration.focuses.size(), 3u);
@@ -108,14 +139,13 @@ TEST(Calibration, RecoversExactLines) {
   EXPECT_EQ(calibration.focuses[2].focus_distance_m, 0.5);
   EXPECT_TRUE(calibration.warnings.empty());
   for (const FocusCalibration& focus : calibration.focuses) {
-    for (const auto& [i, j] : {std::pair{0, 0}, {20, 15}, {33, 4}, {40, 30}}) {
+    for (const auto& [i, j] : {std::pair{0, 0}, {10, 7}, {16, 2}, {20, 14}}) {
       const double u = 2.0 * i / (kColumns - 1) - 1, v = 2.0 * j / (kRows - 1) - 1;
       EXPECT_NEAR(focus.slope_dp_px_m.at(i, j), slope_at(u, v), 1e-5);
       EXPECT_NEAR(focus.intercept_dp_px.at(i, j), intercept_at(u, v, focus.focus_distance_m), 1e-5);
       EXPECT_NEAR(focus.residual_dp_px.at(i, j), 0, 1e-5);
-      EXPECT_NEAR(focus.r_squared.at(i, j), 1, 1e-5);
-      EXPECT_EQ(focus.count.at(i, j), 4);
     }
+    EXPECT_NEAR(focus.r_squared, 1, 1e-5);
   }
 }
 
@@ -127,22 +157,62 @@ TEST(Calibration, RefusesWhatGivesNoLine) {
             "differ by 0.2 / m");
   std::vector<TargetMeasurement> unseen = sweep({1});
   for (std::size_t k = 0; k < 2; ++k) unseen[k].usable = Image(kColumns, kRows);
-  EXPECT_EQ(refusal(unseen),
-            "calibration: focus distance 1 m: the views match in the middle of only 2 targets; 3 are needed: is the "
-            "target textured and within range?");
+  const std::string principal = "calibration: focus distance 1 m: at the principal point ";
+  EXPECT_EQ(refusal(unseen), principal +
+                                 "the views of only 2 targets match; 3 are needed: is the target textured and within "
+                                 "range?");
+  std::vector<TargetMeasurement> close = {measurement(1, 0.5), measurement(1, 0.98), measurement(1, 1),
+                                          measurement(1, 1.02)};
+  close[0].usable = Image(kColumns, kRows);
+  EXPECT_EQ(refusal(close), principal +
+                                "the 3 targets whose views match are too close together: their inverses differ by "
+                                "0.04 / m; must be 0.2 / m");
+  std::vector<TargetMeasurement> equal = sweep({1});
+  for (TargetMeasurement& m : equal) m.disparity_dp_px = Image(kColumns, kRows);
+  EXPECT_EQ(refusal(equal), principal + "disparity does not change with distance: are the two views the same picture?");
   EXPECT_EQ(refusal({}), "calibration: no measurements");
 }
 
 TEST(Calibration, SaysWhenTheTargetWasTilted) {
   for (const double tilt : {-5.0, -2.0, 1.0, 5.0}) {
-    const std::vector<TargetMeasurement> measurements = sweep({0.8}, tilt);
+    const std::vector<TargetMeasurement> measurements = sweep({0.8, 2}, tilt);
+    const TargetTilt found = estimate_tilt(test_camera(), measurements);
+    EXPECT_NEAR(found.x_deg, tilt, 0.01);
+    EXPECT_NEAR(found.y_deg, 0, 0.01);
     const Calibration calibration = fit_calibration(test_camera(), measurements);
-    const TargetTilt found = estimate_tilt(test_camera(), calibration.focuses[0], measurements[1]);
-    EXPECT_NEAR(found.x_deg, tilt, 0.05);
-    EXPECT_NEAR(found.y_deg, 0, 0.05);
     ASSERT_EQ(calibration.warnings.size(), 1u);
     EXPECT_NE(calibration.warnings[0].find("the target seems tilted"), std::string::npos);
   }
+}
+
+// Noise that is one number over a third of the field, as large as a single frame's at ISO 1600: the errors stated must
+// be those seen, and a level target must not be called tilted.
+TEST(Calibration, StatesTheErrorOfATiltAndWarnsOnlyBeyondThreeOfThem) {
+  constexpr int kSweeps = 60;
+  std::mt19937 random(5);
+  std::normal_distribution<float> normal(0, 0.1f);
+  double squares = 0, stated = 0;
+  int warned = 0;
+  for (int k = 0; k < kSweeps; ++k) {
+    std::vector<TargetMeasurement> measurements = sweep({kInfinity, 0.8, 0.5});
+    for (TargetMeasurement& m : measurements) {
+      for (int third = 0; third < 3; ++third) {
+        const float error = normal(random);
+        for (int j = 0; j < kRows; ++j) {
+          for (int i = third * kColumns / 3; i < (third + 1) * kColumns / 3; ++i) m.disparity_dp_px.at(i, j) += error;
+        }
+      }
+    }
+    const TargetTilt found = estimate_tilt(test_camera(), measurements);
+    squares += found.x_deg * found.x_deg / kSweeps;
+    stated += found.x_error_deg * found.x_error_deg / kSweeps;
+    warned += fit_calibration(test_camera(), measurements).warnings.empty() ? 0 : 1;
+  }
+  EXPECT_GT(std::sqrt(squares), 0.7);  // without its error, a tilt of so much would be warned of
+  // both variances are known to a fifth from 60 sweeps; a jackknife of so few targets errs to the safe side
+  EXPECT_GT(std::sqrt(stated / squares), 0.8);
+  EXPECT_LT(std::sqrt(stated / squares), 2);
+  EXPECT_LE(warned, 2);
 }
 
 TEST(Calibration, AFrontoParallelPlaneIsFlatAfterCorrectionAtAnyDepth) {
@@ -167,18 +237,60 @@ TEST(Calibration, AFrontoParallelPlaneIsFlatAfterCorrectionAtAnyDepth) {
 
 TEST(Calibration, WhereTheSlopeVanishesNothingIsTrustedAndNothingExplodes) {
   Calibration calibration = fit_calibration(test_camera(), sweep({0.8}));
-  calibration.focuses[0].slope_dp_px_m.at(5, 5) = -1e-30f;
-  calibration.focuses[0].slope_dp_px_m.at(30, 20) = 0.5f;  // of the wrong sign
+  calibration.focuses[0].slope_dp_px_m.at(3, 3) = -1e-30f;
+  calibration.focuses[0].slope_dp_px_m.at(15, 10) = 0.5f;  // of the wrong sign
   const Correction correction = make_correction(calibration, test_camera());
-  Image d(400, 300, 1, 1.0f), confidence(400, 300, 1, 1.0f);
+  Image d(400, 280, 1, 1.0f), confidence(400, 280, 1, 1.0f);
   correct_disparity(correction, d, confidence);
   for (const float value : d.data) ASSERT_LT(std::abs(value), 10);
-  EXPECT_EQ(confidence.at(49, 49), 0);  // node (5, 5) is at (50, 50)
-  EXPECT_EQ(confidence.at(41, 50), 0);
-  EXPECT_EQ(confidence.at(59, 59), 0);
-  EXPECT_EQ(confidence.at(39, 50), 1);
+  EXPECT_EQ(confidence.at(59, 59), 0);  // node (3, 3) is at (60, 60)
+  EXPECT_EQ(confidence.at(41, 60), 0);
+  EXPECT_EQ(confidence.at(79, 79), 0);
+  EXPECT_EQ(confidence.at(39, 60), 1);
   EXPECT_EQ(confidence.at(300, 200), 0);
-  EXPECT_EQ(confidence.at(200, 150), 1);
+  EXPECT_EQ(confidence.at(200, 140), 1);
+}
+
+/// Largest error of a corrected plane at 0.4 m where its confidence is 1.
+double worst_trusted_error(const Calibration& calibration) {
+  const Camera camera = test_camera();
+  Image d(1344, 504), confidence(1344, 504, 1, 1.0f);
+  for (int y = 0; y < d.height; ++y) {
+    for (int x = 0; x < d.width; ++x) {
+      const double u = 2 * (x + 0.5) / d.width - 1, v = 2 * (y + 0.5) / d.height - 1;
+      d.at(x, y) = static_cast<float>(slope_at(u, v) / 0.4 + intercept_at(u, v, camera.focus_distance_m));
+    }
+  }
+  correct_disparity(make_correction(calibration, camera), d, confidence);
+  const double axis = slope_at(0, 0) / 0.4 + intercept_at(0, 0, camera.focus_distance_m);
+  double worst = 0;
+  for (std::size_t i = 0; i < d.data.size(); ++i) {
+    if (confidence.data[i] == 1) worst = std::max(worst, std::abs(d.data[i] - axis));
+  }
+  return worst;
+}
+
+// A spline reads a node beyond those around a pixel with a weight of at most 2/27. What it finds in a hole is off by
+// what gain and offset change over two nodes: up to 0.1 and 0.2 DP px here, where the disparity is about -0.8.
+TEST(Calibration, DisparityBesideAHoleIsAsGoodAsElsewhere) {
+  Calibration calibration = fit_calibration(test_camera(), sweep({0.8}));
+  EXPECT_LT(worst_trusted_error(calibration), 2e-3);
+  for (int j = 3; j <= 5; ++j) {
+    for (int i = 2; i <= 4; ++i) calibration.focuses[0].slope_dp_px_m.at(i, j) = 0;
+  }
+  calibration.focuses[0].slope_dp_px_m.at(20, 14) = 0;
+  calibration.focuses[0].slope_dp_px_m.at(12, 9) = 0;
+  EXPECT_LT(worst_trusted_error(calibration), 2.0 / 27 * 0.2 + 2e-3);
+}
+
+TEST(Calibration, AHoleBesideThePrincipalPointLeavesItsLineAndOneOnItIsRefused) {
+  Calibration calibration = fit_calibration(test_camera(), sweep({0.8}));
+  calibration.focuses[0].slope_dp_px_m.at(11, 7) = 0;
+  EXPECT_LT(worst_trusted_error(calibration), 2.0 / 27 * 0.2 + 2e-3);
+  calibration.focuses[0].slope_dp_px_m.at(10, 7) = 0;
+  EXPECT_EQ(message_of([&] { make_correction(calibration, test_camera()); }),
+            "calibration: focus distance 0.8 m: disparity at the principal point does not change with depth: there is "
+            "nothing to correct to");
 }
 
 TEST(Calibration, BeyondTheCalibratedFocusTheNearestIsUsedWithLessConfidenceAndAWarning) {
@@ -193,7 +305,7 @@ TEST(Calibration, BeyondTheCalibratedFocusTheNearestIsUsedWithLessConfidenceAndA
   const Correction far = make_correction(calibration, camera);
   EXPECT_NEAR(far.confidence, std::exp(-1.0), 1e-6);
   EXPECT_NE(far.warning.find("focus distance inf m"), std::string::npos);
-  EXPECT_NEAR(line_at(focus_at(calibration, kInfinity), 0.5, 0.5).intercept_dp_px, 0.8 / 2, 1e-5);
+  EXPECT_NEAR(focus_at(calibration, kInfinity).intercept_dp_px.data[principal_node(camera)], 0.8 / 2, 1e-5);
 }
 
 TEST(Calibration, RefusesAnotherCamerasCapture) {
@@ -224,7 +336,7 @@ TEST(Calibration, SurvivesItsFileAndRefusesADamagedOne) {
   ASSERT_EQ(read.focuses.size(), 2u);
   EXPECT_EQ(read.warnings, calibration.warnings);
   EXPECT_EQ(nlohmann::json(to_json(read)), json);
-  EXPECT_LT(json.dump().size(), 2u * 80000u);
+  EXPECT_LT(json.dump().size(), 2u * 10000u);  // twenty focus distances: 200 kB
 
   const auto refused = [&](const char* pointer, const nlohmann::json& value) {
     nlohmann::json damaged = json;
@@ -237,16 +349,29 @@ TEST(Calibration, SurvivesItsFileAndRefusesADamagedOne) {
     }
     return false;
   };
-  EXPECT_TRUE(refused("/version", 2));
+  EXPECT_TRUE(refused("/version", 1));
   EXPECT_TRUE(refused("/format", "other"));
   EXPECT_TRUE(refused("/surprise", 1));
   EXPECT_TRUE(refused("/focuses", nlohmann::json::array()));
   EXPECT_TRUE(refused("/focuses/1/focus_distance_m", "inf"));
   EXPECT_TRUE(refused("/focuses/0/slope_dp_px_m", {1, 2, 3}));
   EXPECT_TRUE(refused("/focuses/0/slope_dp_px_m/7", nullptr));
-  EXPECT_TRUE(refused("/focuses/0/slope_dp_px_m/635", 0));
+  EXPECT_TRUE(refused("/focuses/0/slope_dp_px_m/157", 0));  // at the principal point
+  EXPECT_TRUE(refused("/focuses/0/r_squared", 1.5));
   EXPECT_TRUE(refused("/camera/width_px", 0));
   EXPECT_TRUE(refused("/warnings", 5));
+  EXPECT_TRUE(refused("/warnings", "text"));
+}
+
+// Whatever a capture may say of its camera must come back from the file that `calibrate` makes of it.
+TEST(Calibration, ReadsWhateverCameraACaptureMayHave) {
+  Calibration calibration = fit_calibration(test_camera(), sweep({0.8}));
+  calibration.camera.f_number = 1e6;
+  calibration.camera.principal_point_px = {-20, 5000};
+  const Calibration read = read_calibration(to_json(calibration), "c.json");
+  EXPECT_EQ(read.camera.f_number, 1e6);
+  EXPECT_EQ(read.camera.principal_point_px[0], -20);
+  EXPECT_EQ(read.camera.principal_point_px[1], 5000);
 }
 
 TEST(SlowCalibrationSpeed, FlowUnder400MsAndCorrectionUnder2MsAt1344x504) {

@@ -1,0 +1,37 @@
+#pragma once
+#include <string>
+
+#include "pipeline/calibration/calibration.h"
+
+/// A calibration, applied. What the principal point would have seen of what is at x is
+///     d_corrected = I_z(0) + S_z(0) (d - I_z(x)) / S_z(x)             (Wadhwa et al. 2018, section 4.2)
+namespace dualpixel::pipeline {
+
+/// S_z and I_z at any focus distance within the calibrated range: linear between its neighbours in 1/z, in which both
+/// are nearly linear (the thin lens's intercept is -S/z), and which has room for infinity. Outside the nearest's.
+/// Residual and r_squared stay empty.
+FocusCalibration focus_at(const Calibration& calibration, double focus_distance_m);
+
+/// The correction for one capture, ready to be applied to its maps.
+struct Correction {
+  /// At the nodes: d_corrected = gain d + offset. Nodes that are not usable hold what the nearest usable ones do, so
+  /// that interpolation beside them goes on smoothly.
+  Image gain, offset_dp_px;
+  Image usable;          ///< 0: no line, or a slope below a fifth of the principal point's: what is left there is noise
+  float confidence = 1;  ///< exp(-distance / 0.5 per metre) to the calibrated range of 1/z; 1 inside
+  std::string warning;   ///< names both where the focus distance lies outside the range; else empty
+};
+
+/// Throws InputError where `camera` differs from `own` in name, size, pixel pitch, DP pixel, focal length, f-number or
+/// principal point; `what` begins the message.
+void require_same_camera(const Camera& own, const Camera& camera, const std::string& what);
+
+/// Throws InputError where `camera` is not the calibration's, and where disparity at the principal point does not
+/// change with depth at that focus distance.
+Correction make_correction(const Calibration& calibration, const Camera& camera);
+
+/// In place, at any resolution of the same picture. Confidence is scaled by the correction's, and 0 where that is not
+/// usable at one of the four nodes around; disparity is finite everywhere.
+void correct_disparity(const Correction& correction, Image& disparity_dp_px, Image& confidence);
+
+}  // namespace dualpixel::pipeline

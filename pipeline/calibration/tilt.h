@@ -1,0 +1,21 @@
+#pragma once
+#include <vector>
+
+#include "pipeline/calibration/calibration.h"
+
+namespace dualpixel::pipeline {
+
+/// How far the target of a sweep was from fronto-parallel, degrees; x: its right side farther, y: its lower side. The
+/// standard errors are a jackknife's over the targets of each focus distance: what texture and sensor noise do differs
+/// from target to target, a tilt does not. They are infinite where fewer than three targets say something.
+struct TargetTilt {
+  double x_deg = 0, y_deg = 0;
+  double x_error_deg = 0, y_error_deg = 0;
+};
+
+/// Mean over the focus distances. A tilted plane's inverse depth is linear in the picture, so a tilt makes the slope's
+/// part that is odd about the middle; what is even is the lens's. A lens that is not symmetric itself looks like a
+/// tilt.
+TargetTilt estimate_tilt(const Camera& camera, const std::vector<TargetMeasurement>& measurements);
+
+}  // namespace dualpixel::pipeline

@@ -1,0 +1,44 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "simulator/scene/scene.h"
+#include "tools/calibration_target.h"
+
+namespace dualpixel::tools {
+
+/// The calibration target as a scene for the renderer: a wall that shines by itself, for a camera at the origin.
+inline simulator::Scene target_wall(const CalibrationTarget& target, const TargetPrint& print) {
+  const int size = print.texture.width;
+  simulator::Scene scene;
+  simulator::Texture texture{size, size};
+  for (const float value : print.texture.data) {
+    const auto level = static_cast<std::uint8_t>(std::lround(255 * value));
+    texture.rgba.insert(texture.rgba.end(), {level, level, level, 255});
+  }
+  keep_decoded(texture);
+  scene.textures = {texture};
+  simulator::Material material;
+  material.unlit = true;
+  material.base_color_texture.texture = 0;
+  scene.materials = {material};
+  scene.unlit_white_nits = 500;
+  // twice the print's size: it repeats
+  const auto half = static_cast<float>(size * print.texel_m);
+  const auto tangent = static_cast<float>(std::tan(target.tilt_x_deg * std::numbers::pi / 180));
+  simulator::Mesh mesh;
+  for (const auto& [x, y] : {std::pair{-1.0f, -1.0f}, {1.0f, -1.0f}, {1.0f, 1.0f}, {-1.0f, 1.0f}}) {
+    // y down here, up in the scene; a texel's own value stands at its middle
+    const float own = 0.5f + 0.5f / static_cast<float>(size);
+    mesh.positions.push_back({x * half, -y * half, -static_cast<float>(target.distance_m) - tangent * x * half});
+    mesh.uv0.push_back({x + own, y + own});
+  }
+  mesh.triangles = {{0, 2, 1}, {0, 3, 2}};
+  mesh.object_id = 1;
+  scene.meshes = {mesh};
+  scene.cameras = {{"camera", glm::mat4(1), {}}};
+  return scene;
+}
+
+}  // namespace dualpixel::tools
