@@ -10,11 +10,12 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
+#include "simulator/lens/cfa.h"
 #include "simulator/render/adaptive.h"
 #include "simulator/sampling/hash.h"
-#include "simulator/lens/cfa.h"
 #include "simulator/simulate.h"
 #include "tools/commands.h"
+#include "tools/render_scaling.h"
 #include "tools/report_assets.h"
 #include "tools/report_page.h"
 #include "tools/svg_plot.h"
@@ -39,6 +40,7 @@ struct BenchRenderOptions {
   std::string output;
   int reference_samples = 4096;
   int most_samples = 1024;
+  double most_triangles = 1e7;
 };
 
 // What is rendered of a scene: patches spread over the frame, in the detail of the full picture.
@@ -168,10 +170,10 @@ nlohmann::ordered_json against_embree(const Patches& patches) {
   constexpr int kWidths[] = {1, 8, 16};
   double render_s = 1e30, replay_s[3] = {1e30, 1e30, 1e30};
   for (int repeat = 0; repeat < 5; ++repeat) {
-    render_s = std::min(render_s, seconds([&] { render_some(nullptr); }));
+    render_s = std::min(render_s, cpu_seconds([&] { render_some(nullptr); }));
     for (int w = 0; w < 3; ++w) {
       replay_s[w] =
-          std::min(replay_s[w], seconds([&] { simulator::replay(patches.world.intersector, log, kWidths[w]); }));
+          std::min(replay_s[w], cpu_seconds([&] { simulator::replay(patches.world.intersector, log, kWidths[w]); }));
     }
   }
   nlohmann::ordered_json widths = nlohmann::ordered_json::object();
@@ -182,6 +184,50 @@ nlohmann::ordered_json against_embree(const Patches& patches) {
           {"share_of_embree", *std::min_element(replay_s, replay_s + 3) / render_s}};
 }
 
+/// Both views over a single one that no pixel is split for: the ideal lens, of which render_pixel keeps one sum. The
+/// scene's own lens is taken for a thin one, so that the split alone tells the two apart.
+double pair_over_undivided(const Patches& patches) {
+  constexpr int kEvery = 6, kSamples = 64;
+  std::vector<CameraView> thin;
+  for (int p = 0; p < kPatches; p += kEvery) {
+    simulator::Lens lens = patches.cameras[p].lens.lens();
+    lens.model = simulator::Lens::Model::thin;
+    thin.push_back({patches.cameras[p].world_from_camera, {lens, patches.cameras[p].lens.sensor()}});
+  }
+  const auto render_all = [&](std::optional<double> ideal) {
+    for (const CameraView& camera : thin) {
+      for (int i = 0; i < kPatchSide * kPatchSide; ++i) {
+        simulator::render_pixel(patches.world, camera, {patches.max_bounces, ideal}, i % kPatchSide, i / kPatchSide,
+                                kSamples, simulator::hash(7, i));
+      }
+    }
+  };
+  double pair_s = 1e30, undivided_s = 1e30;
+  for (int repeat = 0; repeat < 15; ++repeat) {
+    pair_s = std::min(pair_s, cpu_seconds([&] { render_all({}); }));
+    undivided_s = std::min(undivided_s, cpu_seconds([&] { render_all(1.0); }));
+  }
+  return pair_s / undivided_s;
+}
+
+/// At the errors of independent samples, the time that mirrored pairs take for the same. Beyond the last row, where
+/// pairs reach on, the variance of independent samples goes on as 1 / time, which is exact for them.
+nlohmann::ordered_json time_saved_over_random(const nlohmann::ordered_json& random,
+                                              const nlohmann::ordered_json& pairs) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  const double last_error = random.back()["error"], last_s = random.back()["time_s"];
+  const double least = pairs.back()["error"];
+  for (double error = random.front()["error"]; error >= least; error /= std::sqrt(2)) {
+    const bool drawn_on = error < last_error;
+    const double random_s = drawn_on ? last_s * (last_error / error) * (last_error / error) : time_to(random, error);
+    const double ours_s = time_to(pairs, error);
+    if (ours_s > 0 && random_s > 0) {
+      rows.push_back({{"error", error}, {"ratio", random_s / ours_s}, {"random_drawn_on", drawn_on}});
+    }
+  }
+  return rows;
+}
+
 nlohmann::ordered_json bench_scene(const std::string& path, const BenchRenderOptions& options, Progress& progress) {
   const Simulation s = simulator::read_simulation(read_json_file(path), path);
   const simulator::Scene scene = simulator::load_scene(s);
@@ -190,7 +236,9 @@ nlohmann::ordered_json bench_scene(const std::string& path, const BenchRenderOpt
       simulator::RenderScene(scene), {}, simulator::sensor_noise(s, whole.lens.lux_per_nit()), s.render.max_bounces};
   for (int p = 0; p < kPatches; ++p) patches.cameras.push_back(patch_camera(s, whole, p));
 
-  nlohmann::ordered_json result{{"scene", path}, {"against_embree", against_embree(patches)}};
+  nlohmann::ordered_json result{{"scene", path},
+                                {"against_embree", against_embree(patches)},
+                                {"pair_over_undivided", pair_over_undivided(patches)}};
   const Halves a = render(patches, Sampling::mirrored, 1, uniform(options.reference_samples));
   progress(0.3);
   const Halves b = render(patches, Sampling::mirrored, 2, uniform(options.reference_samples));
@@ -203,13 +251,11 @@ nlohmann::ordered_json bench_scene(const std::string& path, const BenchRenderOpt
                                                              {"joint", Sampling::joint},
                                                              {"mirrored pairs", Sampling::mirrored}};
   nlohmann::ordered_json lines = nlohmann::ordered_json::object();
-  Error last;
   for (int samples = 16; samples <= options.most_samples; samples *= 2) {
     for (const auto& [name, sampling] : kSamplings) {
       Halves halves;
-      const double time_s = seconds([&] { halves = render(patches, sampling, 3, uniform(samples)); });
-      last = error_of(patches, halves, reference, apart);
-      lines[name].push_back(row(samples, time_s, last));
+      const double time_s = cpu_seconds([&] { halves = render(patches, sampling, 3, uniform(samples)); });
+      lines[name].push_back(row(samples, time_s, error_of(patches, halves, reference, apart)));
     }
     progress(0.6 + 0.3 * samples / options.most_samples);
   }
@@ -218,7 +264,7 @@ nlohmann::ordered_json bench_scene(const std::string& path, const BenchRenderOpt
   for (std::size_t i = 1; i < uniform_rows.size(); ++i) {
     Halves halves;
     std::vector<SampleMap> maps;
-    const double time_s = seconds([&] {
+    const double time_s = cpu_seconds([&] {
       maps = adapt(patches, uniform_rows[i]["error"], 4);
       halves = render(patches, Sampling::mirrored, 5, maps);
     });
@@ -236,11 +282,7 @@ nlohmann::ordered_json bench_scene(const std::string& path, const BenchRenderOpt
     r["time_s"] = r["time_s"].get<double>() * result["against_embree"]["share_of_embree"].get<double>();
   }
   lines["Embree alone"] = floor;
-  const double reached = lines["random"].back()["error"];
-  if (const double ours_s = time_to(uniform_rows, reached); ours_s > 0) {
-    result["time_saved_over_random"] = {{"error", reached},
-                                        {"ratio", lines["random"].back()["time_s"].get<double>() / ours_s}};
-  }
+  result["time_saved_over_random"] = time_saved_over_random(lines["random"], uniform_rows);
   result["lines"] = lines;
   progress(1);
   return result;
@@ -261,10 +303,31 @@ Series pareto_front(const nlohmann::ordered_json& lines) {
   return front;
 }
 
-std::string to_page(const nlohmann::ordered_json& results) {
+Plot saved_plot(const nlohmann::ordered_json& saved) {
+  Plot plot;
+  plot.title = "Time of independent samples over that of mirrored pairs";
+  plot.x_label = "error over the sensor's noise";
+  plot.y_label = "ratio";
+  plot.log_x = true;
+  Series measured{"measured", {}, false, false}, drawn_on{"independent samples drawn on as 1/N", {}, true, false};
+  for (const auto& row : saved) {
+    const std::pair<double, double> point{row["error"], row["ratio"]};
+    const bool beyond = row["random_drawn_on"].get<bool>();
+    if (!beyond) measured.points.push_back(point);
+    if (beyond && drawn_on.points.empty() && !measured.points.empty()) {
+      drawn_on.points.push_back(measured.points.back());
+    }
+    if (beyond) drawn_on.points.push_back(point);
+  }
+  plot.series = {measured, drawn_on};
+  return plot;
+}
+
+std::string to_page(const nlohmann::ordered_json& results, const nlohmann::ordered_json& scaling) {
   std::string body =
       "<h1>Rendering: error against time</h1><p>Error: RMS of both views' photosites against a converged reference, "
-      "over the noise that the scene's sensor adds to them; of 24 patches spread over the frame, all cores.</p>";
+      "over the noise that the scene's sensor adds to them; of 24 patches spread over the frame. Time: CPU time of all "
+      "cores.</p>";
   for (const auto& result : results) {
     const auto& embree = result["against_embree"];
     body += fmt::format(
@@ -277,10 +340,12 @@ std::string to_page(const nlohmann::ordered_json& results) {
         embree["embree_samples_per_core_s_by_packet"]["8"].get<double>() / 1e6,
         embree["embree_samples_per_core_s_by_packet"]["1"].get<double>() / 1e6,
         100 * embree["share_of_embree"].get<double>());
+    body.insert(body.rfind("</p>"), fmt::format(" Both views take {:.3f} times as long as a single undivided one.",
+                                                result["pair_over_undivided"].get<double>()));
     for (const auto& [title, key] : {std::pair{"Left and right", "error"}, {"Left minus right", "left_minus_right"}}) {
       Plot plot;
       plot.title = title;
-      plot.x_label = "time, s";
+      plot.x_label = "CPU time, s";
       plot.y_label = "error over the sensor's noise";
       plot.log_x = plot.log_y = true;
       for (const auto& [name, rows] : result["lines"].items()) {
@@ -291,20 +356,24 @@ std::string to_page(const nlohmann::ordered_json& results) {
       if (std::string(key) == "error") plot.series.push_back(pareto_front(result["lines"]));
       body += svg_plot(plot);
     }
-    body += "</div>";
+    body += svg_plot(saved_plot(result["time_saved_over_random"])) + "</div>";
   }
+  body += scaling_section(scaling);
   return html_page("Rendering: error against time", std::string(kReportStyle) + kPlotStyle, body);
 }
 
 void run(const BenchRenderOptions& options) {
+  NewFolder folder(options.output, "render.json");  // what cannot be written is refused first
   nlohmann::ordered_json results = nlohmann::ordered_json::array();
   for (const std::string& scene : options.scenes) {
     Progress progress(scene);
     results.push_back(bench_scene(scene, options, progress));
   }
-  NewFolder folder(options.output, "render.json");
-  write_file(folder.path() + "/render.html", to_page(results));
-  write_file(folder.path() + "/render.json", results.dump(2) + "\n");
+  Progress growth("growth");
+  const nlohmann::ordered_json scaling = measure_scaling(options.most_triangles, growth);
+  write_file(folder.path() + "/render.html", to_page(results, scaling));
+  write_file(folder.path() + "/render.json",
+             nlohmann::ordered_json{{"scenes", results}, {"growth", scaling}}.dump(2) + "\n");
   folder.commit();
 }
 
@@ -323,6 +392,9 @@ void add_bench_render(CLI::App& bench) {
       ->capture_default_str();
   command->add_option("--most-samples", options->most_samples, "Of the charted renders")
       ->check(CLI::Range(32, 65536))
+      ->capture_default_str();
+  command->add_option("--most-triangles", options->most_triangles, "Of the chart of growth")
+      ->check(CLI::Range(1e4, 1e8))
       ->capture_default_str();
   command->footer("Example:\n  dualpixel bench render scenes/portrait.json -o bench");
   command->callback([options] { run(*options); });
