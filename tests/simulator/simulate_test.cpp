@@ -285,7 +285,7 @@ TEST(Simulate, PosesOfFewSamplesFavourNeitherView) {
 
 // What a capture says of its samples counts all poses of an exposure, and the error is that of their mean: for the same
 // share of the sensor's noise four independent nets of a quarter of the samples, or a few more.
-TEST(Simulate, StatesSamplesAndErrorOfAllPosesTogether) {
+TEST(SlowSimulate, StatesSamplesAndErrorOfAllPosesTogether) {
   json document = minimal();
   document["sensor"] = {{"width_px", 16}, {"height_px", 16}};
   document["exposure"]["time_s"] = 0.02;
