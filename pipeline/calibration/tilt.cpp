@@ -38,10 +38,9 @@ Tangents tangents_without(const Camera& camera, const Targets& targets, const Ta
     const double opposite = slope_without(targets, last - node, left_out);
     if (here == 0 || opposite == 0) continue;
     const double even = 0.5 * (here + opposite), odd = 0.5 * (here - opposite);
-    const double column = static_cast<double>(node % kCalibrationColumns) / (kCalibrationColumns - 1);
-    const double row = static_cast<double>(node / kCalibrationColumns) / (kCalibrationRows - 1);
-    const double u = even * per_px * (column - 0.5) * camera.width_px;
-    const double v = even * per_px * (row - 0.5) * camera.height_px;
+    const int column = node % kCalibrationColumns, row = node / kCalibrationColumns;
+    const double u = even * per_px * (column / (kCalibrationColumns - 1.0) - 0.5) * camera.width_px;
+    const double v = even * per_px * (row / (kCalibrationRows - 1.0) - 0.5) * camera.height_px;
     uu += u * u, uv += u * v, vv += v * v, ue -= u * odd, ve -= v * odd;
   }
   const double determinant = uu * vv - uv * uv;

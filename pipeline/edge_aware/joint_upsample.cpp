@@ -97,7 +97,8 @@ Image joint_upsample(const Image& small, const Image& small_guide, const Image& 
           sum[x] = weights[x] = 0;
         }
         for (int k = 0; k < 9; ++k) {
-          const auto distance = static_cast<float>(line + k / 3 - (y + 0.5) * scale_y - 0.5);
+          const int at = line + k / 3;
+          const auto distance = static_cast<float>(at - 0.5 - (y + 0.5) * scale_y);
           const float weight_y = std::exp(-spatial * distance * distance);
           add_tap(spread[k], weight_x[k % 3].data(), weight_y, large, range, sum.data(), weights.data());
         }
