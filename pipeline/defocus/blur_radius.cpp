@@ -17,7 +17,8 @@ double kappa_2(double focus_dp_px) {
 float BlurMapping::radius_px(float disparity_dp_px) const {
   const double offset = disparity_dp_px - focus_dp_px;
   const double strength = offset < 0 ? kappa * frontal_factor : kappa;
-  return static_cast<float>(std::clamp(strength * (std::abs(offset) - sharp_dp_px), 0.0, r_max_px));
+  // 0 first: std::max returns it where the other is not a number
+  return static_cast<float>(std::min(strength * std::max(0.0, std::abs(offset) - sharp_dp_px), r_max_px));
 }
 
 double BlurMapping::front_dp_px(double radius_px) const {

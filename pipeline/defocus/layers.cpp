@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/defocus/rgba.h"
 #include "pipeline/rows.h"
 
 namespace dualpixel::pipeline {
@@ -12,12 +13,48 @@ Band make_band(double low, double high, bool in_focus, double overlap) {
   return {low, high, overlap * (high - low), in_focus};
 }
 
+float band_alpha(float disparity, float low, float high, float per_taper) {
+  return std::clamp(1 + std::min(disparity - low, high - disparity) * per_taper, 0.0f, 1.0f);
+}
+
+/// alphas_of(y, row) gives a row's alphas, radius_of(x, y) a pixel's radius in full-resolution px.
+template <typename Alphas, typename Radius>
+void cut(const Image& rgb, Layer& layer, const Alphas& alphas_of, const Radius& radius_of) {
+  const int width = (rgb.width + 1) / 2, height = (rgb.height + 1) / 2;
+  if (layer.rgba.width != width || layer.rgba.height != height) layer = {Image(width, height, 4), Image(width, height)};
+  tbb::parallel_for(tbb::blocked_range<int>(0, height, 16), [&](const tbb::blocked_range<int>& rows) {
+    std::vector<float> alphas[2] = {std::vector<float>(2 * width), std::vector<float>(2 * width)};
+    for (int y = rows.begin(); y < rows.end(); ++y) {
+      const int lines = std::min(2, rgb.height - 2 * y);
+      for (int k = 0; k < lines; ++k) alphas_of(2 * y + k, alphas[k].data());
+      float* out = layer.rgba.row(y);
+      float* radius = layer.radius_px.row(y);
+      for (int x = 0; x < width; ++x) {
+        const int columns = std::min(2, rgb.width - 2 * x);
+        Rgba sum{};
+        float radii = 0;
+        for (int k = 0; k < lines; ++k) {
+          for (int u = 2 * x; u < 2 * x + columns; ++u) {
+            const float alpha = alphas[k][u];
+            if (alpha == 0) continue;
+            const float* color = rgb.row(2 * y + k) + 3 * u;
+            sum += alpha * Rgba{color[0], color[1], color[2], 1};
+            radii += alpha * radius_of(u, 2 * y + k);
+          }
+        }
+        // half: full-resolution to working pixels
+        radius[x] = sum[3] > 0 ? 0.5f * radii / sum[3] : 0;
+        store_rgba(sum / static_cast<float>(lines * columns), out + 4 * x);
+      }
+    }
+  });
+}
+
 }  // namespace
 
 float Band::alpha(float disparity_dp_px) const {
-  const auto low = static_cast<float>(low_dp_px), high = static_cast<float>(high_dp_px);
-  const float inside = std::min(disparity_dp_px - low, high - disparity_dp_px);
-  return std::clamp(1 + inside / static_cast<float>(taper_dp_px), 0.0f, 1.0f);
+  return band_alpha(disparity_dp_px, static_cast<float>(low_dp_px), static_cast<float>(high_dp_px),
+                    static_cast<float>(1 / taper_dp_px));
 }
 
 std::vector<Band> make_bands(double low_dp_px, double high_dp_px, const BlurMapping& mapping,
@@ -50,31 +87,26 @@ std::vector<Band> make_bands(double low_dp_px, double high_dp_px, const BlurMapp
   return bands;
 }
 
-Layer make_layer(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px, const Band& band) {
-  const int width = (rgb.width + 1) / 2, height = (rgb.height + 1) / 2;
-  Layer layer{Image(width, height, 4), Image(width, height)};
-  for_rows(height, [&](int y) {
-    float* out = layer.rgba.row(y);
-    for (int v = 2 * y; v < std::min(2 * y + 2, rgb.height); ++v) {
-      const float* color = rgb.row(v);
-      for (int u = 0; u < rgb.width; ++u) {
-        const float alpha = band.alpha(disparity_dp_px.row(v)[u]);
-        if (alpha == 0) continue;
-        float* to = out + 4 * (u / 2);
-        for (int c = 0; c < 3; ++c) to[c] += alpha * color[3 * u + c];
-        to[3] += alpha;
-        layer.radius_px.row(y)[u / 2] += alpha * radius_px.row(v)[u];
-      }
-    }
-    const int lines = std::min(2, rgb.height - 2 * y);
-    for (int x = 0; x < width; ++x) {
-      const float alphas = out[4 * x + 3];
-      if (alphas == 0) continue;
-      layer.radius_px.row(y)[x] *= 0.5f / alphas;  // half: full-resolution to working pixels
-      const float share = 1.0f / static_cast<float>(lines * std::min(2, rgb.width - 2 * x));
-      for (int c = 0; c < 4; ++c) out[4 * x + c] *= share;
-    }
-  });
+void cut_band(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px, const Band& band, Layer& layer) {
+  cut(
+      rgb, layer,
+      [&](int y, float* alphas) {
+        const float* disparity = disparity_dp_px.row(y);
+        const auto low = static_cast<float>(band.low_dp_px), high = static_cast<float>(band.high_dp_px);
+        const auto per_taper = static_cast<float>(1 / band.taper_dp_px);
+        for (int x = 0; x < rgb.width; ++x) alphas[x] = band_alpha(disparity[x], low, high, per_taper);
+      },
+      [&](int x, int y) { return radius_px.row(y)[x]; });
+}
+
+Layer cut_background(const Image& rgb, const Image& mask, float radius_px) {
+  Layer layer;
+  cut(
+      rgb, layer,
+      [&](int y, float* alphas) {
+        for (int x = 0; x < rgb.width; ++x) alphas[x] = 1 - mask.row(y)[x];
+      },
+      [&](int, int) { return radius_px; });
   return layer;
 }
 

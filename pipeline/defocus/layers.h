@@ -29,14 +29,17 @@ struct Band {
 std::vector<Band> make_bands(double low_dp_px, double high_dp_px, const BlurMapping& mapping,
                              const LayerOptions& options = {});
 
-/// A sub-image at the blur's working resolution, half the picture's.
+/// A sub-image at the blur's working resolution, half the picture's; odd last rows and columns count once.
 struct Layer {
   Image rgba;       ///< alpha [R, G, B, 1]
   Image radius_px;  ///< working-resolution px
 };
 
 /// I_j = alpha_j [R, G, B, 1] of each pixel, then the mean of each 2 x 2 block; radii are means weighted by alpha_j.
-/// `rgb`, `disparity` and `radius` are of one size; odd last rows and columns count once.
-Layer make_layer(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px, const Band& band);
+/// `rgb`, `disparity` and `radius` are of one size. Written to `layer`, whose memory is used again.
+void cut_band(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px, const Band& band, Layer& layer);
+
+/// The same with alpha = 1 - mask and one radius, full-resolution px.
+Layer cut_background(const Image& rgb, const Image& mask, float radius_px);
 
 }  // namespace dualpixel::pipeline

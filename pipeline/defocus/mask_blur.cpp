@@ -1,42 +1,42 @@
 #include "pipeline/defocus/mask_blur.h"
 
-#include <algorithm>
+#include <fmt/format.h>
 
+#include "capture/error.h"
+#include "pipeline/defocus/enlarge.h"
 #include "pipeline/defocus/scatter.h"
-#include "pipeline/resample.h"
 #include "pipeline/rows.h"
 
 namespace dualpixel::pipeline {
 
 MaskBlurred blur_background(const Image& rgb, const Image& mask, const MaskBlurOptions& options) {
+  if (!mask.same_size(rgb)) {
+    throw InputError(fmt::format("defocus: mask: {} x {}: must have the picture's size, {} x {}", mask.width,
+                                 mask.height, rgb.width, rgb.height));
+  }
   const int width = rgb.width, height = rgb.height;
   const auto radius = static_cast<float>(options.radius_px * width / options.reference_width_px);
+  const Layer background = cut_background(rgb, mask, radius);
+  Image stack(background.rgba.width, background.rgba.height, 4);
+  scatter_gradient(background, stack);
 
-  Image background(width, height, 4);
-  for_rows(height, [&](int y) {
-    for (int x = 0; x < width; ++x) {
-      const float alpha = 1 - mask.row(y)[x];
-      for (int c = 0; c < 3; ++c) background.row(y)[4 * x + c] = alpha * rgb.row(y)[3 * x + c];
-      background.row(y)[4 * x + 3] = alpha;
-    }
-  });
-  Layer layer;
-  layer.rgba = resize_area(background, (width + 1) / 2, (height + 1) / 2);
-  layer.radius_px = Image(layer.rgba.width, layer.rgba.height, 1, radius / 2);
-  const Image blurred = resize_bilinear(scatter_gradient(layer), width, height);
-
+  const RowEnlarger enlarged(stack, width, height);
   MaskBlurred out{{Image(width, height, 3), Image(width, height)}, Image(width, height)};
-  for_rows(height, [&](int y) {
-    const float share = 1 - (static_cast<float>(y) + 0.5f) / static_cast<float>(height);
-    for (int x = 0; x < width; ++x) {
-      const float* disc = blurred.row(y) + 4 * x;
-      const float weight = disc[3] > 1e-3f ? share * (1 - mask.row(y)[x]) : 0;
-      for (int c = 0; c < 3; ++c) {
-        const float own = rgb.row(y)[3 * x + c];
-        out.picture.rgb.row(y)[3 * x + c] = weight > 0 ? own + weight * (disc[c] / disc[3] - own) : own;
+  tbb::parallel_for(tbb::blocked_range<int>(0, height, 32), [&](const tbb::blocked_range<int>& rows) {
+    std::vector<float> mixed, blurred;
+    for (int y = rows.begin(); y < rows.end(); ++y) {
+      enlarged(y, mixed, blurred);
+      const float share = 1 - (static_cast<float>(y) + 0.5f) / static_cast<float>(height);
+      for (int x = 0; x < width; ++x) {
+        const float* disc = blurred.data() + 4 * static_cast<std::size_t>(x);
+        const float weight = disc[3] > 1e-3f ? share * (1 - mask.row(y)[x]) : 0;
+        for (int c = 0; c < 3; ++c) {
+          const float own = rgb.row(y)[3 * x + c];
+          out.picture.rgb.row(y)[3 * x + c] = weight > 0 ? own + weight * (disc[c] / disc[3] - own) : own;
+        }
+        out.picture.blurred.row(y)[x] = weight;
+        out.radius_px.row(y)[x] = weight * radius;
       }
-      out.picture.blurred.row(y)[x] = weight;
-      out.radius_px.row(y)[x] = weight * radius;
     }
   });
   return out;

@@ -18,6 +18,7 @@ struct MaskBlurred {
 /// The background (1 - mask) [R, G, B, 1] is blurred by one disc, at half resolution, and divided by its alpha, so that
 /// the person's colours never bleed into it. A depth plane is feigned by mixing: the blurred picture's share falls
 /// linearly from 1 at the top to 0 at the bottom. The person is laid over it. `mask` is of the picture's size, 0..1.
+/// Throws InputError where their sizes differ.
 MaskBlurred blur_background(const Image& rgb, const Image& mask, const MaskBlurOptions& options = {});
 
 }  // namespace dualpixel::pipeline

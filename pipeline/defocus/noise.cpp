@@ -70,6 +70,11 @@ NoisePatch make_patch(std::uint64_t seed, int period, const NoiseOptions& option
   return patch;
 }
 
+float tile_sign(int period, int column, int line) {
+  const auto tile = static_cast<std::uint64_t>(column) << 32 | static_cast<std::uint64_t>(line);
+  return random_bits(random_bits(static_cast<std::uint64_t>(period)) ^ tile) & 1 ? 1.0f : -1.0f;
+}
+
 }  // namespace
 
 std::vector<NoisePatch> make_noise_patches(std::uint64_t seed, const NoiseOptions& options) {
@@ -95,7 +100,8 @@ void add_noise(Image& rgb, const Image& blurred, const std::vector<NoisePatch>& 
         const float* from = patch.row(y % patch.height);
         for (int x0 = 0; x0 < width; x0 += patch.width) {
           const int values = 3 * std::min(patch.width, width - x0);
-          for (int i = 0; i < values; ++i) noise[3 * x0 + i] += from[i];
+          const float sign = tile_sign(patch.width, x0 / patch.width, y / patch.height);
+          for (int i = 0; i < values; ++i) noise[3 * x0 + i] += sign * from[i];
         }
       }
       const float* amount = blurred.row(y);

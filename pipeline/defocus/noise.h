@@ -37,7 +37,9 @@ struct NoiseLevel {
 /// Of a merged burst of `frames` mosaics (merge.h).
 NoiseLevel merged_noise(const Exposure& exposure, int frames);
 
-/// B_noisy = B + sigma(B) M_blur sum_i N_i(x mod l_i), in place; pixels with `blurred` 0 stay as they are.
+/// B_noisy = B + sigma(B) M_blur sum_i s_i N_i(x mod l_i), in place; pixels with `blurred` 0 stay as they are. s_i is 1
+/// or -1, at random for each copy of a patch: copies of one sign, as the paper has them, would correlate by a third one
+/// period apart, and noise is as good upside down.
 void add_noise(Image& rgb, const Image& blurred, const std::vector<NoisePatch>& patches, const NoiseLevel& level);
 
 }  // namespace dualpixel::pipeline

@@ -1,81 +1,136 @@
 #include "pipeline/defocus/render.h"
 
-#include <algorithm>
+#include <fmt/format.h>
+#include <tbb/parallel_reduce.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "capture/error.h"
+#include "pipeline/defocus/enlarge.h"
+#include "pipeline/defocus/rgba.h"
 #include "pipeline/defocus/scatter.h"
-#include "pipeline/resample.h"
 #include "pipeline/rows.h"
 
 namespace dualpixel::pipeline {
 namespace {
 
-/// Premultiplied "over" (Porter and Duff 1984), in place on what lies behind.
-void lay_over(const Image& front, Image& behind) {
-  for_rows(front.height, [&](int y) {
-    const float* from = front.row(y);
-    float* to = behind.row(y);
-    for (int x = 0; x < front.width; ++x) {
-      // Discs that pile up beyond alpha 1 keep their colour.
-      const float scale = 1 / std::max(from[4 * x + 3], 1.0f);
-      const float open = 1 - scale * from[4 * x + 3];
-      for (int c = 0; c < 4; ++c) to[4 * x + c] = scale * from[4 * x + c] + open * to[4 * x + c];
-    }
-  });
-}
-
-/// One row of an image enlarged to `width` x `height`, as resize_bilinear would have it.
-void enlarged_row(const Image& image, int width, int height, int y, const std::vector<LinearTap>& columns,
-                  std::vector<float>& mixed, std::vector<float>& out) {
-  const LinearTap line = linear_tap(y, height, image.height);
-  const float* low = image.row(line.low);
-  const float* high = image.row(line.high);
-  for (std::size_t i = 0; i < mixed.size(); ++i) mixed[i] = low[i] + line.weight_of_high * (high[i] - low[i]);
-  for (int x = 0; x < width; ++x) {
-    const float* a = mixed.data() + 4 * columns[x].low;
-    const float* b = mixed.data() + 4 * columns[x].high;
-    for (int c = 0; c < 4; ++c) out[4 * x + c] = a[c] + columns[x].weight_of_high * (b[c] - a[c]);
-  }
-}
-
 constexpr float kLeastAlpha = 1e-3f;  // below it colours drown in rounding
+
+/// How much of a pixel of this radius is the input's own.
+float sharpness(float radius_px) { return std::clamp(1.5f - radius_px, 0.0f, 1.0f); }
+
+/// Half-resolution stacks of blurred layers.
+struct Stacks {
+  Image below;  ///< the in-focus band with all behind it
+  Image above;  ///< all in front of it; empty where there is nothing
+};
+
+Stacks blur_bands(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px,
+                  const std::vector<Band>& bands) {
+  Stacks stacks;
+  stacks.below = Image((rgb.width + 1) / 2, (rgb.height + 1) / 2, 4);
+  Layer layer;
+  bool in_front = false;
+  for (const Band& band : bands) {
+    cut_band(rgb, disparity_dp_px, radius_px, band, layer);
+    if (band.in_focus) {
+      scatter_direct(layer, stacks.below);
+      in_front = true;
+      continue;
+    }
+    if (in_front && stacks.above.empty()) stacks.above = Image(stacks.below.width, stacks.below.height, 4);
+    scatter_gradient(layer, in_front ? stacks.above : stacks.below);
+  }
+  return stacks;
+}
+
+void require_size(const Image& map, const Image& rgb, const char* name) {
+  if (map.same_size(rgb)) return;
+  throw InputError(fmt::format("defocus: {}: {} x {}: must have the picture's size, {} x {}", name, map.width,
+                               map.height, rgb.width, rgb.height));
+}
+
+/// What the maps hold.
+struct Extent {
+  float low_dp_px = std::numeric_limits<float>::infinity();
+  float high_dp_px = -std::numeric_limits<float>::infinity();
+  float largest_px = 0;
+  bool valid = true;  ///< disparities are finite, radii lie in [0, r_max]
+};
+
+Extent extent_of(const Image& disparity_dp_px, const Image& radius_px, double r_max_px) {
+  return tbb::parallel_reduce(
+      tbb::blocked_range<int>(0, radius_px.height, 64), Extent(),
+      [&](const tbb::blocked_range<int>& rows, Extent extent) {
+        const float* disparity = disparity_dp_px.row(rows.begin());
+        const float* radius = radius_px.row(rows.begin());
+        const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(rows.size()) * radius_px.width;
+        for (std::ptrdiff_t i = 0; i < count; ++i) {
+          extent.low_dp_px = std::min(extent.low_dp_px, disparity[i]);
+          extent.high_dp_px = std::max(extent.high_dp_px, disparity[i]);
+          extent.largest_px = std::max(extent.largest_px, radius[i]);
+          extent.valid &= std::isfinite(disparity[i]) && radius[i] >= 0 && radius[i] <= r_max_px;
+        }
+        return extent;
+      },
+      [](const Extent& a, const Extent& b) {
+        return Extent{std::min(a.low_dp_px, b.low_dp_px), std::max(a.high_dp_px, b.high_dp_px),
+                      std::max(a.largest_px, b.largest_px), a.valid && b.valid};
+      });
+}
+
+/// The same maps with what is not valid mended.
+Defocused render_mended(const Image& rgb, Image disparity_dp_px, Image radius_px, const BlurMapping& mapping,
+                        const LayerOptions& options) {
+  const auto most = static_cast<float>(mapping.r_max_px);
+  for (std::size_t i = 0; i < radius_px.data.size(); ++i) {
+    float& disparity = disparity_dp_px.data[i];
+    float& radius = radius_px.data[i];
+    if (!std::isfinite(disparity)) {
+      disparity = static_cast<float>(mapping.focus_dp_px);
+      radius = 0;
+    }
+    radius = radius > 0 ? std::min(radius, most) : 0;
+  }
+  return render_defocus(rgb, disparity_dp_px, radius_px, mapping, options);
+}
 
 }  // namespace
 
 Defocused render_defocus(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px,
                          const BlurMapping& mapping, const LayerOptions& options) {
-  const auto [low, high] = std::minmax_element(disparity_dp_px.data.begin(), disparity_dp_px.data.end());
+  require_size(disparity_dp_px, rgb, "disparity");
+  require_size(radius_px, rgb, "radius");
+  const int width = rgb.width, height = rgb.height;
+  const Extent extent = extent_of(disparity_dp_px, radius_px, mapping.r_max_px);
+  if (!extent.valid) return render_mended(rgb, disparity_dp_px, radius_px, mapping, options);
+  if (extent.largest_px == 0) return {rgb, Image(width, height)};
+  const Stacks stacks =
+      blur_bands(rgb, disparity_dp_px, radius_px, make_bands(extent.low_dp_px, extent.high_dp_px, mapping, options));
 
-  // Half-resolution stacks: the in-focus band with all behind it, and all in front of it.
-  Image below((rgb.width + 1) / 2, (rgb.height + 1) / 2, 4);
-  Image above = below;
-  bool in_front = false;
-  for (const Band& band : make_bands(*low, *high, mapping, options)) {
-    const Layer layer = make_layer(rgb, disparity_dp_px, radius_px, band);
-    lay_over(band.in_focus ? scatter_direct(layer) : scatter_gradient(layer), in_front ? above : below);
-    in_front = in_front || band.in_focus;
-  }
-
-  std::vector<LinearTap> columns(rgb.width);
-  for (int x = 0; x < rgb.width; ++x) columns[x] = linear_tap(x, rgb.width, below.width);
-  Defocused out{Image(rgb.width, rgb.height, 3), Image(rgb.width, rgb.height)};
-  tbb::parallel_for(tbb::blocked_range<int>(0, rgb.height, 32), [&](const tbb::blocked_range<int>& rows) {
-    std::vector<float> mixed(4 * static_cast<std::size_t>(below.width));
-    std::vector<float> behind(4 * static_cast<std::size_t>(rgb.width)), front(behind.size());
+  const RowEnlarger below(stacks.below, width, height);
+  const RowEnlarger above(stacks.above.empty() ? stacks.below : stacks.above, width, height);
+  Defocused out{Image(width, height, 3), Image(width, height)};
+  tbb::parallel_for(tbb::blocked_range<int>(0, height, 32), [&](const tbb::blocked_range<int>& rows) {
+    std::vector<float> mixed, behind, front(4 * static_cast<std::size_t>(width));
     for (int y = rows.begin(); y < rows.end(); ++y) {
-      enlarged_row(below, rgb.width, rgb.height, y, columns, mixed, behind);
-      enlarged_row(above, rgb.width, rgb.height, y, columns, mixed, front);
+      below(y, mixed, behind);
+      if (!stacks.above.empty()) above(y, mixed, front);
+      const float* radius = radius_px.row(y);
       const float* input = rgb.row(y);
-      for (int x = 0; x < rgb.width; ++x) {
-        const float sharp = std::clamp(1.5f - radius_px.row(y)[x], 0.0f, 1.0f);
-        const float open = 1 - front[4 * x + 3];
-        const float alpha = front[4 * x + 3] + open * (sharp + (1 - sharp) * behind[4 * x + 3]);
-        const bool seen = alpha > kLeastAlpha;
-        for (int c = 0; c < 3; ++c) {
-          const float own = input[3 * x + c];
-          const float base = sharp * own + (1 - sharp) * behind[4 * x + c];
-          out.rgb.row(y)[3 * x + c] = seen ? (front[4 * x + c] + open * base) / alpha : own;
-        }
-        out.blurred.row(y)[x] = seen ? 1 - open * sharp / alpha : 0;
+      float* result = out.rgb.row(y);
+      for (int x = 0; x < width; ++x) {
+        const float sharp = sharpness(radius[x]);
+        const Rgba own = {input[3 * x], input[3 * x + 1], input[3 * x + 2], 1};
+        const Rgba nearer = load_rgba(front.data() + 4 * x);
+        const float open = 1 - nearer[3];
+        const Rgba laid = nearer + open * (sharp * own + (1 - sharp) * load_rgba(behind.data() + 4 * x));
+        const bool seen = laid[3] > kLeastAlpha;
+        const Rgba color = seen ? laid / laid[3] : own;
+        for (int c = 0; c < 3; ++c) result[3 * x + c] = color[c];
+        out.blurred.row(y)[x] = seen ? 1 - open * sharp / laid[3] : 0;
       }
     }
   });

@@ -14,6 +14,9 @@ struct Defocused {
 /// other from back to front, divided by the alpha that they add up to. Pixels whose radius is below half a pixel are
 /// the input's own, laid over the in-focus band and all behind it; up to 1.5 px they blend over. Only blurred things
 /// nearer than the focus may cover them.
+///
+/// `rgb` must be finite. Pixels whose disparity is not finite are taken to be in focus; radii are clamped to
+/// [0, r_max], and those that are no numbers count as 0. Throws InputError where the maps' sizes are not the picture's.
 Defocused render_defocus(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px,
                          const BlurMapping& mapping, const LayerOptions& options = {});
 

@@ -1,14 +1,19 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
+#include "capture/error.h"
+#include "pipeline/burst/demosaic.h"
 #include "pipeline/defocus/mask_blur.h"
 #include "pipeline/defocus/noise.h"
 #include "pipeline/defocus/render.h"
 #include "pipeline/defocus/scatter.h"
 #include "pipeline/display.h"
+#include "pipeline/edge_aware/filter_mask.h"
 #include "tests/pipeline/texture.h"
 
 namespace dualpixel::pipeline {
@@ -90,7 +95,8 @@ TEST(Layers, BlocksAreMeansAlsoAtOddBorders) {
   const Band band{-1, 1, 0.5, false};
   disparity.at(0, 0) = 1.25f;  // alpha 1/2
   radius.at(0, 0) = 11;
-  const Layer layer = make_layer(rgb, disparity, radius, band);
+  Layer layer;
+  cut_band(rgb, disparity, radius, band, layer);
   ASSERT_EQ(layer.rgba.width, 2);
   ASSERT_EQ(layer.rgba.height, 3);
   for (const auto& [x, y] : {std::pair{1, 0}, {0, 2}, {1, 2}}) {
@@ -116,29 +122,62 @@ Layer random_layer(int width, int height, unsigned seed, float largest_radius_px
   return layer;
 }
 
+Image over_nothing(void (*scatter)(const Layer&, Image&), const Layer& layer) {
+  Image out(layer.rgba.width, layer.rgba.height, 4);
+  scatter(layer, out);
+  return out;
+}
+
+/// Area of the pixel at (x, y) from its middle that lies within a disc.
+double coverage(int x, int y, double radius) {
+  constexpr int kSide = 32;
+  const double reach = std::hypot(x, y);
+  if (reach + 0.71 < radius) return 1;
+  if (reach - 0.71 > radius) return 0;
+  int inside = 0;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const double u = x + (i % kSide + 0.5) / kSide - 0.5, v = y + (i / kSide + 0.5) / kSide - 0.5;
+    inside += u * u + v * v < radius * radius;
+  }
+  return inside / (1.0 * kSide * kSide);
+}
+
 TEST(Scatter, GradientEqualsDirectScatterOfTheSameDiscs) {
   const int width = 90, height = 150;  // several strips
-  const Layer layer = random_layer(width, height, 1, 15);
+  Layer layer = random_layer(width, height, 1, 15);
+  for (float& value : layer.rgba.data) value *= 0.3f;  // nothing piles up beyond 1
+  // Rows -15 ... 15 of every radius that there is: area A and third moment of a disc's half chords within the row's
+  // height, by the midpoint rule, make a row of half length sqrt(M / A).
+  struct Row {
+    double area = 0, moment = 0;
+  };
+  std::vector<std::array<Row, 31>> discs(15 * 8 + 1);
+  for (std::size_t step = 0; step < discs.size(); ++step) {
+    const double radius = std::max(static_cast<double>(step) / 8, 0.5);  // smaller discs lie within their pixel
+    for (int i = 0; i < 31 * 300; ++i) {
+      const double chord = std::sqrt(std::max(radius * radius - std::pow((i + 0.5) / 300 - 15.5, 2), 0.0));
+      discs[step][i / 300].area += chord / 300;
+      discs[step][i / 300].moment += chord * chord * chord / 300;
+    }
+  }
   Image direct(width, height, 4);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const float radius = layer.radius_px.at(x, y);
-      const int reach = static_cast<int>(radius);
-      std::vector<std::pair<int, int>> disc;
-      for (int dy = -reach; dy <= reach; ++dy) {
-        for (int dx = -reach; dx <= reach; ++dx) {
-          if (static_cast<float>(dx * dx + dy * dy) <= radius * radius) disc.emplace_back(dx, dy);
-        }
-      }
-      for (const auto& [dx, dy] : disc) {
-        if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= height) continue;
-        for (int c = 0; c < 4; ++c) {
-          direct.at(x + dx, y + dy, c) += layer.rgba.at(x, y, c) / static_cast<float>(disc.size());
+      const double disc_area = std::numbers::pi * std::pow(std::max(radius, 0.5f), 2);
+      for (int v = std::max(y - 15, 0); v <= std::min(y + 15, height - 1); ++v) {
+        const Row& row = discs[std::lround(8 * radius)][v - y + 15];
+        if (row.area == 0) continue;
+        const double half = std::sqrt(row.moment / row.area);
+        for (int u = std::max(x - 15, 0); u <= std::min(x + 15, width - 1); ++u) {
+          const double length = std::max(std::min(half, u - x + 0.5) - std::max(-half, u - x - 0.5), 0.0);
+          const auto share = static_cast<float>(length * row.area / half / disc_area);
+          for (int c = 0; c < 4; ++c) direct.at(u, v, c) += layer.rgba.at(x, y, c) * share;
         }
       }
     }
   }
-  const Image gradient = scatter_gradient(layer);
+  const Image gradient = over_nothing(scatter_gradient, layer);
   for (std::size_t i = 0; i < direct.data.size(); ++i) ASSERT_NEAR(gradient.data[i], direct.data[i], 1e-4);
 }
 
@@ -149,7 +188,7 @@ TEST(Scatter, KeepsEnergyInsideThePicture) {
       for (int x = 20; x < 40; ++x) std::fill_n(layer.rgba.row(y) + 4 * x, 4, 0.8f);
     }
     const double before = 20 * 20 * 0.8;
-    for (const Image& blurred : {scatter_direct(layer), scatter_gradient(layer)}) {
+    for (const Image& blurred : {over_nothing(scatter_direct, layer), over_nothing(scatter_gradient, layer)}) {
       double after = 0;
       for (int y = 0; y < 64; ++y) {
         for (int x = 0; x < 64; ++x) after += blurred.at(x, y, 2);
@@ -159,28 +198,40 @@ TEST(Scatter, KeepsEnergyInsideThePicture) {
   }
 }
 
-TEST(Scatter, DiscsAreRoundAndOfTheirRadius) {
-  for (const float radius : {2.0f, 5.0f, 12.0f}) {
-    Layer layer{Image(61, 61, 4), Image(61, 61, 1, radius)};
-    std::fill_n(&layer.rgba.at(30, 30), 4, 1.0f);
-    for (const Image& disc : {scatter_direct(layer), scatter_gradient(layer)}) {
-      double xx = 0, yy = 0;
-      for (int y = 0; y < 61; ++y) {
-        for (int x = 0; x < 61; ++x) {
-          xx += disc.at(x, y) * (x - 30) * (x - 30);
-          yy += disc.at(x, y) * (y - 30) * (y - 30);
+// An impulse's disc against the ideal one, in the share that the two have in common of what either covers.
+TEST(Scatter, ImpulsesBecomeDiscs) {
+  for (const float radius : {2.75f, 2.8125f, 3.0f, 3.5f, 4.0f, 5.0f, 7.3125f, 12.0f, 15.0f}) {
+    constexpr int kSide = 41, kMiddle = 20;
+    Layer layer{Image(kSide, kSide, 4), Image(kSide, kSide, 1, radius)};
+    std::fill_n(&layer.rgba.at(kMiddle, kMiddle), 4, 1.0f);
+    for (const Image& disc : {over_nothing(scatter_direct, layer), over_nothing(scatter_gradient, layer)}) {
+      double energy = 0, both = 0, either = 0, xx = 0, yy = 0;
+      for (int y = 0; y < kSide; ++y) {
+        for (int x = 0; x < kSide; ++x) {
+          const double value = disc.at(x, y);
+          const double ideal =
+              coverage(x - kMiddle, y - kMiddle, radius) / (std::numbers::pi * static_cast<double>(radius * radius));
+          energy += value;
+          both += std::min(value, ideal);
+          either += std::max(value, ideal);
+          xx += value * (x - kMiddle) * (x - kMiddle);
+          yy += value * (y - kMiddle) * (y - kMiddle);
         }
       }
-      EXPECT_NEAR(xx, yy, 1e-4);
-      // A uniform disc has variance r^2 / 4 along each axis; a rasterised one differs by its ragged rim.
-      EXPECT_NEAR(2 * std::sqrt(xx), radius, 0.25) << radius;
+      EXPECT_NEAR(energy, 1, 1e-5) << radius;
+      EXPECT_GT(both / either, 0.92) << radius;
+      // A uniform disc has variance r^2 / 4 along each axis, a pixel's square 1/12. Weights of
+      // clamp(r + 1/2 - distance) are 2 % wider at r = 2.75.
+      const double variance = 0.25 * radius * radius + 1.0 / 12;
+      EXPECT_NEAR(xx / variance, 1, 0.03) << radius;
+      EXPECT_NEAR(yy / variance, 1, 0.03) << radius;
     }
   }
 }
 
 TEST(Scatter, RadiusZeroLeavesThePixel) {
   const Layer layer = random_layer(20, 10, 3, 0);
-  EXPECT_EQ(scatter_direct(layer).data, layer.rgba.data);
+  EXPECT_EQ(over_nothing(scatter_direct, layer).data, layer.rgba.data);
 }
 
 /// Disparities of every kind over a constant or given picture.
@@ -245,12 +296,54 @@ TEST(Render, SubjectDoesNotBleedIntoTheBackgroundButABlurredFrontCoversTheSubjec
 }
 
 TEST(Render, SmallestPicturesAreFinite) {
-  for (const auto& [width, height] : {std::pair{1, 1}, {3, 5000}}) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {3, 5000}, {5000, 3}, {0, 0}}) {
     const Setting setting(width, height);
     const Defocused out =
         render_defocus(Image(width, height, 3, 0.5f), setting.disparity, setting.radius, setting.mapping);
     for (const float value : out.rgb.data) ASSERT_NEAR(value, 0.5f, 1e-5);
   }
+}
+
+TEST(Render, NoKappaNoBlur) {
+  BlurRadiusOptions none;
+  none.scale_px_per_dp_px = 0;
+  const BlurMapping mapping = make_blur_mapping(1, 0, 2688, false, none);
+  const Setting setting(60, 40);
+  const Image radius = blur_radii(setting.disparity, mapping);
+  for (const float value : radius.data) ASSERT_EQ(value, 0);
+  const Image rgb = random_layer(60, 40, 4, 1).rgba;
+  Image colors(60, 40, 3);
+  std::copy_n(rgb.data.begin(), colors.data.size(), colors.data.begin());
+  EXPECT_EQ(render_defocus(colors, setting.disparity, radius, mapping).rgb.data, colors.data);
+}
+
+// Documented: what has no disparity is in focus, radii are clamped. The rest of the picture is as it would be.
+TEST(Render, BrokenMapsAreMended) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
+  const BlurMapping mapping = make_blur_mapping(1, 0, 2688, false);
+  for (const float broken : {kNan, kInf, -kInf}) EXPECT_EQ(mapping.radius_px(broken), broken == broken ? 30 : 0);
+  Image rgb(90, 60, 3), disparity(90, 60, 1, 1.0f);
+  std::mt19937 random(2);
+  for (float& value : rgb.data) value = static_cast<float>(random() % 1000) / 1000;
+  Image radius = blur_radii(disparity, mapping);
+  Image good_disparity = disparity, good_radius = radius;
+  int at = 0;
+  for (const auto& [d, r] : {std::pair{kNan, 3.0f}, {kInf, 30.0f}, {-kInf, 30.0f}, {1.0f, kNan}, {1.0f, -1.0f}}) {
+    disparity.at(10 * at, 30) = d;
+    radius.at(10 * at, 30) = r;
+    good_disparity.at(10 * at, 30) = d == 1 ? 1.0f : 0.0f;
+    good_radius.at(10 * at++, 30) = 0;
+  }
+  radius.at(70, 30) = kInf;
+  good_radius.at(70, 30) = 30;
+  const Defocused mended = render_defocus(rgb, disparity, radius, mapping);
+  EXPECT_EQ(mended.rgb.data, render_defocus(rgb, good_disparity, good_radius, mapping).rgb.data);
+  EXPECT_EQ(mended.rgb.at(10, 30, 1), rgb.at(10, 30, 1));
+  for (const float value : mended.rgb.data) ASSERT_TRUE(std::isfinite(value));
+
+  EXPECT_THROW(render_defocus(rgb, Image(90, 59), radius, mapping), InputError);
+  EXPECT_THROW(render_defocus(rgb, disparity, Image(1, 1), mapping), InputError);
+  EXPECT_THROW(blur_background(rgb, Image(90, 59)), InputError);
 }
 
 TEST(MaskBlur, PersonAndBottomStaySharpAndNothingBleeds) {
@@ -324,6 +417,70 @@ TEST(Noise, FollowsTheProfileWhereBlurred) {
   // Patches repeat, so they count as about 12 000 correlated samples: 1.3 % and more.
   EXPECT_NEAR(variance[1] / (expected(1) * 0.78125), 1, 0.07);
   EXPECT_NEAR(variance[0] / (expected(2) * 0.984), 1, 0.07);
+}
+
+double mean_square(const Image& image, int x0, int x1) {
+  double sum = 0;
+  for (int y = 20; y < image.height - 20; ++y) {
+    for (int x = x0; x < x1; ++x) sum += std::pow(image.at(x, y), 2);
+  }
+  return sum / ((image.height - 40.0) * (x1 - x0));
+}
+
+// A grey wall, its left half in focus: the noise that the blur takes from the right half comes back.
+TEST(Noise, BlurredAndSharpHalvesAreAlikeUnderAHighPass) {
+  constexpr int kWidth = 480, kHeight = 320;
+  constexpr double kSignal = 0.4, kShot = 2e-4, kRead = 1e-5;
+  Image mosaic(kWidth, kHeight, 1, static_cast<float>(kSignal));
+  add_white_noise(mosaic, 5, std::sqrt(kShot * kSignal + kRead));
+  const Image rgb = demosaic(mosaic, "RGGB");
+  Image disparity(kWidth, kHeight, 1, 1.0f);
+  for (int y = 0; y < kHeight; ++y) std::fill_n(disparity.row(y), kWidth / 2, 0.0f);
+  const BlurMapping mapping = make_blur_mapping(1, 0, 2688, false);
+  Defocused out = render_defocus(rgb, disparity, blur_radii(disparity, mapping), mapping);
+  const auto high_pass = [&](int channel) {
+    Image plane(kWidth, kHeight);
+    for (std::size_t i = 0; i < plane.data.size(); ++i) plane.data[i] = out.rgb.data[3 * i + channel];
+    const Image coarse = gaussian_blur(plane, 3);
+    for (std::size_t i = 0; i < plane.data.size(); ++i) plane.data[i] -= coarse.data[i];
+    return plane;
+  };
+  // without noise the right half is smooth
+  EXPECT_LT(mean_square(high_pass(1), 260, 460), 0.01 * mean_square(high_pass(1), 20, 220));
+  add_noise(out.rgb, out.blurred, make_noise_patches(3), {kShot, kRead, {1, 1, 1}});
+  // 200 x 280 pixels, of which a quarter are independent: 0.6 % of a sigma; the patches' 11 000: 1.5 %
+  for (const int channel : {0, 1, 2}) {
+    const Image fine = high_pass(channel);
+    EXPECT_NEAR(std::sqrt(mean_square(fine, 260, 460) / mean_square(fine, 20, 220)), 1, 0.1) << channel;
+  }
+}
+
+// Patches that repeat as they are correlate by a third with themselves one period away.
+TEST(Noise, HasNoPeriod) {
+  constexpr int kWidth = 1800, kHeight = 1100;
+  Image rgb(kWidth, kHeight, 3, 0.4f);
+  add_noise(rgb, Image(kWidth, kHeight, 1, 1.0f), make_noise_patches(3), {1e-4, 0, {1, 1, 1}});
+  const auto correlation = [&](int dx, int dy) {
+    double product = 0, square = 0;
+    for (int y = 0; y + dy < kHeight; ++y) {
+      const float* here = rgb.row(y);
+      const float* there = rgb.row(y + dy) + 3 * dx;
+      for (int x = 0; x + dx < kWidth; ++x) {
+        product += (here[3 * x + 1] - 0.4) * (there[3 * x + 1] - 0.4);
+        square += std::pow(here[3 * x + 1] - 0.4, 2);
+      }
+    }
+    return product / square;
+  };
+  // Demosaicking correlates pixels up to 4 apart. At a period, 400 tiles and more take either sign: 0.017.
+  for (const int period : {59, 61, 67}) {
+    for (const auto& [dx, dy] : {std::pair{period, 0}, {0, period}, {period, period}, {2 * period, 0}}) {
+      EXPECT_LT(std::abs(correlation(dx, dy)), 0.05) << dx << ' ' << dy;
+    }
+  }
+  for (const auto& [dx, dy] : {std::pair{5, 0}, {0, 5}, {8, 3}, {30, 0}, {0, 64}, {120, 128}, {128, 0}}) {
+    EXPECT_LT(std::abs(correlation(dx, dy)), 0.05) << dx << ' ' << dy;
+  }
 }
 
 TEST(Display, IsTheSrgbCurve) {
