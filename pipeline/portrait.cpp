@@ -11,6 +11,7 @@
 #include "pipeline/burst/demosaic.h"
 #include "pipeline/burst/merge.h"
 #include "pipeline/calibration/correction.h"
+#include "pipeline/defocus/match_lens.h"
 #include "pipeline/defocus/render.h"
 #include "pipeline/edge_aware/guide.h"
 #include "pipeline/edge_aware/median.h"
@@ -123,6 +124,7 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
   const int width = capture.camera.width_px, height = capture.camera.height_px;
   PortraitResult result;
   // before the work, not after it
+  if (options.match_pupil_mm && options.mode != Mode::seg) match_lens(capture.camera, *options.match_pupil_mm, 0);
   std::optional<Correction> correction;
   if (options.calibration && options.mode != Mode::seg) {
     correction = make_correction(*options.calibration, capture.camera);
@@ -199,16 +201,20 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
       if (median && std::abs(*median) <= options.face_in_focus_dp_px) result.focus_disparity_dp_px = *median;
     }
     defocused = stage("blur", [&] {
-      const BlurMapping mapping = make_blur_mapping(capture.camera.focus_distance_m, result.focus_disparity_dp_px,
-                                                    width, options.mode == Mode::dp_seg, options.blur_radius);
+      const BlurMapping mapping =
+          options.match_pupil_mm ? match_lens(capture.camera, *options.match_pupil_mm, result.focus_disparity_dp_px)
+                                 : make_blur_mapping(capture.camera.focus_distance_m, result.focus_disparity_dp_px,
+                                                     width, options.mode == Mode::dp_seg, options.blur_radius);
       result.blur_radius_px = blur_radii(result.disparity_dp_px, mapping);
       return render_defocus(result.input, result.disparity_dp_px, result.blur_radius_px, mapping, options.layers);
     });
   }
 
   result.portrait = stage("noise", [&] {
-    add_noise(defocused.rgb, defocused.blurred, make_noise_patches(options.seed, options.noise),
-              merged_noise(capture.exposure, static_cast<int>(capture.frames.size())));
+    if (options.synthetic_noise) {
+      add_noise(defocused.rgb, defocused.blurred, make_noise_patches(options.seed, options.noise),
+                merged_noise(capture.exposure, static_cast<int>(capture.frames.size())));
+    }
     return std::move(defocused.rgb);
   });
   result.portrait_srgb = stage("display", [&] { return encode_for_display(result.portrait, options.display); });

@@ -56,9 +56,12 @@ struct PortraitOptions {
   JointUpsampleOptions joint_upsample;
   FilterMaskOptions filter_mask;
   BlurRadiusOptions blur_radius;
+  /// Set: the blur of a lens with this entrance pupil in place of Eq. 5's (match_lens.h); not in mode seg.
+  std::optional<double> match_pupil_mm;
   LayerOptions layers;
   MaskBlurOptions mask_blur;
   NoiseOptions noise;
+  bool synthetic_noise = true;  ///< on what the blur has smoothed
   DisplayOptions display;
 };
 

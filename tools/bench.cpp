@@ -74,6 +74,7 @@ void add_bench(CLI::App& program) {
   command->footer(
       "Example:\n  dualpixel bench scenes/portrait.json\n  dualpixel bench lens lens_models/phone_6p_4.2mm_f1.8.json");
   add_bench_lens(*command);
+  add_bench_defocus(*command);
   add_bench_disparity(*command);
   add_bench_edges(*command);
   add_bench_render(*command);

@@ -1,13 +1,9 @@
 #include <fmt/format.h>
-#include <malloc.h>
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
-#include <fstream>
 #include <functional>
 #include <iostream>
-#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -279,42 +275,6 @@ nlohmann::ordered_json figures(const Problem& problem, const Image& estimate) {
           {"edge_mae_dp_px", edges.mae()},
           {"edge_width_px", edge_width_px(estimate, problem.truth, kJump)},
           {"thin_mae_dp_px", thin.mae()}};
-}
-
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
-
-struct Times {
-  std::vector<double> ms;
-  std::vector<double> cpu_ms;  ///< of all threads together: what a busy machine changes least
-};
-
-/// Best times of pieces of work done turn by turn, so that a busy machine slows all of them.
-Times times(const std::vector<std::function<void()>>& work, int repeats) {
-  Times best{std::vector<double>(work.size(), kInfinite), std::vector<double>(work.size(), kInfinite)};
-  for (int repeat = 0; repeat < repeats; ++repeat) {
-    for (std::size_t i = 0; i < work.size(); ++i) {
-      const std::clock_t start = std::clock();
-      best.ms[i] = std::min(best.ms[i], 1e3 * seconds(work[i]));
-      best.cpu_ms[i] = std::min(best.cpu_ms[i], 1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
-    }
-  }
-  return best;
-}
-
-/// How far the process' memory rises above what it held before, MB; 0 where the system doesn't say.
-double peak_mb(const std::function<void()>& work) {
-  const auto status_kb = [](const std::string& field) {
-    std::ifstream status("/proc/self/status");
-    for (std::string line; std::getline(status, line);) {
-      if (line.rfind(field, 0) == 0) return std::stod(line.substr(field.size() + 1));
-    }
-    return 0.0;
-  };
-  malloc_trim(0);
-  std::ofstream("/proc/self/clear_refs") << "5";  // the peak starts from here
-  const double before = status_kb("VmRSS");
-  work();
-  return std::max(status_kb("VmHWM") - before, 0.0) / 1024;
 }
 
 /// What takes the disparity from a quarter of the size to all of it, and a mask.

@@ -28,10 +28,12 @@ void add_bench(CLI::App& program);
 /// `experiment`, whose subcommands each measure one thing over a sweep, and write JSON and a page of charts.
 void add_experiment(CLI::App& program);
 void add_experiment_calibration(CLI::App& experiment);
+void add_experiment_defocus(CLI::App& experiment);
 void add_experiment_failures(CLI::App& experiment);
 void add_experiment_noise(CLI::App& experiment);
 void add_export(CLI::App& program);
 /// Subcommands of `bench`.
+void add_bench_defocus(CLI::App& bench);
 void add_bench_disparity(CLI::App& bench);
 void add_bench_lens(CLI::App& bench);
 void add_bench_render(CLI::App& bench);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -33,8 +34,24 @@ struct PortraitCommand {
   std::string mask;
   bool true_mask = false;
   std::string calibration;
+  std::string match_lens;
+  bool no_noise = false;
   std::uint64_t seed = pipeline::PortraitOptions().seed;
 };
+
+/// The entrance pupil of a lens named as "f/1.4@50mm-equivalent": what a lens of that focal length and f-number has in
+/// front of a full-frame sensor.
+double pupil_mm_of(const std::string& lens) {
+  double f_number = 0, focal_length_mm = 0;
+  int end = 0;
+  const bool read = std::sscanf(lens.c_str(), "f/%lf@%lfmm-equivalent%n", &f_number, &focal_length_mm, &end) == 2;
+  if (!read || end != static_cast<int>(lens.size()) || !(f_number >= 0.5 && f_number <= 64) ||
+      !(focal_length_mm >= 1 && focal_length_mm <= 2000)) {
+    throw InputError("--match-lens " + printable(lens) +
+                     ": must read like f/1.4@50mm-equivalent, f-number 0.5 to 64, focal length 1 to 2000 mm");
+  }
+  return focal_length_mm / f_number;
+}
 
 /// The first channel of a picture, as a mask.
 Image read_mask(const std::string& path) {
@@ -70,6 +87,11 @@ void run(const PortraitCommand& command) {
   }
   if (!needs_mask && (!command.mask.empty() || command.true_mask)) {
     throw InputError("--mode dp: uses no person mask; leave out --mask and --true-mask, or choose dp+seg or seg");
+  }
+  options.synthetic_noise = !command.no_noise;
+  if (!command.match_lens.empty()) {
+    options.match_pupil_mm = pupil_mm_of(command.match_lens);
+    if (options.mode == pipeline::Mode::seg) throw InputError("--match-lens: needs disparity, which mode seg has not");
   }
   const bool plain = !command.pair.left.empty();
   if (plain == !command.capture.empty()) {
@@ -113,6 +135,8 @@ void run(const PortraitCommand& command) {
   provenance["mode"] = command.mode;
   provenance["matcher"] = command.matcher;
   provenance["seed"] = command.seed;
+  if (options.match_pupil_mm) provenance["match_lens"] = command.match_lens;
+  if (command.no_noise) provenance["synthetic_noise"] = false;
   if (!command.calibration.empty()) provenance["calibration"] = absolute(command.calibration);
   if (!result.warnings.empty()) provenance["warnings"] = result.warnings;
   if (needs_mask) provenance["mask"] = command.true_mask ? "truth" : command.mask;
@@ -165,6 +189,10 @@ void add_portrait(CLI::App& program) {
                   "Calibration folder of this camera, as `dualpixel calibrate` writes it: corrects disparity")
       ->type_name("DIR")
       ->excludes(left);
+  sub->add_option("--match-lens", command->match_lens,
+                  "Physically true blur: that of this lens in front of a full frame, e.g. f/1.4@50mm-equivalent")
+      ->type_name("LENS");
+  sub->add_flag("--no-noise", command->no_noise, "Leave out the synthetic noise on what the blur has smoothed");
   sub->add_option("--seed", command->seed, "Seed of the synthetic noise")->type_name("N")->capture_default_str();
   add_threads_option(*sub);
   sub->footer(

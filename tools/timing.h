@@ -1,6 +1,8 @@
 #pragma once
 #include <chrono>
 #include <ctime>
+#include <functional>
+#include <vector>
 
 namespace dualpixel::tools {
 
@@ -24,5 +26,16 @@ double cpu_seconds(const Work& work) {
   work();
   return now() - start;
 }
+
+struct Times {
+  std::vector<double> ms;
+  std::vector<double> cpu_ms;  ///< of all threads together: what a busy machine changes least
+};
+
+/// Best times of pieces of work done turn by turn, so that a busy machine slows all of them.
+Times times(const std::vector<std::function<void()>>& work, int repeats);
+
+/// How far the process' memory rises above what it held before, MB; 0 where the system doesn't say.
+double peak_mb(const std::function<void()>& work);
 
 }  // namespace dualpixel::tools

@@ -23,28 +23,32 @@ void cut(const Image& rgb, Layer& layer, const Alphas& alphas_of, const Radius& 
   const int width = (rgb.width + 1) / 2, height = (rgb.height + 1) / 2;
   if (layer.rgba.width != width || layer.rgba.height != height) layer = {Image(width, height, 4), Image(width, height)};
   tbb::parallel_for(tbb::blocked_range<int>(0, height, 16), [&](const tbb::blocked_range<int>& rows) {
+    // 0 beyond the picture's last column and row
     std::vector<float> alphas[2] = {std::vector<float>(2 * width), std::vector<float>(2 * width)};
     for (int y = rows.begin(); y < rows.end(); ++y) {
       const int lines = std::min(2, rgb.height - 2 * y);
+      if (lines == 1) std::fill(alphas[1].begin(), alphas[1].end(), 0.0f);
       for (int k = 0; k < lines; ++k) alphas_of(2 * y + k, alphas[k].data());
       float* out = layer.rgba.row(y);
       float* radius = layer.radius_px.row(y);
+      std::fill_n(out, 4 * width, 0.0f);
+      std::fill_n(radius, width, 0.0f);
       for (int x = 0; x < width; ++x) {
-        const int columns = std::min(2, rgb.width - 2 * x);
+        const float* const alpha[2] = {&alphas[0][2 * x], &alphas[1][2 * x]};
+        const float total = alpha[0][0] + alpha[0][1] + alpha[1][0] + alpha[1][1];
+        if (total == 0) continue;
         Rgba sum{};
         float radii = 0;
-        for (int k = 0; k < lines; ++k) {
-          for (int u = 2 * x; u < 2 * x + columns; ++u) {
-            const float alpha = alphas[k][u];
-            if (alpha == 0) continue;
-            const float* color = rgb.row(2 * y + k) + 3 * u;
-            sum += alpha * Rgba{color[0], color[1], color[2], 1};
-            radii += alpha * radius_of(u, 2 * y + k);
-          }
+        for (int k = 0; k < 4; ++k) {
+          const float share = alpha[k / 2][k % 2];
+          if (share == 0) continue;
+          const int u = 2 * x + k % 2, v = 2 * y + k / 2;
+          const float* color = rgb.row(v) + 3 * u;
+          sum += share * Rgba{color[0], color[1], color[2], 1};
+          radii += share * radius_of(u, v);
         }
-        // half: full-resolution to working pixels
-        radius[x] = sum[3] > 0 ? 0.5f * radii / sum[3] : 0;
-        store_rgba(sum / static_cast<float>(lines * columns), out + 4 * x);
+        radius[x] = 0.5f * radii / total;  // half: full-resolution to working pixels
+        store_rgba(sum / static_cast<float>(lines * std::min(2, rgb.width - 2 * x)), out + 4 * x);
       }
     }
   });
