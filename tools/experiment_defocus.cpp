@@ -32,8 +32,8 @@ constexpr float kHaloRadii[] = {3, 6, 10, 15, 20, 30};
 Capture render(const std::string& scene_file) {
   nlohmann::json document = read_json_file(scene_file);
   for (const char* assignment :
-       {"sensor.width_px=1344", "sensor.height_px=1008", "sensor.pixel_pitch_um=2.8", "render.samples_per_pixel=32",
-        "render.photograph_samples_per_pixel=256", "render.all_in_focus_samples_per_pixel=16"}) {
+       {"sensor.width_px=1344", "sensor.height_px=1008", "sensor.pixel_pitch_um=2.8", "render.samples_per_pixel=64",
+        "render.photograph_samples_per_pixel=256", "render.all_in_focus_samples_per_pixel=64"}) {
     apply_override(document, assignment);
   }
   const simulator::Simulation s = simulator::read_simulation(document, scene_file);

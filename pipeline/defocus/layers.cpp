@@ -61,6 +61,8 @@ float Band::alpha(float disparity_dp_px) const {
                     static_cast<float>(1 / taper_dp_px));
 }
 
+float sharpness(float radius_px) { return std::clamp(1.5f - radius_px, 0.0f, 1.0f); }
+
 std::vector<Band> make_bands(double low_dp_px, double high_dp_px, const BlurMapping& mapping,
                              const LayerOptions& options) {
   const double focus_low = mapping.front_dp_px(options.r_brute_px);
@@ -99,6 +101,8 @@ void cut_band(const Image& rgb, const Image& disparity_dp_px, const Image& radiu
         const auto low = static_cast<float>(band.low_dp_px), high = static_cast<float>(band.high_dp_px);
         const auto per_taper = static_cast<float>(1 / band.taper_dp_px);
         for (int x = 0; x < rgb.width; ++x) alphas[x] = band_alpha(disparity[x], low, high, per_taper);
+        if (!band.in_focus) return;
+        for (int x = 0; x < rgb.width; ++x) alphas[x] *= 1 - sharpness(radius_px.row(y)[x]);
       },
       [&](int x, int y) { return radius_px.row(y)[x]; });
 }

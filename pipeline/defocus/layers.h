@@ -35,7 +35,11 @@ struct Layer {
   Image radius_px;  ///< working-resolution px
 };
 
+/// How much of a pixel of radius r, full-resolution px, is the input's own: all up to 0.5 px, nothing from 1.5 px on.
+float sharpness(float radius_px);
+
 /// I_j = alpha_j [R, G, B, 1] of each pixel, then the mean of each 2 x 2 block; radii are means weighted by alpha_j.
+/// The in-focus band leaves out what is sharp, as it is laid down at full resolution: its halved outline would show.
 /// `rgb`, `disparity` and `radius` are of one size. Written to `layer`, whose memory is used again.
 void cut_band(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px, const Band& band, Layer& layer);
 

@@ -18,9 +18,6 @@ namespace {
 
 constexpr float kLeastAlpha = 1e-3f;  // below it colours drown in rounding
 
-/// How much of a pixel of this radius is the input's own.
-float sharpness(float radius_px) { return std::clamp(1.5f - radius_px, 0.0f, 1.0f); }
-
 /// Half-resolution stacks of blurred layers.
 struct Stacks {
   Image below;  ///< the in-focus band with all behind it

@@ -19,7 +19,7 @@ namespace {
 constexpr float kSteps = 16;  // of a radius, a pixel
 constexpr int kStripRows = 64;
 
-int step_of(float radius_px) { return static_cast<int>(radius_px * kSteps + 0.5f); }
+int step_of(float radius_px) { return static_cast<int>(std::floor(radius_px * kSteps + 0.5f)); }
 
 /// A row of a kernel: pairs of weights for neighbouring pixels, the first at `first` from the disc's middle.
 struct Pairs {
@@ -85,7 +85,7 @@ Kernel disc_gradient(float radius) {
   const double area = std::numbers::pi * r * r;
   for (int dy = -kernel.reach; dy <= kernel.reach; ++dy) {
     const DiscRow row = disc_row(r, dy);
-    const int rim = static_cast<int>(row.half_length + 0.5);  // the pixel that the row ends in
+    const int rim = static_cast<int>(std::floor(row.half_length + 0.5));  // the pixel that the row ends in
     const auto covered = static_cast<float>(row.half_length + 0.5 - rim);
     const auto scale = static_cast<float>(row.weight / area);
     kernel.pairs.push_back({-rim, scale * pair_of(covered, 1 - covered)});

@@ -23,8 +23,9 @@ TEST(DefocusExperiment, HalosAreOthers) {
     EXPECT_EQ(gather.inside, 0);
     EXPECT_GT(single.inside, 0.03);
     EXPECT_GT(gather.outside, 0.03);
-    // What lies behind the disc is not in the picture: lights there are missing from ours too.
-    EXPECT_LT(ours.outside, 0.5 * gather.outside);
+    // What lies behind the disc is not in the picture: lights there are missing from ours as from the single pass.
+    EXPECT_LT(ours.outside, 0.1 * gather.outside);
+    EXPECT_LT(ours.outside, 1.3 * single.outside + 0.001);
   }
 }
 
@@ -44,20 +45,20 @@ SceneDefocus measure(const std::string& name) {
   nlohmann::json document = read_json_file(path);
   for (const char* assignment :
        {"sensor.width_px=672", "sensor.height_px=504", "sensor.pixel_pitch_um=5.6", "render.samples_per_pixel=32",
-        "render.photograph_samples_per_pixel=256", "render.all_in_focus_samples_per_pixel=16"}) {
+        "render.photograph_samples_per_pixel=512", "render.all_in_focus_samples_per_pixel=192"}) {
     apply_override(document, assignment);
   }
   const simulator::Simulation s = simulator::read_simulation(document, path);
   return measure_defocus(simulator::simulate(s, simulator::load_scene(s)), name);
 }
 
-// True disparity and physically true blur against the ray-traced photograph, on a sixteenth of the photosites.
+// True disparity and physically true blur against the ray-traced photograph, on a sixteenth of the photosites. From
+// the picture that the phone took there is its noise, its own blur and its clipped highlights on top.
 TEST(SlowDefocusExperiment, TrueDisparityComesNearThePhotograph) {
   for (const auto& [name, floor_db] : {std::pair{"slanted_planes", 34.0}, {"portrait", 30.0}}) {
     const SceneDefocus scene = measure(name);
-    EXPECT_GT(scene.rungs[0].closeness.all_db, floor_db) << name;  // the renderer alone
-    EXPECT_GT(scene.rungs[1].closeness.all_db, floor_db) << name;  // from the captured picture
-    EXPECT_GT(scene.rungs[1].closeness.all_db, scene.untouched.all_db) << name;
+    EXPECT_GT(scene.rungs[0].closeness.all_db, floor_db) << name;
+    EXPECT_GT(scene.rungs[1].closeness.all_db, scene.untouched.all_db + 8) << name;
   }
 }
 
