@@ -136,7 +136,8 @@ double coverage(int x, int y, double radius) {
   if (reach - 0.71 > radius) return 0;
   int inside = 0;
   for (int i = 0; i < kSide * kSide; ++i) {
-    const double u = x + (i % kSide + 0.5) / kSide - 0.5, v = y + (i / kSide + 0.5) / kSide - 0.5;
+    const int column = i % kSide, line = i / kSide;
+    const double u = x + (column + 0.5) / kSide - 0.5, v = y + (line + 0.5) / kSide - 0.5;
     inside += u * u + v * v < radius * radius;
   }
   return inside / (1.0 * kSide * kSide);
