@@ -87,7 +87,7 @@ SampleMap samples_in_time(const Simulation& s, const RenderScene& world, const C
 /// the error of their mean. Counts stay powers of two, and at least 2, one for each half of the pupil.
 ViewSampling sample_map_of(const Simulation& s, const RenderScene& world, const CameraView& view, double unit_per_nit,
                            const ProgressCallback& progress) {
-  const auto count = static_cast<std::uint32_t>(poses(s));
+  const std::uint32_t count = std::max(poses(s), 1);
   const SampleLimits all;
   const SampleLimits limits{std::max(all.fewest / std::bit_ceil(count), 2u), all.most / std::bit_floor(count)};
   const ErrorTarget noise = sensor_noise(s, view.lens.lux_per_nit());

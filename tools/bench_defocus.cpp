@@ -221,7 +221,6 @@ void add_bench_defocus(CLI::App& bench) {
       ->type_name("SCENE.json");
   command->add_option("-o,--output", options->page, "Write a page with the chart")->type_name("PAGE.html");
   command->add_flag("--json", options->json, "Print JSON");
-  add_threads_option(*command);
   command->footer("Example:\n  dualpixel bench defocus -o bench-defocus.html");
   command->callback([options] { run(*options); });
 }

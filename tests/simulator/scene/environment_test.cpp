@@ -15,7 +15,7 @@ namespace {
 float luminance(glm::vec3 rgb) { return glm::dot(rgb, glm::vec3(0.2126f, 0.7152f, 0.0722f)); }
 
 std::string write_picture(const TemporaryFolder& folder, const std::string& name, const Image& image) {
-  const std::string path = (folder.path / name).string();
+  std::string path = (folder.path / name).string();
   const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(path);
   const OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeDesc::FLOAT);
   EXPECT_TRUE(output->open(path, spec) && output->write_image(OIIO::TypeDesc::FLOAT, image.data.data()) &&
@@ -98,11 +98,13 @@ TEST(Sky, TheGlowStandsWhereTheSunIs) {
   double irradiance = 0;  // of a sphere around: the integral of luminance over solid angle
   for (std::size_t i = 0; i < sky.radiance_nits.size(); ++i) {
     if (luminance(sky.radiance_nits[i]) > luminance(sky.radiance_nits[brightest])) brightest = i;
-    const double elevation = (0.5 - (i / 720 + 0.5) / 360) * std::numbers::pi;
+    const std::size_t row = i / 720;
+    const double elevation = (0.5 - (row + 0.5) / 360) * std::numbers::pi;
     irradiance += luminance(sky.radiance_nits[i]) * std::cos(elevation) * std::pow(std::numbers::pi / 360, 2);
   }
   EXPECT_NEAR(static_cast<double>(brightest % 720), 540, 1);
-  EXPECT_NEAR(static_cast<double>(brightest / 720), 120, 1);  // (90 - 30) degrees from the top
+  const std::size_t brightest_row = brightest / 720;
+  EXPECT_NEAR(static_cast<double>(brightest_row), 120, 1);  // (90 - 30) degrees from the top
   EXPECT_NEAR(luminance(sky.radiance_nits[brightest]), options.sun_glow_nits, 0.01f * options.sun_glow_nits);
   // A Gaussian lobe on the sphere: 2 pi peak s^2 (1 - s^2/3 + ...) for the standard deviation s in radians; the tail
   // below the horizon, 2.5 deviations away, is cut off (its weight is under 1 %).
