@@ -164,7 +164,8 @@ nlohmann::ordered_json against_embree(const Patches& patches) {
   };
   RayLog log;
   render_some(&log);
-  const double samples = static_cast<double>(kSamples) * kPatchSide * kPatchSide * (kPatches / kEvery);
+  constexpr int kRendered = kPatches / kEvery;
+  const double samples = static_cast<double>(kSamples) * kPatchSide * kPatchSide * kRendered;
   double rays = 0;
   for (const LoggedRays& packet : log) rays -= std::accumulate(packet.active, packet.active + simulator::kPacket, 0);
   constexpr int kWidths[] = {1, 8, 16};
@@ -252,10 +253,10 @@ nlohmann::ordered_json bench_scene(const std::string& path, const BenchRenderOpt
                                                              {"mirrored pairs", Sampling::mirrored}};
   nlohmann::ordered_json lines = nlohmann::ordered_json::object();
   for (int samples = 16; samples <= options.most_samples; samples *= 2) {
-    for (const auto& [name, sampling] : kSamplings) {
+    for (const auto& sampling : kSamplings) {
       Halves halves;
-      const double time_s = cpu_seconds([&] { halves = render(patches, sampling, 3, uniform(samples)); });
-      lines[name].push_back(row(samples, time_s, error_of(patches, halves, reference, apart)));
+      const double time_s = cpu_seconds([&] { halves = render(patches, sampling.second, 3, uniform(samples)); });
+      lines[sampling.first].push_back(row(samples, time_s, error_of(patches, halves, reference, apart)));
     }
     progress(0.6 + 0.3 * samples / options.most_samples);
   }

@@ -86,7 +86,7 @@ constexpr Threshold kBadPixel[] = {{"bad_0p1", 0.1}, {"bad_0p25", 0.25}, {"bad_0
 
 /// Figures of one region; all null where it holds no pixel.
 Json score_region(const Samples& samples, std::size_t valid_pixels) {
-  const auto& [estimate, truth, confidence] = samples;
+  const std::vector<float>&estimate = samples.estimate, &truth = samples.truth, &confidence = samples.confidence;
   const bool any = !estimate.empty();
   Json figures = {{"pixels", estimate.size()},
                   {"coverage", valid_pixels ? Json(static_cast<double>(estimate.size()) / valid_pixels) : Json()}};

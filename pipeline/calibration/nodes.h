@@ -7,7 +7,7 @@
 namespace dualpixel::pipeline {
 
 /// Node (i, j) lies at (i / (columns - 1) * width, j / (rows - 1) * height) of the picture: the outermost are on its
-/// border. A grid of twice as many nodes corrects no better, and makes files four times as large.
+/// border. A focus distance then takes 7 kB in a file.
 inline constexpr int kCalibrationColumns = 21;
 inline constexpr int kCalibrationRows = 15;
 
