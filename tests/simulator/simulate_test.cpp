@@ -181,17 +181,23 @@ TEST(Simulate, RendersEachFrameOfAHandHeldBurstAtItsOwnPose) {
   EXPECT_NE(blurred.frames[0].mosaic.data, shaken.frames[0].mosaic.data);
 }
 
-// No time: the fewest samples. Half a minute for a tile that takes a fraction of a second: the most.
-TEST(Simulate, SpendsTheTimeItIsGiven) {
-  json document = minimal();
-  document["sensor"] = {{"width_px", 8}, {"height_px", 8}};
-  document["burst"]["frames"] = 1;
+/// A wall with a step across the picture, under a sky that is bright on one side: noise that needs samples.
+Scene step_under_a_sky() {
   Scene scene;
   scene.materials = {diffuse(0.7f)};
   scene.meshes = {make_quad({-5, -5, -1}, {10, 0, 0}, {0, 10, 0}, 0),
                   make_quad({0, -5, -0.95f}, {5, 0, 0}, {0, 10, 0}, 0)};
   scene.environment = {2, 1, {glm::vec3(100), glm::vec3(900)}};
   scene.cameras = {{"camera", glm::mat4(1), {}}};
+  return scene;
+}
+
+// No time: the fewest samples. Half a minute for a tile that takes a fraction of a second: the most.
+TEST(Simulate, SpendsTheTimeItIsGiven) {
+  json document = minimal();
+  document["sensor"] = {{"width_px", 8}, {"height_px", 8}};
+  document["burst"]["frames"] = 1;
+  const Scene scene = step_under_a_sky();
   double spent[2], share[2];
   for (int i : {0, 1}) {
     document["render"] = {{"time_budget_s", i * 30.0}, {"photograph_samples_per_pixel", 1}};
@@ -290,12 +296,7 @@ TEST(SlowSimulate, StatesSamplesAndErrorOfAllPosesTogether) {
   document["sensor"] = {{"width_px", 16}, {"height_px", 16}};
   document["exposure"]["time_s"] = 0.02;
   document["render"] = {{"noise_fraction", 0.15}, {"photograph_samples_per_pixel", 1}};
-  Scene scene;
-  scene.materials = {diffuse(0.7f)};
-  scene.meshes = {make_quad({-5, -5, -1}, {10, 0, 0}, {0, 10, 0}, 0),
-                  make_quad({0, -5, -0.95f}, {5, 0, 0}, {0, 10, 0}, 0)};
-  scene.environment = {2, 1, {glm::vec3(100), glm::vec3(900)}};
-  scene.cameras = {{"camera", glm::mat4(1), {}}};
+  const Scene scene = step_under_a_sky();
   double spent[2], sigma[2];
   for (int i : {0, 1}) {
     const int poses = i == 0 ? 1 : 4;

@@ -35,6 +35,20 @@ inline Material diffuse(float albedo) {
   return m;
 }
 
+/// Material 0 shows a picture that shines by itself, white at `white_nits`, to a camera at the origin; no mesh yet.
+inline Scene shining_picture(Texture picture, float white_nits) {
+  keep_decoded(picture);
+  Material material;
+  material.unlit = true;
+  material.base_color_texture.texture = 0;
+  Scene scene;
+  scene.textures = {std::move(picture)};
+  scene.materials = {material};
+  scene.unlit_white_nits = white_nits;
+  scene.cameras = {{"camera", glm::mat4(1), {}}};
+  return scene;
+}
+
 inline SensorGrid phone_sensor(int width_px, int height_px, double pixel_pitch_m = 1.4e-6) {
   return {width_px, height_px, pixel_pitch_m, {0.5 * width_px, 0.5 * height_px}};
 }

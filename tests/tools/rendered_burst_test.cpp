@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pipeline/burst/align.h"
 #include "pipeline/burst/merge.h"
 #include "simulator/sampling/hash.h"
 #include "simulator/simulate.h"
+#include "tests/simulator/test_scenes.h"
 
 namespace dualpixel {
 namespace {
@@ -15,7 +17,6 @@ namespace {
 /// A wall 0.9 m ahead of a camera at the origin (glTF's axes), covered by random cells of four sizes, that shines like
 /// grey of reflectance 0.18 lit by `lux`.
 simulator::Scene textured_wall(double lux) {
-  simulator::Scene scene;
   simulator::Texture texture{1024, 1024};
   for (int y = 0; y < 1024; ++y) {
     for (int x = 0; x < 1024; ++x) {
@@ -28,20 +29,14 @@ simulator::Scene textured_wall(double lux) {
       texture.rgba.insert(texture.rgba.end(), {level, level, level, 255});
     }
   }
-  keep_decoded(texture);
-  scene.textures = {texture};
-  simulator::Material material;
-  material.unlit = true;
-  material.base_color_texture.texture = 0;
-  scene.materials = {material};
-  scene.unlit_white_nits = static_cast<float>(lux * 0.36 / M_PI);
+  simulator::Scene scene =
+      simulator::testing::shining_picture(std::move(texture), static_cast<float>(lux * 0.36 / M_PI));
   simulator::Mesh mesh;
   mesh.positions = {{-0.15f, -0.15f, -0.9f}, {0.15f, -0.15f, -0.9f}, {0.15f, 0.15f, -0.9f}, {-0.15f, 0.15f, -0.9f}};
   mesh.uv0 = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   mesh.object_id = 1;
   scene.meshes = {mesh};
-  scene.cameras = {{"camera", glm::mat4(1), {}}};
   return scene;
 }
 

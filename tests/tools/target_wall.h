@@ -2,8 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
-#include "simulator/scene/scene.h"
+#include "tests/simulator/test_scenes.h"
 #include "tools/calibration_target.h"
 
 namespace dualpixel::tools {
@@ -11,19 +12,12 @@ namespace dualpixel::tools {
 /// The calibration target as a scene for the renderer: a wall that shines by itself, for a camera at the origin.
 inline simulator::Scene target_wall(const CalibrationTarget& target, const TargetPrint& print) {
   const int size = print.texture.width;
-  simulator::Scene scene;
   simulator::Texture texture{size, size};
   for (const float value : print.texture.data) {
     const auto level = static_cast<std::uint8_t>(std::lround(255 * value));
     texture.rgba.insert(texture.rgba.end(), {level, level, level, 255});
   }
-  keep_decoded(texture);
-  scene.textures = {texture};
-  simulator::Material material;
-  material.unlit = true;
-  material.base_color_texture.texture = 0;
-  scene.materials = {material};
-  scene.unlit_white_nits = 500;
+  simulator::Scene scene = simulator::testing::shining_picture(std::move(texture), 500);
   // twice the print's size: it repeats
   const auto half = static_cast<float>(size * print.texel_m);
   const auto tangent = static_cast<float>(std::tan(target.tilt_x_deg * std::numbers::pi / 180));
@@ -37,7 +31,6 @@ inline simulator::Scene target_wall(const CalibrationTarget& target, const Targe
   mesh.triangles = {{0, 2, 1}, {0, 3, 2}};
   mesh.object_id = 1;
   scene.meshes = {mesh};
-  scene.cameras = {{"camera", glm::mat4(1), {}}};
   return scene;
 }
 
