@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <random>
 
 #include "capture/error.h"
 #include "pipeline/portrait.h"
@@ -168,8 +169,14 @@ TEST(Portrait, TheLikelihoodMatcherReachesFurther) {
 }
 
 TEST(Portrait, AnUnknownNoiseIsNotTakenForNone) {
+  // views of noise alone: whoever takes it for texture believes what it finds there
   Capture capture = make_capture();
   capture.frames.resize(1);
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal(64 + 240, std::sqrt(0.16 * 240 + 1));
+  for (ImageU16* view : {&capture.frames[0].left, &capture.frames[0].right}) {
+    for (std::uint16_t& dn : view->data) dn = static_cast<std::uint16_t>(std::lround(normal(random)));
+  }
   PortraitOptions options = test_options();
   options.matcher = Matcher::likelihood;
   const auto mean_confidence = [&] {
@@ -180,8 +187,7 @@ TEST(Portrait, AnUnknownNoiseIsNotTakenForNone) {
   const double known = mean_confidence();
   capture.exposure.dp_noise = {};
   const double estimated = mean_confidence();
-  EXPECT_LE(estimated, 1.02 * known);  // texture counts as noise, never the other way round
-  EXPECT_GE(estimated, 0.5 * known);
+  EXPECT_LT(estimated, 2 * known);  // 1.1 of it here; taken for none, 13 times
 }
 
 TEST(Portrait, FacesSetTheFocus) {
