@@ -121,6 +121,7 @@ Image stretched(const Image& mask, int width, int height) {
 PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options,
                             const std::optional<Image>& person_mask, const PortraitProgress& progress) {
   require_mask(person_mask, options.mode);
+  require_valid(options.aperture);
   const int width = capture.camera.width_px, height = capture.camera.height_px;
   PortraitResult result;
   // before the work, not after it
@@ -139,12 +140,22 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
   burst.mosaic = {};
   result.base_frame = burst.base_frame;
 
+  const std::array<double, 3>& gains = capture.exposure.white_balance;
+  const double white = *std::min_element(gains.begin(), gains.end());
+  Image recovered;
+  const auto light = [&](const Image& radius_px) -> const Image& {  // what is blurred
+    if (!options.highlights) return result.input;
+    return recovered = recover_highlights(result.input, radius_px, white, *options.highlights);
+  };
   Defocused defocused;
   if (options.mode == Mode::seg) {
     result.mask = stage("mask", [&] {
       return filter_mask(*person_mask, encode_guide(result.input, guide_gain(result.input)), options.filter_mask);
     });
-    MaskBlurred blurred = stage("blur", [&] { return blur_background(result.input, result.mask, options.mask_blur); });
+    MaskBlurred blurred = stage("blur", [&] {
+      return blur_background(light(background_radii(result.mask, options.mask_blur)), result.mask, options.mask_blur,
+                             options.aperture);
+    });
     defocused = std::move(blurred.picture);
     result.blur_radius_px = std::move(blurred.radius_px);
   } else {
@@ -206,9 +217,12 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
                                  : make_blur_mapping(capture.camera.focus_distance_m, result.focus_disparity_dp_px,
                                                      width, options.mode == Mode::dp_seg, options.blur_radius);
       result.blur_radius_px = blur_radii(result.disparity_dp_px, mapping);
-      return render_defocus(result.input, result.disparity_dp_px, result.blur_radius_px, mapping, options.layers);
+      return render_defocus(light(result.blur_radius_px), result.disparity_dp_px, result.blur_radius_px, mapping,
+                            options.layers, options.aperture);
     });
   }
+
+  if (options.highlights) clip_highlights(defocused, result.input, white);
 
   result.portrait = stage("noise", [&] {
     if (options.synthetic_noise) {

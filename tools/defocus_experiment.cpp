@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "pipeline/defocus/highlights.h"
 #include "pipeline/defocus/mask_blur.h"
 #include "pipeline/defocus/match_lens.h"
 #include "pipeline/defocus/render.h"
@@ -177,6 +178,8 @@ SceneDefocus measure_defocus(const Capture& capture, const std::string& name) {
   options.synthetic_noise = false;
   const pipeline::PortraitResult dp = pipeline::run_portrait(shot, options);
 
+  const std::array<double, 3>& gains = capture.exposure.white_balance;
+  const double white = *std::min_element(gains.begin(), gains.end());
   const Judge judge(truth, blur_radii(truth.disparity_dp_px, from_sharp));
   SceneDefocus scene{name, truth.photograph, judge(dp.input), {}, {}};
   const auto add = [&](const std::string& rung, Image picture) {
@@ -187,6 +190,11 @@ SceneDefocus measure_defocus(const Capture& capture, const std::string& name) {
   const Image coarse_truth = pipeline::resize_area(truth.disparity_dp_px, matched.width, matched.height);
   add("renderer", render(truth.all_in_focus, truth.disparity_dp_px, from_sharp));
   add("picture", render(dp.input, truth.disparity_dp_px, from_picture));
+  const Image true_radius_px = blur_radii(truth.disparity_dp_px, from_picture);
+  pipeline::Defocused bright = render_defocus(pipeline::recover_highlights(dp.input, true_radius_px, white),
+                                              truth.disparity_dp_px, true_radius_px, from_picture);
+  clip_highlights(bright, dp.input, white);
+  add("highlights", std::move(bright.rgb));
   const Image certain(matched.width, matched.height, 1, 1.0f);
   add("smoothing", render(dp.input, smoothed(coarse_truth, certain, dp.input), from_picture));
   add("matching",

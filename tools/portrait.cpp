@@ -35,6 +35,8 @@ struct PortraitCommand {
   bool true_mask = false;
   std::string calibration;
   std::string match_lens;
+  pipeline::Aperture aperture;
+  bool recover_highlights = false;
   bool no_noise = false;
   std::uint64_t seed = pipeline::PortraitOptions().seed;
 };
@@ -89,6 +91,8 @@ void run(const PortraitCommand& command) {
     throw InputError("--mode dp: uses no person mask; leave out --mask and --true-mask, or choose dp+seg or seg");
   }
   options.synthetic_noise = !command.no_noise;
+  options.aperture = command.aperture;
+  if (command.recover_highlights) options.highlights.emplace();
   if (!command.match_lens.empty()) {
     options.match_pupil_mm = pupil_mm_of(command.match_lens);
     if (options.mode == pipeline::Mode::seg) throw InputError("--match-lens: needs disparity, which mode seg has not");
@@ -136,6 +140,9 @@ void run(const PortraitCommand& command) {
   provenance["matcher"] = command.matcher;
   provenance["seed"] = command.seed;
   if (options.match_pupil_mm) provenance["match_lens"] = command.match_lens;
+  if (command.aperture.blades > 0) provenance["blades"] = command.aperture.blades;
+  if (command.aperture.cats_eye > 0) provenance["cats_eye"] = command.aperture.cats_eye;
+  if (command.recover_highlights) provenance["recover_highlights"] = true;
   if (command.no_noise) provenance["synthetic_noise"] = false;
   if (!command.calibration.empty()) provenance["calibration"] = absolute(command.calibration);
   if (!result.warnings.empty()) provenance["warnings"] = result.warnings;
@@ -192,6 +199,16 @@ void add_portrait(CLI::App& program) {
   sub->add_option("--match-lens", command->match_lens,
                   "Physically true blur: that of this lens in front of a full frame, e.g. f/1.4@50mm-equivalent")
       ->type_name("LENS");
+  sub->add_option("--blades", command->aperture.blades,
+                  "Blur to regular polygons of so many sides, 3 to 16, one corner up behind the focus; 0: discs")
+      ->check(CLI::Range(0, 16))
+      ->type_name("N");
+  sub->add_option("--cats-eye", command->aperture.cats_eye,
+                  "Blur to cat's eyes towards the corners: share of the radius cut off there on either side")
+      ->check(CLI::Range(0.0, 0.9))
+      ->type_name("SHARE");
+  sub->add_flag("--recover-highlights", command->recover_highlights,
+                "Blur clipped highlights as bright as they are likely to have been");
   sub->add_flag("--no-noise", command->no_noise, "Leave out the synthetic noise on what the blur has smoothed");
   sub->add_option("--seed", command->seed, "Seed of the synthetic noise")->type_name("N")->capture_default_str();
   add_threads_option(*sub);

@@ -31,8 +31,9 @@ std::vector<Band> make_bands(double low_dp_px, double high_dp_px, const BlurMapp
 
 /// A sub-image at the blur's working resolution, half the picture's; odd last rows and columns count once.
 struct Layer {
-  Image rgba;       ///< alpha [R, G, B, 1]
-  Image radius_px;  ///< working-resolution px
+  Image rgba;                      ///< alpha [R, G, B, 1]
+  Image radius_px;                 ///< working-resolution px
+  bool in_front_of_focus = false;  ///< apertures show upside down there
 };
 
 /// How much of a pixel of radius r, full-resolution px, is the input's own: all up to 0.5 px, nothing from 1.5 px on.

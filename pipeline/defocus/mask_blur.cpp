@@ -8,17 +8,33 @@
 #include "pipeline/rows.h"
 
 namespace dualpixel::pipeline {
+namespace {
 
-MaskBlurred blur_background(const Image& rgb, const Image& mask, const MaskBlurOptions& options) {
+float background_radius_px(int width, const MaskBlurOptions& options) {
+  return static_cast<float>(options.radius_px * width / options.reference_width_px);
+}
+
+}  // namespace
+
+Image background_radii(const Image& mask, const MaskBlurOptions& options) {
+  const float radius = background_radius_px(mask.width, options);
+  Image radii = mask;
+  for (float& value : radii.data) value = radius * (1 - value);
+  return radii;
+}
+
+MaskBlurred blur_background(const Image& rgb, const Image& mask, const MaskBlurOptions& options,
+                            const Aperture& aperture) {
+  require_valid(aperture);
   if (!mask.same_size(rgb)) {
     throw InputError(fmt::format("defocus: mask: {} x {}: must have the picture's size, {} x {}", mask.width,
                                  mask.height, rgb.width, rgb.height));
   }
   const int width = rgb.width, height = rgb.height;
-  const auto radius = static_cast<float>(options.radius_px * width / options.reference_width_px);
+  const float radius = background_radius_px(width, options);
   const Layer background = cut_background(rgb, mask, radius);
   Image stack(background.rgba.width, background.rgba.height, 4);
-  scatter_gradient(background, stack);
+  scatter_gradient(background, stack, aperture);
 
   const RowEnlarger enlarged(stack, width, height);
   MaskBlurred out{{Image(width, height, 3), Image(width, height)}, Image(width, height)};

@@ -25,20 +25,21 @@ struct Stacks {
 };
 
 Stacks blur_bands(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px,
-                  const std::vector<Band>& bands) {
+                  const std::vector<Band>& bands, const Aperture& aperture) {
   Stacks stacks;
   stacks.below = Image((rgb.width + 1) / 2, (rgb.height + 1) / 2, 4);
   Layer layer;
   bool in_front = false;
   for (const Band& band : bands) {
     cut_band(rgb, disparity_dp_px, radius_px, band, layer);
+    layer.in_front_of_focus = in_front;
     if (band.in_focus) {
-      scatter_direct(layer, stacks.below);
+      scatter_direct(layer, stacks.below, aperture);
       in_front = true;
       continue;
     }
     if (in_front && stacks.above.empty()) stacks.above = Image(stacks.below.width, stacks.below.height, 4);
-    scatter_gradient(layer, in_front ? stacks.above : stacks.below);
+    scatter_gradient(layer, in_front ? stacks.above : stacks.below, aperture);
   }
   return stacks;
 }
@@ -80,7 +81,7 @@ Extent extent_of(const Image& disparity_dp_px, const Image& radius_px, double r_
 
 /// The same maps with what is not valid mended.
 Defocused render_mended(const Image& rgb, Image disparity_dp_px, Image radius_px, const BlurMapping& mapping,
-                        const LayerOptions& options) {
+                        const LayerOptions& options, const Aperture& aperture) {
   const auto most = static_cast<float>(mapping.r_max_px);
   for (std::size_t i = 0; i < radius_px.data.size(); ++i) {
     float& disparity = disparity_dp_px.data[i];
@@ -91,21 +92,22 @@ Defocused render_mended(const Image& rgb, Image disparity_dp_px, Image radius_px
     }
     radius = radius > 0 ? std::min(radius, most) : 0;
   }
-  return render_defocus(rgb, disparity_dp_px, radius_px, mapping, options);
+  return render_defocus(rgb, disparity_dp_px, radius_px, mapping, options, aperture);
 }
 
 }  // namespace
 
 Defocused render_defocus(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px,
-                         const BlurMapping& mapping, const LayerOptions& options) {
+                         const BlurMapping& mapping, const LayerOptions& options, const Aperture& aperture) {
+  require_valid(aperture);
   require_size(disparity_dp_px, rgb, "disparity");
   require_size(radius_px, rgb, "radius");
   const int width = rgb.width, height = rgb.height;
   const Extent extent = extent_of(disparity_dp_px, radius_px, mapping.r_max_px);
-  if (!extent.valid) return render_mended(rgb, disparity_dp_px, radius_px, mapping, options);
+  if (!extent.valid) return render_mended(rgb, disparity_dp_px, radius_px, mapping, options, aperture);
   if (extent.largest_px == 0) return {rgb, Image(width, height)};
-  const Stacks stacks =
-      blur_bands(rgb, disparity_dp_px, radius_px, make_bands(extent.low_dp_px, extent.high_dp_px, mapping, options));
+  const Stacks stacks = blur_bands(rgb, disparity_dp_px, radius_px,
+                                   make_bands(extent.low_dp_px, extent.high_dp_px, mapping, options), aperture);
 
   const RowEnlarger below(stacks.below, width, height);
   const RowEnlarger above(stacks.above.empty() ? stacks.below : stacks.above, width, height);

@@ -1,4 +1,5 @@
 #pragma once
+#include "pipeline/defocus/aperture.h"
 #include "pipeline/defocus/layers.h"
 
 /// Synthetic defocus from disparity (Wadhwa et al. 2018, sections 5.2 and 5.3).
@@ -16,8 +17,9 @@ struct Defocused {
 /// nearer than the focus may cover them.
 ///
 /// `rgb` must be finite. Pixels whose disparity is not finite are taken to be in focus; radii are clamped to
-/// [0, r_max], and those that are no numbers count as 0. Throws InputError where the maps' sizes are not the picture's.
+/// [0, r_max], and those that are no numbers count as 0. Throws InputError where the maps' sizes are not the picture's,
+/// or for an aperture that cannot be.
 Defocused render_defocus(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px,
-                         const BlurMapping& mapping, const LayerOptions& options = {});
+                         const BlurMapping& mapping, const LayerOptions& options = {}, const Aperture& aperture = {});
 
 }  // namespace dualpixel::pipeline

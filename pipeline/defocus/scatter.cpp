@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <numbers>
 #include <vector>
 
 #include "pipeline/burst/lanes.h"
@@ -18,10 +17,11 @@ namespace {
 
 constexpr float kSteps = 16;  // of a radius, a pixel
 constexpr int kStripRows = 64;
+constexpr float kLeastRadius = 0.5f;  ///< of gradients: a smaller disc lies within its pixel
 
 int step_of(float radius_px) { return static_cast<int>(std::floor(radius_px * kSteps + 0.5f)); }
 
-/// A row of a kernel: pairs of weights for neighbouring pixels, the first at `first` from the disc's middle.
+/// A row of a kernel: pairs of weights for neighbouring pixels, the first at `first` from the shape's middle.
 struct Pairs {
   int first = 0;
   Lanes weights{};  ///< the left pixel's four times, then the right one's
@@ -36,11 +36,15 @@ struct Kernel {
 
 Lanes pair_of(float left, float right) { return Lanes{left, left, left, left, right, right, right, right}; }
 
+int reach_of(const BlurShape& shape, float radius) {
+  return static_cast<int>(std::ceil(shape.extent * radius + 0.5)) - 1;
+}
+
 /// Every pixel's weight.
-Kernel antialiased_disc(float radius) {
-  const int reach = static_cast<int>(std::ceil(radius + 0.5f)) - 1;
+Kernel antialiased(const BlurShape& shape, float radius) {
+  const int reach = reach_of(shape, radius);
   const auto weight = [&](int dx, int dy) {
-    return std::clamp(radius + 0.5f - std::sqrt(static_cast<float>(dx * dx + dy * dy)), 0.0f, 1.0f);
+    return static_cast<float>(std::clamp(depth_inside(shape, radius, dx, dy) + 0.5, 0.0, 1.0));
   };
   double total = 0;
   for (int dy = -reach; dy <= reach; ++dy) {
@@ -57,55 +61,112 @@ Kernel antialiased_disc(float radius) {
   return kernel;
 }
 
-/// A row of pixels of one weight that has the area and the spread along the row that a disc has in a row's height.
-struct DiscRow {
-  double half_length = 0;
-  double weight = 0;
+/// A row of pixels of one weight that has the area, the middle and the spread along the row of what the shape has in a
+/// row's height.
+struct ShapeRow {
+  double area = 0;
+  double begin = 0;
+  double end = 0;
 };
 
-DiscRow disc_row(double radius, int y) {
-  // integrals over t of the half chord h = sqrt(r^2 - t^2) and of h^3, of which a row of length 2 l and weight w has
-  // w l and w l^3
-  const auto integrals = [&](double at) {
-    const double t = std::clamp(at, -radius, radius), rr = radius * radius;
-    const double h = std::sqrt(rr - t * t), angle = std::asin(t / radius);
-    return std::array{0.5 * (t * h + rr * angle), 0.125 * (t * h * (5 * rr - 2 * t * t) + 3 * rr * rr * angle)};
-  };
-  const auto [first_end, third_end] = integrals(y + 0.5);
-  const auto [first_begin, third_begin] = integrals(y - 0.5);
-  const double first = first_end - first_begin, third = third_end - third_begin;
-  if (!(first > 0 && third > 0)) return {};
-  return {std::sqrt(third / first), first * std::sqrt(first / third)};
+ShapeRow shape_row(const BlurShape& shape, double radius, int y) {
+  constexpr int kLines = 16;
+  // lines at sines of even steps: chords fall like a root at a disc's top, and so evenly
+  const double top = shape.extent * radius;
+  const auto angle = [&](double at) { return std::asin(std::clamp(at / top, -1.0, 1.0)); };
+  const double from = angle(y - 0.5), step = (angle(y + 0.5) - from) / kLines;
+  double area = 0, first = 0, second = 0;  // moments over x
+  for (int line = 0; line < kLines; ++line) {
+    const double u = from + (line + 0.5) * step;
+    const auto [begin, end] = chord(shape, radius, top * std::sin(u));
+    if (end <= begin) continue;
+    const double height = top * std::cos(u) * step;
+    area += (end - begin) * height;
+    first += (end * end - begin * begin) / 2 * height;
+    second += (end * end * end - begin * begin * begin) / 3 * height;
+  }
+  if (!(area > 0)) return {};
+  const double middle = first / area;
+  const double half = std::sqrt(3 * std::max(second / area - middle * middle, 0.0));
+  return {area, middle - half, middle + half};
 }
 
-/// Differences along x of a disc's weights, two pairs a row: where it begins and where it ends.
-Kernel disc_gradient(float radius) {
-  Kernel kernel{static_cast<int>(std::ceil(radius + 0.5f)) - 1, 2, {}};
-  const double r = std::max(radius, 0.5f);  // a smaller disc lies within its pixel
-  const double area = std::numbers::pi * r * r;
+/// Differences along x of the shape's weights, two pairs a row: where it begins and where it ends.
+Kernel gradient(const BlurShape& shape, float radius) {
+  radius = std::max(radius, kLeastRadius);
+  Kernel kernel{reach_of(shape, radius), 2, {}};
+  std::vector<ShapeRow> rows;
+  double area = 0;
   for (int dy = -kernel.reach; dy <= kernel.reach; ++dy) {
-    const DiscRow row = disc_row(r, dy);
-    const int rim = static_cast<int>(std::floor(row.half_length + 0.5));  // the pixel that the row ends in
-    const auto covered = static_cast<float>(row.half_length + 0.5 - rim);
-    const auto scale = static_cast<float>(row.weight / area);
-    kernel.pairs.push_back({-rim, scale * pair_of(covered, 1 - covered)});
-    kernel.pairs.push_back({rim, scale * pair_of(covered - 1, -covered)});
+    rows.push_back(shape_row(shape, radius, dy));
+    area += rows.back().area;
+  }
+  for (const ShapeRow& row : rows) {
+    // a step of the row's weight at `at`, spread over the two pixels whose running sums then have the row's share
+    const auto step = [&](double at, float weight) {
+      const double pixel = std::floor(at + 0.5);
+      const auto later = static_cast<float>(at + 0.5 - pixel);
+      return Pairs{static_cast<int>(pixel), weight * pair_of(1 - later, later)};
+    };
+    const double length = row.end - row.begin;
+    const auto weight = length > 0 ? static_cast<float>(row.area / (length * area)) : 0;
+    kernel.pairs.push_back(step(row.begin, weight));
+    kernel.pairs.push_back(step(row.end, -weight));
   }
   return kernel;
 }
 
-/// Kernels for radii from 0 to the layer's largest, in steps.
-template <typename Make>
-std::vector<Kernel> make_kernels(const Layer& layer, const Make& make) {
-  const std::vector<float>& radii = layer.radius_px.data;
-  const float largest = radii.empty() ? 0 : *std::max_element(radii.begin(), radii.end());
-  std::vector<Kernel> kernels;
-  for (int step = 0; step <= step_of(largest); ++step) kernels.push_back(make(static_cast<float>(step) / kSteps));
-  return kernels;
-}
+using MakeKernel = Kernel (*)(const BlurShape&, float);
+
+/// Kernels of the shapes and radii that a layer needs, made when they are first asked for. A cat's eye is of one shape
+/// in each cell of the picture.
+class Kernels {
+ public:
+  static constexpr int kCell = 64;  ///< pixels; over one, a rim moves by a fraction of a pixel
+
+  Kernels(const Layer& layer, const Aperture& aperture, MakeKernel make)
+      : layer_(layer), aperture_(aperture), make_(make) {
+    if (aperture.cats_eye > 0) cell_px_ = kCell;
+    columns_ = (layer.rgba.width + cell_px_ - 1) / cell_px_;
+    const std::vector<float>& radii = layer.radius_px.data;
+    steps_ = radii.empty() ? 1 : step_of(*std::max_element(radii.begin(), radii.end())) + 1;
+    cells_.resize(static_cast<std::size_t>(columns_) * ((layer.rgba.height + cell_px_ - 1) / cell_px_));
+  }
+
+  int cell_px() const { return cell_px_; }
+  int largest_reach() const {
+    const float largest_px = std::max(static_cast<float>(steps_ - 1) / kSteps, kLeastRadius);
+    return reach_of(blur_shape(aperture_, 0, 0, layer_.in_front_of_focus), largest_px);
+  }
+
+  const Kernel& operator()(int x, int y, float radius) {
+    std::vector<Kernel>& cell = cells_[static_cast<std::size_t>(y / cell_px_) * columns_ + x / cell_px_];
+    if (cell.empty()) cell.resize(steps_);
+    Kernel& kernel = cell[step_of(radius)];
+    if (kernel.pairs.empty()) kernel = make_(shape_at(x, y), static_cast<float>(step_of(radius)) / kSteps);
+    return kernel;
+  }
+
+ private:
+  BlurShape shape_at(int x, int y) const {
+    const double half_width = 0.5 * layer_.rgba.width, half_height = 0.5 * layer_.rgba.height;
+    const double corner = std::hypot(half_width, half_height);
+    const auto field = [&](int at, double half) { return ((at / cell_px_ + 0.5) * cell_px_ - half) / corner; };
+    return blur_shape(aperture_, field(x, half_width), field(y, half_height), layer_.in_front_of_focus);
+  }
+
+  const Layer& layer_;
+  Aperture aperture_;
+  MakeKernel make_;
+  int cell_px_ = 1 << 30;
+  int columns_ = 1;
+  int steps_ = 1;
+  std::vector<std::vector<Kernel>> cells_;
+};
 
 /// Rows of a strip of the result while it is being scattered, with room for discs to both sides.
 struct Strip {
+  Kernels kernels;
   int margin = 0;      ///< pixels to the left
   std::size_t stride;  ///< floats
   std::vector<float> data;
@@ -113,24 +174,24 @@ struct Strip {
   float* row(int y) { return data.data() + static_cast<std::size_t>(y) * stride; }
 };
 
-Strip make_strip(int width, int reach) {
-  Strip strip;
-  strip.margin = reach + 1;
+Strip make_strip(const Layer& layer, const Aperture& aperture, MakeKernel make) {
+  Strip strip{Kernels(layer, aperture, make), 0, 0, {}};
+  strip.margin = strip.kernels.largest_reach() + 1;
   // An odd number of cache lines, so that a disc's rows don't compete for the same ones.
-  strip.stride = static_cast<std::size_t>((4 * (width + 2 * strip.margin + 1) + 15) / 16 | 1) * 16;
+  strip.stride = static_cast<std::size_t>((4 * (layer.rgba.width + 2 * strip.margin + 1) + 15) / 16 | 1) * 16;
   strip.data.resize(kStripRows * strip.stride);
   return strip;
 }
 
 /// Adds what the layer's pixels scatter into rows y0 ... y1 - 1.
-void scatter_into(Strip& strip, const Layer& layer, const std::vector<Kernel>& kernels, int y0, int y1) {
-  const int width = layer.rgba.width, reach = kernels.back().reach;
+void scatter_into(Strip& strip, const Layer& layer, int y0, int y1) {
+  const int width = layer.rgba.width, reach = strip.margin - 1;
   for (int y = std::max(y0 - reach, 0); y < std::min(y1 + reach, layer.rgba.height); ++y) {
     for (int x = 0; x < width; ++x) {
       const float* rgba = layer.rgba.row(y) + 4 * x;
       if (rgba[3] == 0) continue;
       const Lanes color = {rgba[0], rgba[1], rgba[2], rgba[3], rgba[0], rgba[1], rgba[2], rgba[3]};
-      const Kernel& kernel = kernels[step_of(layer.radius_px.row(y)[x])];
+      const Kernel& kernel = strip.kernels(x, y, layer.radius_px.row(y)[x]);
       const int top = std::max(y - kernel.reach, y0), bottom = std::min(y + kernel.reach, y1 - 1);
       const Pairs* pairs = kernel.pairs.data() + (top - y + kernel.reach) * kernel.row_pairs;
       for (int v = top; v <= bottom; ++v) {
@@ -151,18 +212,18 @@ void lay_over(Rgba front, float* behind) {
   store_rgba(kept + (1 - kept[3]) * load_rgba(behind), behind);
 }
 
-/// Scatters with `kernels` and hands each row of the result, with the margins that the strip has, to
-/// finish(strip row, margin, row behind). Each strip takes from all source rows in order and adds to its own rows only,
-/// so every sum has the same order however the strips are shared out.
+/// Scatters and hands each row of the result, with the margins that the strip has, to finish(strip row, margin, row
+/// behind). Each strip takes from all source rows in order and adds to its own rows only, so every sum has the same
+/// order however the strips are shared out.
 template <typename Finish>
-void scatter(const Layer& layer, const std::vector<Kernel>& kernels, Image& behind, const Finish& finish) {
+void scatter(const Layer& layer, const Aperture& aperture, MakeKernel make, Image& behind, const Finish& finish) {
   const int height = layer.rgba.height;
-  tbb::enumerable_thread_specific<Strip> strips([&] { return make_strip(layer.rgba.width, kernels.back().reach); });
+  tbb::enumerable_thread_specific<Strip> strips([&] { return make_strip(layer, aperture, make); });
   tbb::parallel_for(0, (height + kStripRows - 1) / kStripRows, [&](int s) {
     const int y0 = s * kStripRows, y1 = std::min(y0 + kStripRows, height);
     Strip& strip = strips.local();
     std::fill(strip.data.begin(), strip.data.end(), 0.0f);
-    scatter_into(strip, layer, kernels, y0, y1);
+    scatter_into(strip, layer, y0, y1);
     for (int y = y0; y < y1; ++y) finish(strip.row(y - y0), strip.margin, behind.row(y));
   });
 }
@@ -171,8 +232,8 @@ constexpr float kTraces = 1e-5f;  // alpha that rounding may leave where no disc
 
 }  // namespace
 
-void scatter_direct(const Layer& layer, Image& behind) {
-  scatter(layer, make_kernels(layer, antialiased_disc), behind, [&](const float* from, int margin, float* to) {
+void scatter_direct(const Layer& layer, Image& behind, const Aperture& aperture) {
+  scatter(layer, aperture, antialiased, behind, [&](const float* from, int margin, float* to) {
     for (int x = 0; x < layer.rgba.width; ++x) {
       const Rgba blurred = load_rgba(from + 4 * (x + margin));
       if (blurred[3] > kTraces) lay_over(blurred, to + 4 * x);
@@ -180,8 +241,8 @@ void scatter_direct(const Layer& layer, Image& behind) {
   });
 }
 
-void scatter_gradient(const Layer& layer, Image& behind) {
-  scatter(layer, make_kernels(layer, disc_gradient), behind, [&](const float* from, int margin, float* to) {
+void scatter_gradient(const Layer& layer, Image& behind, const Aperture& aperture) {
+  scatter(layer, aperture, gradient, behind, [&](const float* from, int margin, float* to) {
     using Sum = double __attribute__((vector_size(32)));  // single precision would drift over a row
     Sum sum{};
     for (int x = -margin; x < layer.rgba.width; ++x) {

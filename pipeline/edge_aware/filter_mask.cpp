@@ -64,16 +64,21 @@ Image filter_mask(const Image& mask, const Image& guide, const FilterMaskOptions
   const Image half_guide = resize_area(guide, width, height);
   const Image coarse = mask.width > width ? resize_area(mask, width, height) : resize_bilinear(mask, width, height);
   Image confidence(width, height);
-  for (std::size_t i = 0; i < coarse.data.size(); ++i) {
-    const float certainty = 2 * coarse.data[i] - 1;
-    confidence.data[i] = certainty * certainty;
-  }
+  for_rows(height, [&](int y) {
+    for (int x = 0; x < width; ++x) {
+      const float certainty = 2 * coarse.row(y)[x] - 1;
+      confidence.row(y)[x] = certainty * certainty;
+    }
+  });
   const int reach = static_cast<int>(0.5f * options.erosion * static_cast<float>(std::max(width, height)));
   confidence = erode(confidence, 2 * reach + 1);
 
   const BilateralGrid grid = make_bilateral_grid(half_guide, options.grid);
   Image filtered = solve_bilateral(grid, half_guide, coarse, confidence, options.solver).value;
-  for (float& value : filtered.data) value = 1 / (1 + std::exp(-options.sigmoid_slope * (value - 0.5f)));
+  for_rows(height, [&](int y) {
+    float* value = filtered.row(y);
+    for (int x = 0; x < width; ++x) value[x] = 1 / (1 + std::exp(-options.sigmoid_slope * (value[x] - 0.5f)));
+  });
   return joint_upsample(gaussian_blur(filtered, options.blur_sigma_px), half_guide, guide, options.upsample);
 }
 

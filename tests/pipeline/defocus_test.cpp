@@ -122,9 +122,10 @@ Layer random_layer(int width, int height, unsigned seed, float largest_radius_px
   return layer;
 }
 
-Image over_nothing(void (*scatter)(const Layer&, Image&), const Layer& layer) {
+Image over_nothing(void (*scatter)(const Layer&, Image&, const Aperture&), const Layer& layer,
+                   const Aperture& aperture = {}) {
   Image out(layer.rgba.width, layer.rgba.height, 4);
-  scatter(layer, out);
+  scatter(layer, out, aperture);
   return out;
 }
 

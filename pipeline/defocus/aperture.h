@@ -1,0 +1,44 @@
+#pragma once
+#include <array>
+#include <vector>
+
+/// The shape that a point out of focus is blurred to.
+namespace dualpixel::pipeline {
+
+struct Aperture {
+  int blades = 0;  ///< 0: round (the paper's disc); 3 to 16: a regular polygon
+  /// 0 to 0.9: how much of the blur's radius the lens's rims cut off on either side in the picture's corners,
+  /// proportionally less towards the middle: the cat's eye of a lens that vignettes (two equal circles in common).
+  double cats_eye = 0;
+};
+
+/// Throws InputError where a value is out of range.
+void require_valid(const Aperture& aperture);
+
+/// The convex shape of one point's blur of radius 1, x right, y down.
+///
+/// A polygon has the disc's area, so that a radius means the same for every shape. One corner points up behind the
+/// focus and, as the two sides of the focus are each other's mirror images, down in front of it. A cat's eye has less
+/// area, as the lens has there.
+struct BlurShape {
+  std::vector<std::array<double, 2>> normals;  ///< of a polygon's sides, unit length; empty when round
+  double side_distance = 0;                    ///< of the sides from the middle
+  double extent = 1;                           ///< of the farthest corner from the middle
+  std::array<double, 2> cut = {0, 0};          ///< discs around +cut and -cut bound a cat's eye
+};
+
+/// `field_x`, `field_y`: the point's place from the picture's middle, length 1 in the corners.
+BlurShape blur_shape(const Aperture& aperture, double field_x, double field_y, bool in_front_of_focus);
+
+/// What a line at height y has in common with the shape of radius r; none where end <= begin.
+struct Chord {
+  double begin = 0;
+  double end = 0;
+};
+Chord chord(const BlurShape& shape, double radius, double y);
+
+/// Distance of a point in the shape of radius r from its rim (to be exact, from the nearest line or circle that bounds
+/// it); negative outside.
+double depth_inside(const BlurShape& shape, double radius, double x, double y);
+
+}  // namespace dualpixel::pipeline

@@ -1,0 +1,192 @@
+#include "pipeline/defocus/aperture.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "capture/error.h"
+#include "pipeline/defocus/render.h"
+#include "pipeline/defocus/scatter.h"
+
+namespace dualpixel::pipeline {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// By lines; where one misses a part of a flat side, by less than 2e-4 for what is measured here.
+double area_of(const BlurShape& shape, double radius) {
+  constexpr int kLines = 200000;
+  const double top = shape.extent * radius;
+  double area = 0;
+  for (int line = 0; line < kLines; ++line) {
+    const auto [begin, end] = chord(shape, radius, ((line + 0.5) / kLines * 2 - 1) * top);
+    area += std::max(end - begin, 0.0) * 2 * top / kLines;
+  }
+  return area;
+}
+
+TEST(Aperture, PolygonsHaveTheDiscsArea) {
+  for (int blades = 3; blades <= 16; ++blades) {
+    for (const bool in_front : {false, true}) {
+      EXPECT_NEAR(area_of(blur_shape({blades, 0}, 0.3, 0.4, in_front), 2.5), kPi * 6.25, 2e-4) << blades;
+    }
+  }
+  EXPECT_NEAR(area_of(blur_shape({}, 0, 0, false), 2.5), kPi * 6.25, 2e-4);
+}
+
+// Two circles of radius r whose middles lie 2 s r apart have 2 r^2 (acos s - s sqrt(1 - s^2)) in common.
+TEST(Aperture, CatsEyesHaveTheAreaOfTwoCirclesInCommon) {
+  for (const double field : {0.0, 0.25, 0.5, 1.0}) {
+    for (const double direction : {0.0, 0.7, 2.0}) {
+      const double s = 0.8 * field;
+      const BlurShape shape = blur_shape({0, 0.8}, field * std::cos(direction), field * std::sin(direction), false);
+      EXPECT_NEAR(area_of(shape, 3), 18 * (std::acos(s) - s * std::sqrt(1 - s * s)), 2e-4) << field;
+    }
+  }
+}
+
+TEST(Aperture, DepthAndChordsAgree) {
+  for (const Aperture& aperture : {Aperture{}, Aperture{5, 0}, Aperture{6, 0.5}, Aperture{0, 0.9}}) {
+    const BlurShape shape = blur_shape(aperture, -0.6, 0.5, true);
+    for (double y = -1.7; y < 1.7; y += 0.0937) {
+      const auto [begin, end] = chord(shape, 1, y);
+      for (double x = -1.7; x < 1.7; x += 0.0871) {
+        EXPECT_EQ(depth_inside(shape, 1, x, y) > 0, x > begin && x < end) << x << ' ' << y;
+      }
+    }
+  }
+}
+
+/// Blurs one pixel of a picture.
+Image impulse(int side, int x, int y, float radius, const Aperture& aperture, bool in_front, bool direct) {
+  Layer layer{Image(side, side, 4), Image(side, side, 1, radius), in_front};
+  std::fill_n(&layer.rgba.at(x, y), 4, 1.0f);
+  Image out(side, side, 4);
+  (direct ? scatter_direct : scatter_gradient)(layer, out, aperture);
+  return out;
+}
+
+/// Share of the square of side 1 around (x, y) within a regular polygon of area pi r^2, a corner of which lies on the
+/// y axis, at negative y for `up`: by the sign of cross products with its corners.
+double polygon_coverage(int blades, double radius, bool up, int x, int y) {
+  const double corner = radius * std::sqrt(2 * kPi / (blades * std::sin(2 * kPi / blades)));
+  int inside = 0;
+  for (int i = 0; i < 64; ++i) {
+    const int column = i % 8, line = i / 8;
+    const double u = x + (column + 0.5) / 8 - 0.5;
+    const double v = (y + (line + 0.5) / 8 - 0.5) * (up ? 1 : -1);
+    bool in = true;
+    for (int k = 0; k < blades; ++k) {
+      const double a = 2 * kPi * k / blades, b = 2 * kPi * (k + 1) / blades;
+      const double ax = corner * std::sin(a), ay = -corner * std::cos(a);
+      const double bx = corner * std::sin(b), by = -corner * std::cos(b);
+      in &= (bx - ax) * (v - ay) - (by - ay) * (u - ax) >= 0;
+    }
+    inside += in;
+  }
+  return inside / 64.0;
+}
+
+TEST(Aperture, ImpulsesBecomePolygons) {
+  constexpr int kSide = 47, kMiddle = 23;
+  constexpr float kRadius = 12;
+  for (const int blades : {3, 5, 6, 9}) {
+    for (const bool in_front : {false, true}) {
+      Image ideal(kSide, kSide);
+      for (int y = 0; y < kSide; ++y) {
+        for (int x = 0; x < kSide; ++x) {
+          const double covered = polygon_coverage(blades, kRadius, !in_front, x - kMiddle, y - kMiddle);
+          ideal.at(x, y) = static_cast<float>(covered / (kPi * kRadius * kRadius));
+        }
+      }
+      for (const bool direct : {false, true}) {
+        const Image shape = impulse(kSide, kMiddle, kMiddle, kRadius, {blades, 0}, in_front, direct);
+        double energy = 0, both = 0, either = 0;
+        for (int y = 0; y < kSide; ++y) {
+          for (int x = 0; x < kSide; ++x) {
+            energy += shape.at(x, y, 3);
+            both += std::min(shape.at(x, y, 3), ideal.at(x, y));
+            either += std::max(shape.at(x, y, 3), ideal.at(x, y));
+          }
+        }
+        EXPECT_NEAR(energy, 1, 1e-4);
+        EXPECT_GT(both / either, 0.9) << blades << (direct ? " direct" : " gradient");
+      }
+    }
+  }
+}
+
+// In a corner a cat's eye is narrow towards the middle of the picture, and in the middle it is round.
+TEST(Aperture, CatsEyesNarrowTowardsTheMiddle) {
+  constexpr int kSide = 320;
+  const auto spreads = [&](int at) {
+    const Image shape = impulse(kSide, at, at, 12, {0, 0.6}, false, false);
+    double along = 0, across = 0;
+    for (int y = 0; y < kSide; ++y) {
+      for (int x = 0; x < kSide; ++x) {
+        along += shape.at(x, y, 0) * std::pow(x - at + y - at, 2) / 2;
+        across += shape.at(x, y, 0) * std::pow(x - y, 2) / 2;
+      }
+    }
+    return std::pair{along, across};
+  };
+  const auto [round_along, round_across] = spreads(kSide / 2);
+  EXPECT_NEAR(round_along, 36, 0.05 * 36);  // r^2 / 4; the cell's middle lies 32 px from the picture's
+  EXPECT_NEAR(round_across, 36, 0.05 * 36);
+  const auto [along, across] = spreads(kSide - 20);
+  EXPECT_LT(along, 0.5 * across);
+}
+
+TEST(Aperture, ConstantPicturesStayConstant) {
+  Image disparity(70, 50), radius(70, 50);
+  for (int y = 0; y < 50; ++y) {
+    for (int x = 0; x < 70; ++x) disparity.at(x, y) = 0.03f * static_cast<float>(x - 35);
+  }
+  const BlurMapping mapping = make_blur_mapping(1, 0, 2688, false);
+  radius = blur_radii(disparity, mapping);
+  for (const Aperture& aperture : {Aperture{5, 0}, Aperture{0, 0.7}, Aperture{7, 0.9}}) {
+    const Image out = render_defocus(Image(70, 50, 3, 0.4f), disparity, radius, mapping, {}, aperture).rgb;
+    for (const float value : out.data) ASSERT_NEAR(value, 0.4f, 1e-5);
+  }
+}
+
+TEST(Aperture, RefusesWhatCannotBe) {
+  const Image rgb(8, 8, 3), map(8, 8);
+  for (const Aperture& aperture : {Aperture{2, 0}, Aperture{17, 0}, Aperture{-1, 0}, Aperture{0, 0.95},
+                                   Aperture{0, -0.1}, Aperture{0, std::nan("")}}) {
+    EXPECT_THROW(render_defocus(rgb, map, map, BlurMapping(), {}, aperture), InputError);
+  }
+}
+
+// What "over" means, of blurred layers on what lies behind them; where discs pile up nothing shines through.
+TEST(Scatter, LayersAreLaidOverWhatIsBehind) {
+  constexpr int kSide = 40;
+  Layer layer{Image(kSide, kSide, 4), Image(kSide, kSide, 1, 4.0f)};
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide / 2; ++x) {
+      layer.radius_px.at(x, y) = x < 12 ? 1 : 6;  // piles up between
+      std::fill_n(&layer.rgba.at(x, y), 4, 0.9f);
+    }
+  }
+  for (const auto& scatter : {scatter_direct, scatter_gradient}) {
+    Image alone(kSide, kSide, 4), over(kSide, kSide, 4);
+    for (int y = 0; y < kSide; ++y) {
+      for (int x = 0; x < kSide; ++x) {
+        over.at(x, y, 1) = 0.25f;
+        over.at(x, y, 3) = 1;
+      }
+    }
+    scatter(layer, alone, {});
+    scatter(layer, over, {});
+    for (int x = 0; x < kSide; ++x) {
+      const float alpha = alone.at(x, 20, 3);
+      EXPECT_NEAR(over.at(x, 20, 3), 1, 1e-5) << x;
+      EXPECT_NEAR(over.at(x, 20, 0), alone.at(x, 20, 0), 1e-5) << x;
+      EXPECT_NEAR(over.at(x, 20, 1), alone.at(x, 20, 1) + (1 - alpha) * 0.25f, 1e-5) << x;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace dualpixel::pipeline
