@@ -63,7 +63,7 @@ std::vector<std::uint8_t> develop(Image light, Dice dice) {
   const float contrast = std::clamp(0.25f + 0.25f * dice.normal(), -0.3f, 0.9f),
               lift = dice.chance(0.15f) ? dice.in(0, 0.06f) : 0;
   // electrons of a white pixel of the small picture: a phone's 6000 over ISO, times the photosites it is the mean of
-  const float white_e = 6000 / std::exp2(dice.in(0, 6)) * dice.in(1, 30);
+  const float white_e = 6000 / std::exp2(dice.in(0, 5)) * dice.in(4, 60);
   const float read_e = 2.5f;
   const float vignette = dice.chance(0.4f) ? dice.in(0, 0.4f) : 0;
   const float sharp = dice.chance(0.5f) ? dice.in(0, 0.7f) : -dice.in(0, 0.6f);

@@ -41,7 +41,7 @@ float hand_shape(vec3 p, float curl) {
 float Shape::operator()(vec3 p) const {
   float d = 10;
   for (const Cone& cone : cones) d = blend(d, cone_distance(cone, p), cone.fillet_m);
-  return d;
+  return cut_normal == vec3(0) ? d : std::max(d, glm::dot(p - cut_point, cut_normal));
 }
 
 std::vector<Cone> torso_cones(const Figure& figure, float offset_m) {
@@ -270,6 +270,23 @@ void add_head(Stage& stage, Figure& figure, Dice dice) {
   add_piece(stage, figure, std::move(eyes), eye);
 }
 
+void add_seat(Stage& stage, const Figure& figure, Dice dice) {
+  const Frame& pelvis = figure.skeleton.pelvis;
+  const float h = figure.body.stature_m, half_width = dice.in(0.2f, 0.7f);
+  const float top = pelvis.origin.y - (0.07f + 0.012f * figure.body.girth) * h, back = dice.in(0.0f, 0.7f);
+  Piece seat;
+  add_box(seat, pelvis.out({0, 0, 0.03f * h}) - vec3(0, pelvis.origin.y - top + 0.04f, 0), pelvis.axes,
+          {half_width, 0.04f, 0.25f});
+  if (dice.chance(0.5f))
+    add_box(seat, vec3(pelvis.origin.x, 0.5f * top, pelvis.origin.z), pelvis.axes,
+            {0.8f * half_width, 0.5f * top, 0.2f});
+  if (dice.chance(0.7f))
+    add_box(seat, pelvis.out({0, 0.5f * back, -0.14f * h - 0.05f}), pelvis.axes,
+            {half_width, 0.5f * back + 0.05f, 0.03f});
+  seat.look = stage.add(cloth_look(dice));
+  stage.pieces.push_back(std::move(seat));
+}
+
 Figure add_figure(Stage& stage, Dice dice, const FigureOptions& options) {
   Figure figure;
   Dice of_body = dice.of(1), of_pose = dice.of(2), of_looks = dice.of(3);
@@ -320,6 +337,7 @@ Figure add_figure(Stage& stage, Dice dice, const FigureOptions& options) {
   add_hair_and_hat(stage, figure, dice.of(6));
   add_head(stage, figure, dice.of(7));
   add_held_thing(stage, figure, dice.of(8));
+  if (figure.pose.sitting) add_seat(stage, figure, dice.of(9));
   return figure;
 }
 

@@ -21,6 +21,7 @@ struct Cone {
 
 struct Shape {
   std::vector<Cone> cones;
+  vec3 cut_point{0}, cut_normal{0};  ///< not 0: nothing beyond the plane
   float operator()(vec3 p) const;
 };
 
@@ -55,6 +56,7 @@ void add_body(Stage& stage, Figure& figure, Dice dice);
 void add_head(Stage& stage, Figure& figure, Dice dice);
 void add_clothes(Stage& stage, Figure& figure, Dice dice);
 void add_hair_and_hat(Stage& stage, Figure& figure, Dice dice);
+void add_seat(Stage& stage, const Figure& figure, Dice dice);
 void add_held_thing(Stage& stage, Figure& figure, Dice dice);
 
 /// Torso, shoulders and neck with `offset_m` of room; arms and legs likewise. Sides as in Skeleton.

@@ -50,8 +50,8 @@ float gaussian(vec3 d, vec3 sigma) {
 
 vec3 face(const Look& look, vec3 p) {
   const vec3 s(std::abs(p.x), p.y, p.z);
-  const float mottle = fractal(look.seed, p * 70.0f, 3) - 0.5f;
-  vec3 color = look.a * (1 + 0.22f * mottle);
+  const float mottle = fractal(look.seed, p * 45.0f, 3) - 0.5f;
+  vec3 color = look.a * (1 + 0.14f * mottle);
   const bool front = p.z > 0.02f;
   // blood under cheeks, nose and ears
   float red = 0.5f * look.v[kBlush] * gaussian(s - vec3(0.044f, -0.02f, 0.06f), {0.018f, 0.015f, 0.03f});
@@ -228,6 +228,12 @@ vec3 graffiti(const Look& look, vec3 p) {
 
 vec3 reflectance(const Look& look, vec3 p) {
   const float s = look.scale_m;
+  if (look.v[kPlacket] > 0 && look.kind < Kind::skin && p.z > 0 && std::abs(p.x) < 0.02f) {
+    const float button = glm::length(vec2(p.x, 0.09f * (saw(p.y / 0.09f) - 0.5f)));
+    const float edge = std::abs(p.x - 0.017f);
+    if (button < 0.006f) return glm::mix(look.a, look.c, look.v[kPlacket]);
+    if (edge < 0.002f) return look.a * (1 - 0.6f * look.v[kPlacket]);
+  }
   switch (look.kind) {
     case Kind::plain:
       return look.a;
@@ -261,7 +267,7 @@ vec3 reflectance(const Look& look, vec3 p) {
       return glm::mix(look.a, look.b, std::clamp(1.6f * (worn - 0.35f) + 0.4f * (twill - 0.5f), 0.0f, 1.0f));
     }
     case Kind::heather:
-      return look.a * (0.75f + 0.5f * fractal(look.seed, p * 120.0f, 2)) *
+      return look.a * (0.87f + 0.26f * fractal(look.seed, p * 80.0f, 2)) *
              (0.85f + 0.3f * fractal(look.seed + 4, p * 12.0f, 2));
     case Kind::print: {
       // a picture or lettering on the front, plain elsewhere
@@ -285,7 +291,7 @@ vec3 reflectance(const Look& look, vec3 p) {
       return n > 0.56f ? look.b : m > 0.56f ? look.c : look.a;
     }
     case Kind::skin:
-      return look.a * (0.88f + 0.24f * fractal(look.seed, p * 60.0f, 3)) *
+      return look.a * (0.92f + 0.16f * fractal(look.seed, p * 40.0f, 3)) *
              glm::mix(vec3(1), vec3(1.02f, 0.93f, 0.92f), noise(look.seed + 2, p * 15.0f));
     case Kind::face:
       return face(look, p);

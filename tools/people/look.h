@@ -53,11 +53,14 @@ struct Look {
   float gloss_power = 20;    ///< its sharpness
   float softness = 0;        ///< how far light wraps around, as under skin: 0..1
   glm::vec3 emission{0};     ///< radiance per reflectance, in the dome's units
-  std::array<float, 6> v{};  ///< of a face: see FaceDetail
+  std::array<float, 6> v{};  ///< of a face or a garment: see FaceDetail, kPlacket
 };
 
 /// Look::v of a face.
 enum FaceDetail : std::uint8_t { kStubble, kBrowThickness, kMouthOpen, kBlush, kScalpHair, kEyeLine };
+
+/// Look::v of a garment: how strongly a line of buttons shows down its front.
+inline constexpr int kPlacket = 0;
 
 /// Reflectance, about 0 .. 1, at a rest place.
 glm::vec3 reflectance(const Look& look, glm::vec3 rest);

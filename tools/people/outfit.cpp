@@ -18,6 +18,8 @@ Shape upper_garment(const Figure& figure, float room_m, float sleeves, float hem
     for (const Cone& cone : arm_cones(figure, side, room_m * 1.1f, sleeves)) shape.cones.push_back(cone);
   }
   const float h = figure.body.stature_m;
+  shape.cut_point = k.pelvis.out({0, (figure.pose.sitting ? -0.03f : hem) * h, 0});
+  shape.cut_normal = -k.pelvis.axes[1];
   const float hips = (0.075f + 0.008f * figure.body.woman) * h * (1 + 0.22f * figure.body.girth) + room_m;
   if (hem < 0 && !figure.pose.sitting) {
     const vec3 bottom = k.pelvis.out({0, hem * h, 0});
@@ -175,6 +177,8 @@ void add_clothes(Stage& stage, Figure& figure, Dice dice) {
   figure.tags.push_back(std::string("top:") + kTopNames[choice]);
   Look look = cloth_look(dice);
   const float folds = dice.in(0.006f, 0.016f);
+  const bool closed_in_front = top == Top::shirt || top == Top::coat || top == Top::hoodie || top == Top::blazer;
+  if (closed_in_front && dice.chance(0.7f)) look.v[kPlacket] = dice.in(0.2f, 1);
   const auto seed = dice.seed();
   const float hem = dice.in(-0.11f, -0.03f);
   const float short_sleeve = dice.in(0.28f, 0.5f), long_sleeve = dice.chance(0.25f) ? dice.in(0.6f, 0.9f) : 1.0f;

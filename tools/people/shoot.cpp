@@ -21,6 +21,13 @@ vec3 dome_radiance(const Dome& dome, vec3 d) {
   return gradient + dome.lobe * std::exp(dome.lobe_sharpness * (glm::dot(d, dome.lobe_direction) - 1));
 }
 
+/// Its mean over the half sphere about a normal, weighed by the cosine; near enough.
+vec3 dome_irradiance(const Dome& dome, vec3 n) {
+  const vec3 gradient = 0.5f * dome.horizon + (0.25f + 0.25f * n.y) * dome.up + (0.25f - 0.25f * n.y) * dome.down;
+  const float facing = std::max((glm::dot(n, dome.lobe_direction) + 0.4f) / 1.4f, 0.0f);
+  return gradient + dome.lobe * (1.6f / dome.lobe_sharpness * facing);
+}
+
 vec3 seen_sky(const Dome& dome, vec3 d) {
   vec3 color = dome_radiance(dome, d);
   if (!dome.sky || d.y < 0) return color;
@@ -68,7 +75,7 @@ Lit light_at(const Stage& stage, const Piece& piece, const glm::uvec3& t, float 
   Lit lit;
   lit.origin = at(piece.positions) + 0.0015f * geometric;
   lit.seen = lit.hidden = color * look.emission;
-  constexpr float kShare = 2;  // each kind of light is asked for by every other sample
+  constexpr float kShare = 2;  // each kind of light is asked for by half of the samples, which are a net of their own
   if (key) {
     const KeyLight& light = stage.key;
     vec3 x, y;
@@ -76,13 +83,13 @@ Lit light_at(const Stage& stage, const Piece& piece, const glm::uvec3& t, float 
     const float r = light.spread * std::sqrt(u), phi = 2 * std::numbers::pi_v<float> * v;
     lit.towards = glm::normalize(light.direction + r * std::cos(phi) * x + r * std::sin(phi) * y);
     lit.reach_m = kKeyReach_m;
-    const float cosine = glm::dot(n, lit.towards);
+    const float cosine = glm::dot(n, light.direction);
     // light wraps around under skin and through leaves, red furthest
     const vec3 wrap = look.softness * vec3(1, 0.55f, 0.45f);
     const vec3 diffuse = glm::max((vec3(cosine) + wrap) / (1.0f + wrap), vec3(0));
     vec3 arriving = color * diffuse;
     if (look.gloss > 0 && cosine > 0) {
-      const vec3 half = glm::normalize(lit.towards - eye_direction);
+      const vec3 half = glm::normalize(light.direction - eye_direction);
       arriving += look.gloss * 0.06f * (look.gloss_power + 2) * cosine *
                   std::pow(std::max(glm::dot(n, half), 0.0f), look.gloss_power) * glm::mix(vec3(1), color * 2.0f, 0.4f);
     }
@@ -92,7 +99,8 @@ Lit light_at(const Stage& stage, const Piece& piece, const glm::uvec3& t, float 
   }
   lit.towards = cosine_direction(n, u, v);
   lit.reach_m = glm::dot(lit.towards, geometric) > 0 ? kDomeReach_m : 0;
-  const vec3 ambient = dome_radiance(stage.dome, lit.towards);
+  // the whole dome's light times what share of it is free: less grain than the radiance of single directions
+  const vec3 ambient = dome_irradiance(stage.dome, n);
   lit.seen += kShare * color * ambient;
   lit.hidden += kShare * 0.35f * color * ambient * glm::mix(vec3(1), color, 0.5f);  // what the neighbour gives back
   return lit;
