@@ -70,6 +70,7 @@ int main(int argc, char** argv) {
   dualpixel::tools::add_bench(program);
   dualpixel::tools::add_experiment(program);
   dualpixel::tools::add_export(program);
+  dualpixel::tools::add_people(program);
 
   try {
     program.parse(argc, argv);

@@ -1,0 +1,57 @@
+#pragma once
+#include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#include "simulator/sampling/hash.h"
+
+/// The draws of one recipe, in order, from a key alone. What a held-out set draws, training never does: of each
+/// fifth of a sixteenth of the unit interval the last belongs to the held-out set, the other four to training, so no
+/// number (an angle, a length, a colour) is shared; and pools of whole things (rooms, gestures, ...) are split by
+/// choose(). Seeds of noise differ because the key's last bit says which set it is.
+namespace dualpixel::tools {
+
+class Dice {
+ public:
+  Dice(std::uint64_t seed, bool held_out) : key_(simulator::hash(seed) << 1 | (held_out ? 1 : 0)) {}
+
+  bool held_out() const { return (key_ & 1) != 0; }
+
+  /// Dice for a part of what is made: its draws don't move when another part draws more.
+  Dice of(std::uint64_t part) const { return Dice(simulator::hash(key_, part), held_out()); }
+
+  /// Uniform over this set's share of [0, 1).
+  float unit() {
+    constexpr int kBlocks = 16, kSlots = 5;
+    const std::uint64_t bits = next();
+    const auto block = static_cast<float>(bits & (kBlocks - 1));
+    const float within = static_cast<float>(bits >> 40) * 0x1p-24f;
+    const float slot = held_out() ? kSlots - 1 + within : (kSlots - 1) * within;
+    return (block + slot / kSlots) / kBlocks;
+  }
+  float in(float low, float high) { return low + (high - low) * unit(); }
+  /// Bell-shaped about 0, deviation 1, within +-2.5 or so: the sum of four uniform numbers, not all of one block.
+  float normal() {
+    const float sum = unit() + unit() + unit() + unit();
+    return (sum - 2) * 1.7320508f;
+  }
+  glm::vec3 in3(float low, float high) {
+    const float x = in(low, high), y = in(low, high);
+    return {x, y, in(low, high)};
+  }
+  /// What both sets share: whether, and which of n.
+  bool chance(float p) { return static_cast<float>(next() >> 40) * 0x1p-24f < p; }
+  int below(int n) { return static_cast<int>((next() >> 33) % static_cast<std::uint64_t>(n)); }
+  float sign() { return chance(0.5f) ? 1.0f : -1.0f; }
+  std::uint32_t seed() { return static_cast<std::uint32_t>(next() >> 32) << 1 | (held_out() ? 1 : 0); }
+
+  /// Which of a pool of n, the last `reserved` of which only held-out sets use, and the others only training.
+  int choose(int n, int reserved) { return held_out() ? n - reserved + below(reserved) : below(n - reserved); }
+
+ private:
+  std::uint64_t next() { return simulator::hash(key_, count_++); }
+  std::uint64_t key_;
+  std::uint64_t count_ = 0;
+};
+
+}  // namespace dualpixel::tools

@@ -1,0 +1,174 @@
+#include "tools/people/people_set.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "capture/error.h"
+#include "capture/files.h"
+
+namespace dualpixel::tools {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char* kShardFile = "shard.json";
+
+int samples_of_shard(const PeopleOptions& options, int shard) {
+  return std::min(kShardSamples, options.count - shard * kShardSamples);
+}
+
+/// What a shard was made from, and so whether it need not be made again.
+std::string shard_recipe(const PeopleOptions& options, int shard) {
+  const nlohmann::ordered_json json = {
+      {"format", "dualpixel people shard"},        {"version", 1},         {"shard", shard},
+      {"count", samples_of_shard(options, shard)}, {"seed", options.seed}, {"held_out", options.held_out},
+      {"composites", options.composites}};
+  return json.dump(2) + "\n";
+}
+
+bool is_there(const std::string& folder, const std::string& recipe) {
+  const std::string path = folder + "/" + kShardFile;
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored) && fs::file_size(path, ignored) == recipe.size() &&
+         read_file(path) == recipe;
+}
+
+template <typename T>
+std::string_view bytes_of(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+
+void write_shard(const std::vector<PeopleSample>& samples, const std::string& path, const std::string& recipe) {
+  NewFolder out(path, kShardFile);
+  const std::size_t n = samples.size(), side = kPictureSide_px;
+  std::vector<std::uint8_t> pictures, masks;
+  std::vector<float> keypoints, faces;
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const PeopleSample& s : samples) {
+    pictures.insert(pictures.end(), s.picture.begin(), s.picture.end());
+    masks.insert(masks.end(), s.mask.begin(), s.mask.end());
+    for (const glm::vec3& k : s.keypoints) keypoints.insert(keypoints.end(), {k.x, k.y, k.z});
+    faces.insert(faces.end(), {s.face.x, s.face.y, s.face.z, s.face.w});
+    list.push_back({{"seed", s.seed},
+                    {"picture", s.picture_index},
+                    {"people", s.people},
+                    {"composite", s.composite},
+                    {"tags", s.tags}});
+  }
+  write_file(out.path() + "/pictures.npy", npy_bytes("|u1", {n, side, side, 3}, bytes_of(pictures)));
+  write_file(out.path() + "/masks.npy", npy_bytes("|u1", {n, side, side}, bytes_of(masks)));
+  write_file(out.path() + "/keypoints.npy", npy_bytes("<f4", {n, kKeypoints, 3}, bytes_of(keypoints)));
+  write_file(out.path() + "/faces.npy", npy_bytes("<f4", {n, 4}, bytes_of(faces)));
+  write_file(out.path() + "/samples.json", list.dump() + "\n");
+  write_file(out.path() + "/" + kShardFile, recipe);
+  out.commit();
+}
+
+struct Color {
+  float r, g, b;
+};
+
+void paint(Image& image, int x, int y, Color color) {
+  if (x < 0 || y < 0 || x >= image.width || y >= image.height) return;
+  image.at(x, y, 0) = color.r, image.at(x, y, 1) = color.g, image.at(x, y, 2) = color.b;
+}
+
+}  // namespace
+
+void check_people_options(const PeopleOptions& options) {
+  if (options.count < 1 || options.count > kMostSamples) {
+    throw InputError(fmt::format("--count {}: 1 to {} samples can be made", options.count, kMostSamples));
+  }
+  if (options.composites < 0 || options.composites > kMostComposites) {
+    throw InputError(
+        fmt::format("--composites {}: 0 to {} of each picture can be made", options.composites, kMostComposites));
+  }
+}
+
+std::string npy_bytes(const std::string& type, const std::vector<std::size_t>& shape, std::string_view bytes) {
+  std::string sizes;
+  for (const std::size_t size : shape) sizes += fmt::format("{}, ", size);
+  if (shape.size() > 1) sizes.resize(sizes.size() - 2);
+  std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", type, sizes);
+  constexpr std::size_t kBefore = 10;  // magic, version, length
+  header.append(63 - (kBefore + header.size()) % 64, ' ');
+  header += '\n';
+  std::string out("\x93NUMPY\x01\x00", 8);
+  out += static_cast<char>(header.size() & 255);
+  out += static_cast<char>(header.size() >> 8);
+  out += header;
+  out.append(bytes);
+  return out;
+}
+
+void write_people_set(const PeopleOptions& options, const std::string& folder,
+                      const std::function<void(double)>& progress,
+                      const std::function<void(const std::vector<PeopleSample>&)>& each) {
+  check_people_options(options);
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder)) throw InputError(fmt::format("{}: cannot be made a folder", printable(folder)));
+  const int shards = (options.count + kShardSamples - 1) / kShardSamples;
+  for (int shard = 0; shard < shards; ++shard) {
+    const std::string path = fmt::format("{}/shard_{:05}", folder, shard), recipe = shard_recipe(options, shard);
+    if (!is_there(path, recipe)) {
+      const auto samples = make_people_shard(options, shard, samples_of_shard(options, shard), [&](double fraction) {
+        if (progress) progress((shard + fraction) / shards);
+      });
+      write_shard(samples, path, recipe);
+      if (each) each(samples);
+    }
+    if (progress) progress((shard + 1.0) / shards);
+  }
+  const nlohmann::ordered_json json = {
+      {"format", "dualpixel people"},     {"version", 1},         {"size_px", kPictureSide_px},
+      {"count", options.count},           {"seed", options.seed}, {"held_out", options.held_out},
+      {"composites", options.composites}, {"shards", shards}};
+  replace_file(folder + "/people.json", json.dump(2) + "\n");
+}
+
+Image contact_sheet(const std::vector<PeopleSample>& samples, int most, int columns) {
+  const int n = std::min(static_cast<int>(samples.size()), most), rows = (n + columns - 1) / columns;
+  Image sheet(std::min(columns, n) * kPictureSide_px, rows * kPictureSide_px, 3);
+  for (int i = 0; i < n; ++i) {
+    const PeopleSample& s = samples[i];
+    const int left = i % columns * kPictureSide_px, top = i / columns * kPictureSide_px;
+    const auto mask_at = [&](int x, int y) {
+      return x >= 0 && y >= 0 && x < kPictureSide_px && y < kPictureSide_px &&
+             s.mask[static_cast<std::size_t>(y) * kPictureSide_px + x] > 127;
+    };
+    for (int y = 0; y < kPictureSide_px; ++y) {
+      for (int x = 0; x < kPictureSide_px; ++x) {
+        const std::size_t at = static_cast<std::size_t>(y) * kPictureSide_px + x;
+        for (int c = 0; c < 3; ++c) sheet.at(left + x, top + y, c) = static_cast<float>(s.picture[3 * at + c]) / 255;
+        const bool edge =
+            mask_at(x, y) && !(mask_at(x - 1, y) && mask_at(x + 1, y) && mask_at(x, y - 1) && mask_at(x, y + 1));
+        if (edge) paint(sheet, left + x, top + y, {0, 1, 0.3f});
+      }
+    }
+    const int x0 = static_cast<int>(s.face.x), y0 = static_cast<int>(s.face.y), side = static_cast<int>(s.face.z);
+    for (int k = 0; k <= side; ++k) {
+      for (const auto& [x, y] : {std::pair{x0 + k, y0}, {x0 + k, y0 + side}, {x0, y0 + k}, {x0 + side, y0 + k}}) {
+        if (x >= 0 && y >= 0 && x < kPictureSide_px && y < kPictureSide_px)
+          paint(sheet, left + x, top + y, {1, 0.9f, 0});
+      }
+    }
+    for (const glm::vec3& k : s.keypoints) {
+      if (k.z < 0.5f) continue;
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+          if (k.z < 1.5f && dx == 0 && dy == 0) continue;
+          paint(sheet, left + static_cast<int>(k.x) + dx, top + static_cast<int>(k.y) + dy,
+                k.z > 1.5f ? Color{1, 0, 0.2f} : Color{0.2f, 0.6f, 1});
+        }
+      }
+    }
+  }
+  return sheet;
+}
+
+}  // namespace dualpixel::tools

@@ -1,0 +1,31 @@
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "capture/image.h"
+#include "tools/people/people.h"
+
+/// A set of people on disk (docs/people.md) and its contact sheet.
+namespace dualpixel::tools {
+
+inline constexpr int kMostSamples = 10'000'000, kMostComposites = 100;
+
+/// Throws InputError where an option lies outside its range.
+void check_people_options(const PeopleOptions& options);
+
+/// Writes shards and then people.json under `folder`. A shard that is there whole, from the same options, is kept: a
+/// run that was ended goes on where it was. Each shard appears under its name in one step. `each` gets the samples of
+/// every shard that is made.
+void write_people_set(const PeopleOptions& options, const std::string& folder,
+                      const std::function<void(double)>& progress = {},
+                      const std::function<void(const std::vector<PeopleSample>&)>& each = {});
+
+/// NumPy's .npy, version 1, C order; `type`: "|u1" or "<f4"; `bytes`: the numbers.
+std::string npy_bytes(const std::string& type, const std::vector<std::size_t>& shape, std::string_view bytes);
+
+/// The first samples, at most `most`, side by side: mask outlined, face boxed, keypoints as dots (seen: full, hidden:
+/// hollow). sRGB, 0..1.
+Image contact_sheet(const std::vector<PeopleSample>& samples, int most, int columns);
+
+}  // namespace dualpixel::tools

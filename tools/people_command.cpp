@@ -1,0 +1,70 @@
+#include <memory>
+#include <mutex>
+
+#include "capture/error.h"
+#include "capture/image_io.h"
+#include "tools/commands.h"
+#include "tools/people/people_set.h"
+
+namespace dualpixel::tools {
+namespace {
+
+struct PeopleArguments {
+  PeopleOptions options;
+  std::string folder, preview;
+};
+
+void run(const PeopleArguments& arguments) {
+  check_people_options(arguments.options);
+  Progress bar("people");
+  std::mutex one_at_a_time;
+  const auto progress = [&](double fraction) {
+    const std::scoped_lock lock(one_at_a_time);
+    bar(fraction);
+  };
+  constexpr int kPreviewed = 48, kColumns = 8;
+  if (arguments.folder.empty()) {
+    if (arguments.preview.empty()) throw InputError("people: give -o DIR, --preview FILE, or both");
+    const auto samples =
+        make_people_shard(arguments.options, 0, std::min(arguments.options.count, kShardSamples), progress);
+    write_png8(arguments.preview, contact_sheet(samples, kPreviewed, kColumns));
+    bar(1);
+    return;
+  }
+  bool previewed = arguments.preview.empty();
+  write_people_set(arguments.options, arguments.folder, progress, [&](const std::vector<PeopleSample>& samples) {
+    if (!previewed) write_png8(arguments.preview, contact_sheet(samples, kPreviewed, kColumns));
+    previewed = true;
+  });
+}
+
+}  // namespace
+
+void add_people(CLI::App& program) {
+  auto arguments = std::make_shared<PeopleArguments>();
+  CLI::App* command = program.add_subcommand(
+      "people", "Make pictures of people with masks, keypoints and face boxes, to train segmentation with");
+  command->add_option("-o,--output", arguments->folder, "Folder for the set; a set that was begun is gone on with")
+      ->type_name("DIR");
+  command->add_option("--count", arguments->options.count, "How many samples")->capture_default_str()->type_name("N");
+  command->add_option("--seed", arguments->options.seed, "Which set: the same seed gives the same bytes")
+      ->capture_default_str()
+      ->type_name("SEED");
+  command->add_flag("--held-out", arguments->options.held_out,
+                    "Draw poses, textures, places, lights and every number from what training sets never draw");
+  command
+      ->add_option("--composites", arguments->options.composites,
+                   "How many copies of each rendered picture to cut out and set before other backgrounds")
+      ->capture_default_str()
+      ->type_name("K");
+  command
+      ->add_option(
+          "--preview", arguments->preview,
+          "Contact sheet (PNG) of the first samples that this run makes: masks outlined, faces boxed, keypoints dotted")
+      ->type_name("FILE");
+  add_threads_option(*command);
+  command->footer("Example:\n  dualpixel people -o out/people --count 20000 --seed 1 --preview out/people.png");
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace dualpixel::tools

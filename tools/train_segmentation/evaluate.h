@@ -1,0 +1,29 @@
+#pragma once
+#include <torch/torch.h>
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "tools/train_segmentation/network.h"
+#include "tools/train_segmentation/people_set.h"
+
+/// How good a network's masks are.
+namespace dualpixel::tools {
+
+struct MaskScore {
+  double iou = 0;             ///< mean over the samples of intersection over union, both masks cut at 0.5
+  double gradient_error = 0;  ///< E[(grad M^ - grad M)^2]: forward differences along x and y, squared and added, mean
+                              ///< over pixels and samples
+};
+
+/// On samples as they are. `network` is left in evaluation mode.
+MaskScore evaluate(Network& network, const PeopleSet& set, const std::vector<std::size_t>& indices,
+                   const std::function<void(double fraction)>& progress = {});
+
+/// Each sample's mean |M^ - M| inside the mask: over pixels in the person and at least 0.05 of the picture's side away
+/// from its outline (the distance is in the source of Wadhwa et al. 2018, section 3.2); 0 where there are none.
+std::vector<float> inner_errors(Network& network, const PeopleSet& set,
+                                const std::function<void(double fraction)>& progress = {});
+
+}  // namespace dualpixel::tools

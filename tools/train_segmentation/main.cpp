@@ -1,0 +1,84 @@
+#include <signal.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+
+#include "capture/error.h"
+#include "tools/train_segmentation/train.h"
+
+namespace {
+
+std::atomic<bool> stop{false};
+std::atomic<int> stopped_by{0};
+
+/// The run ends with a checkpoint; a second signal ends it at once.
+void end_after_checkpoint(int signal_number) {
+  stopped_by = signal_number;
+  stop = true;
+  signal(signal_number, SIG_DFL);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App program("Trains the person segmentation network of the portrait pipeline.", "dualpixel_train");
+  dualpixel::tools::TrainOptions options;
+  bool no_pose = false;
+  program.add_option("--data", options.data, "People sets to learn from, as `dualpixel people` writes them")
+      ->required()
+      ->type_name("DIR");
+  program.add_option("--held-out", options.held_out, "People sets to score on")->required()->type_name("DIR");
+  program.add_option("-o,--output", options.output, "Folder of the run: checkpoint, log, chart, weights")
+      ->required()
+      ->type_name("DIR");
+  CLI::Option* const samples = program.add_option("--samples", options.samples, "Samples to see in all")
+                                   ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40))
+                                   ->type_name("N");
+  CLI::Option* const hours = program.add_option("--hours", options.hours, "In place of --samples: how long to train")
+                                 ->check(CLI::Range(1e-4, 1e4))
+                                 ->excludes(samples)
+                                 ->type_name("H");
+  program.add_flag("--resume", options.resume, "Go on from the folder's checkpoint; scores again where it is finished");
+  program.add_option("--stages", options.shape.stages, "Stacked U-Nets")
+      ->check(CLI::Range(1, 3))
+      ->capture_default_str();
+  program.add_flag("--no-pose", no_pose, "Learn no keypoints");
+  CLI::Option* const fine_tune =
+      program
+          .add_option("--fine-tune", options.fine_tune,
+                      "Second phase: start from this run, without pose loss and without the samples it is worst at")
+          ->type_name("RUN");
+  program.add_option("--prune", options.prune, "Share of the samples that the second phase leaves out")
+      ->check(CLI::Range(0.0, 0.9))
+      ->needs(fine_tune)
+      ->capture_default_str();
+  program.add_option("--seed", options.seed, "Of the first weights, the order and the augmentation")
+      ->type_name("N")
+      ->capture_default_str();
+  program.add_option("--threads", options.threads, "0: one for each core")->check(CLI::Range(0, 1024))->type_name("N");
+  program.footer(
+      "Example:\n  dualpixel_train --data out/people --held-out out/people_held_out -o out/run --hours 3\n"
+      "  dualpixel_train --data out/people --held-out out/people_held_out -o out/fine --fine-tune out/run --hours 0.5");
+  try {
+    program.parse(argc, argv);
+    if (samples->empty() && hours->empty()) throw CLI::RequiredError("--samples or --hours");
+    options.shape.pose = !no_pose;
+    signal(SIGINT, end_after_checkpoint);
+    signal(SIGTERM, end_after_checkpoint);
+    dualpixel::tools::train(options, stop);
+    return stopped_by == 0 ? 0 : 128 + stopped_by;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return program.exit(error);
+    std::cerr << "dualpixel_train: " << dualpixel::printable(error.what()) << '\n';
+    return 2;
+  } catch (const dualpixel::InputError& error) {
+    std::cerr << "dualpixel_train: " << error.what() << '\n';
+    return 2;
+  } catch (const std::exception& error) {
+    std::cerr << "dualpixel_train: " << dualpixel::printable(error.what()) << '\n';
+    return 1;
+  }
+}

@@ -1,0 +1,80 @@
+#pragma once
+#include <torch/torch.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+/// The person segmentation network of Wadhwa et al. 2018, section 3.2, as LibTorch trains it: three stacked U-Nets
+/// with a mask and 17 keypoint heatmaps after each.
+///
+/// Input, (batch, 4, 256, 256): sRGB in 0..1 minus 0.5, and a Gaussian of sigma 21 px and peak 1 on the seed's face.
+/// The paper gives no widths or depths; ours are chosen for one processor core:
+///   stem     two strided convolutions to 64 x 64, with a "fine" map of 128 x 128 between them
+///   U-Net    four levels, 64 to 8 px; skips are added, not concatenated (the same map followed by a narrower kernel)
+///   between  a stage's features, through a 1 x 1 kernel, are added to what it was given. Newell et al. 2016 also feed
+///            the predictions back; heatmaps are a linear map of those features, so that says the same
+///   mask     features at 64 x 64, enlarged and added to the fine map, convolved at 128 x 128, four sub-pixels each
+/// Every convolution but the heads' last is followed by batch normalisation, which export folds into its kernel.
+namespace dualpixel::tools {
+
+inline constexpr int kNetworkSize_px = 256;
+inline constexpr int kHeatmapSize_px = 64;
+inline constexpr int kKeypoints = 17;
+
+struct NetworkShape {
+  int stages = 3;
+  bool pose = true;  ///< heatmaps after each stage; they cost nothing at inference
+  int fine_channels = 16;
+  std::array<int, 4> channels = {32, 64, 96, 64};  ///< at 64, 32, 16 and 8 px
+};
+
+/// Convolution (odd kernel, padded to keep the size), batch normalisation, and ReLU where asked for.
+struct ConvImpl : torch::nn::Module {
+  ConvImpl(int in, int out, int kernel, int stride, bool relu);
+  torch::Tensor forward(const torch::Tensor& x);
+
+  torch::nn::Conv2d conv{nullptr};
+  torch::nn::BatchNorm2d norm{nullptr};
+  bool relu;
+};
+TORCH_MODULE(Conv);
+
+struct UNetImpl : torch::nn::Module {
+  explicit UNetImpl(const NetworkShape& shape);
+  torch::Tensor forward(torch::Tensor x);
+
+  std::vector<Conv> down, across, lateral, up;
+};
+TORCH_MODULE(UNet);
+
+struct MaskHeadImpl : torch::nn::Module {
+  explicit MaskHeadImpl(const NetworkShape& shape);
+  torch::Tensor forward(const torch::Tensor& features, const torch::Tensor& fine);
+
+  Conv coarse{nullptr}, mix{nullptr};
+  torch::nn::Conv2d sub_pixels{nullptr};
+};
+TORCH_MODULE(MaskHead);
+
+/// Logits: the sigmoid is left to the loss, and to inference.
+struct StageOutput {
+  torch::Tensor mask;      ///< (batch, 1, 256, 256)
+  torch::Tensor heatmaps;  ///< (batch, 17, 64, 64); undefined where the network has no pose
+};
+
+struct NetworkImpl : torch::nn::Module {
+  explicit NetworkImpl(const NetworkShape& shape);
+  /// One output a stage; the last alone where `last_only`.
+  std::vector<StageOutput> forward(const torch::Tensor& input, bool last_only = false);
+
+  NetworkShape shape;
+  Conv stem_half{nullptr}, stem_fine{nullptr}, stem_quarter{nullptr};
+  std::vector<UNet> stages;
+  std::vector<Conv> between;
+  std::vector<MaskHead> mask_heads;
+  std::vector<torch::nn::Conv2d> pose_heads;
+};
+TORCH_MODULE(Network);
+
+}  // namespace dualpixel::tools

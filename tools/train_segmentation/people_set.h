@@ -1,0 +1,62 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+/// Reading a people set, the folder that `dualpixel people` writes (docs/people.md): shards of NumPy arrays, mapped
+/// into memory and never copied.
+namespace dualpixel::tools {
+
+/// One picture and the person in it whose face is the seed; pointers into the mapped files. Pixels are those of the
+/// 256 x 256 picture, centres at .5.
+struct PersonSample {
+  const std::uint8_t* picture;  ///< 256 x 256 x 3, sRGB, padded with 0
+  const std::uint8_t* mask;     ///< 256 x 256, coverage 0..255
+  const float* keypoints;       ///< 17 x (x, y, visibility: 0 not in the picture, 1 hidden, 2 seen)
+  const float* face;            ///< x, y, width, height
+};
+
+/// A NumPy file (version 1, C order) of uint8 or little-endian float32, mapped. Throws InputError where it is
+/// anything else, or shorter or longer than its header says.
+class MappedArray {
+ public:
+  explicit MappedArray(const std::string& path);
+  ~MappedArray();
+  MappedArray(const MappedArray&) = delete;
+  MappedArray& operator=(const MappedArray&) = delete;
+
+  const std::string& path() const { return path_; }
+  const std::vector<std::size_t>& shape() const { return shape_; }
+  /// Values from item `i` of the first dimension on; `type` is "|u1" or "<f4" and must be the file's.
+  const std::uint8_t* bytes(std::size_t i) const;
+  const float* floats(std::size_t i) const;
+  /// Throws InputError unless the file holds `type` values of the shape (any, rest...).
+  void require(const std::string& type, const std::vector<std::size_t>& rest) const;
+
+ private:
+  std::string path_;
+  std::string type_;
+  std::vector<std::size_t> shape_;
+  std::size_t item_bytes_ = 0;
+  std::size_t header_bytes_ = 0;
+  std::size_t file_bytes_ = 0;
+  const char* file_ = nullptr;
+};
+
+class PeopleSet {
+ public:
+  /// Every shard of every folder. Throws InputError for what is no people set of version 1 and 256 px, for folders
+  /// that disagree with people.json about their count, and for keypoints or faces that are not finite.
+  explicit PeopleSet(const std::vector<std::string>& folders);
+
+  std::size_t size() const { return samples_.size(); }
+  const PersonSample& operator[](std::size_t i) const { return samples_[i]; }
+
+ private:
+  std::vector<std::unique_ptr<MappedArray>> arrays_;
+  std::vector<PersonSample> samples_;
+};
+
+}  // namespace dualpixel::tools

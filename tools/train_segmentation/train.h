@@ -1,0 +1,43 @@
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tools/train_segmentation/network.h"
+
+/// Training, phase one and two of Wadhwa et al. 2018, section 3.2.
+///
+/// Loss of each stage, added over the stages: cross-entropy of the mask, mean over pixels, plus 5 times that of the
+/// heatmaps, mean over pixels and keypoints.
+///
+/// Where it differs from the paper, since two cores for hours stand against 40 GPUs for a month: Adam with decoupled
+/// weight decay in place of stochastic gradient descent, and one cycle of learning rates (up over the first 5 %, then
+/// down a cosine), which reach in some ten thousand samples what constant steps need many times more for.
+namespace dualpixel::tools {
+
+struct TrainOptions {
+  std::vector<std::string> data, held_out;  ///< people sets
+  std::string output;                       ///< the run's folder
+  std::uint64_t samples = 0;                ///< to see in all; 0: as many as `hours` allows
+  double hours = 0;                         ///< of training, its evaluations included; 0: as `samples` says
+  bool resume = false;                      ///< from the folder's checkpoint
+  NetworkShape shape;
+  std::uint64_t seed = 1;
+  int threads = 0;  ///< 0: as many as there are cores
+  /// Phase two: starts from this run's weights, without pose loss and without the samples that it is worst at.
+  std::string fine_tune;
+  double prune = 149.0 / 660;  ///< share of the samples, by largest inner error: as the paper's 660 k became 511 k
+};
+
+/// Writes to the output folder, again at every checkpoint (five minutes) and at the end, each file whole or not at all:
+///   checkpoint.pt       what --resume goes on from: weights, optimiser, samples seen
+///   person.safetensors  for inference (export.h)
+///   log.json            options, and one entry for each checkpoint
+///   chart.html          loss and held-out score
+/// Once `stop` is set, it ends after a checkpoint. With `samples`, the weights depend on the options, the data and the
+/// number of threads alone, however often the run was stopped and resumed.
+/// Throws InputError for unusable data, and for a checkpoint that is another network's.
+void train(const TrainOptions& options, const std::atomic<bool>& stop);
+
+}  // namespace dualpixel::tools
