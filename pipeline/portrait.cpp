@@ -24,8 +24,9 @@ namespace {
 /// Times the stages of one run.
 class StageClock {
  public:
-  StageClock(std::vector<StageTime>& stages, int count, const PortraitProgress& progress)
-      : stages_(stages), count_(count), progress_(progress) {}
+  StageClock(std::vector<StageTime>& stages, const PortraitProgress& progress) : stages_(stages), progress_(progress) {}
+
+  void expect(int stages) { count_ = stages; }
 
   template <typename Work>
   auto operator()(const std::string& name, const Work& work) {
@@ -42,7 +43,7 @@ class StageClock {
 
  private:
   std::vector<StageTime>& stages_;
-  int count_;
+  int count_ = 1;
   const PortraitProgress& progress_;
 };
 
@@ -103,14 +104,14 @@ TileDisparity match(const MergedBurst& burst, const Capture& capture, const Port
   return match_by_likelihood(burst.left, burst.right, likelihood);
 }
 
-void require_mask(const std::optional<Image>& mask, Mode mode) {
-  if (mode == Mode::dp) return;
-  if (!mask || mask->empty()) throw InputError("person mask: missing; modes dp+seg and seg need one");
-  if (mask->channels != 1) throw InputError("person mask: must have one channel");
-  for (const float value : mask->data) {
+void require_mask(const Image& mask) {
+  if (mask.empty() || mask.channels != 1) throw InputError("person mask: must have pixels, of one channel");
+  for (const float value : mask.data) {
     if (!(value >= 0 && value <= 1)) throw InputError("person mask: every value must lie in [0, 1]");
   }
 }
+
+int stages_of(Mode mode) { return mode == Mode::seg ? 6 : mode == Mode::dp ? 8 : 9; }
 
 Image stretched(const Image& mask, int width, int height) {
   return mask.width > width ? resize_area(mask, width, height) : resize_bilinear(mask, width, height);
@@ -120,20 +121,26 @@ Image stretched(const Image& mask, int width, int height) {
 
 PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options,
                             const std::optional<Image>& person_mask, const PortraitProgress& progress) {
-  require_mask(person_mask, options.mode);
   require_valid(options.aperture);
+  const bool find = options.mode != Mode::dp && !person_mask;
+  if (find && !options.find_people) throw InputError("person mask: missing; modes dp+seg and seg need one");
+  if (options.mode != Mode::dp && person_mask) require_mask(*person_mask);
   const int width = capture.camera.width_px, height = capture.camera.height_px;
   PortraitResult result;
   // before the work, not after it
   if (options.match_pupil_mm && options.mode != Mode::seg) match_lens(capture.camera, *options.match_pupil_mm, 0);
   std::optional<Correction> correction;
-  if (options.calibration && options.mode != Mode::seg) {
+  if (options.calibration && (options.mode != Mode::seg || find)) {
     correction = make_correction(*options.calibration, capture.camera);
     result.warnings = options.calibration->warnings;
     if (!correction->warning.empty()) result.warnings.push_back(correction->warning);
   }
-  const int stages = (options.mode == Mode::seg ? 6 : options.mode == Mode::dp ? 8 : 9) + (correction ? 1 : 0);
-  StageClock stage(result.stages, stages, progress);
+  result.mode = options.mode;
+  StageClock stage(result.stages, progress);
+  const auto expect_stages = [&] {
+    stage.expect(stages_of(result.mode) + (correction && result.mode != Mode::seg ? 1 : 0) + (find ? 1 : 0));
+  };
+  expect_stages();
 
   MergedBurst burst = stage("merge", [&] { return align_and_merge(capture.frames, capture.exposure); });
   result.input = stage("demosaic", [&] { return develop(burst, capture.camera, capture.exposure); });
@@ -147,10 +154,27 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
     if (!options.highlights) return result.input;
     return recovered = recover_highlights(result.input, radius_px, white, *options.highlights);
   };
+  std::optional<std::array<double, 4>> face_px = capture.face_px;
+  FoundPeople found;
+  if (find) {
+    found = stage("people", [&] { return options.find_people(result.input); });
+    result.faces = found.faces;
+    if (found.faces.empty()) {
+      result.mode = Mode::dp;
+      expect_stages();
+      result.warnings.emplace_back("no face found: blurred in mode dp, by disparity alone");
+    } else {
+      require_mask(found.mask);
+      const Face& largest = found.faces.front();
+      if (!face_px) face_px = {largest.x, largest.y, largest.width, largest.height};
+    }
+  }
+  const Image& person = person_mask ? *person_mask : found.mask;  // not looked at in mode dp
+
   Defocused defocused;
-  if (options.mode == Mode::seg) {
+  if (result.mode == Mode::seg) {
     result.mask = stage("mask", [&] {
-      return filter_mask(*person_mask, encode_guide(result.input, guide_gain(result.input)), options.filter_mask);
+      return filter_mask(person, encode_guide(result.input, guide_gain(result.input)), options.filter_mask);
     });
     MaskBlurred blurred = stage("blur", [&] {
       return blur_background(light(background_radii(result.mask, options.mask_blur)), result.mask, options.mask_blur,
@@ -176,17 +200,17 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
     result.matched_confidence = std::move(matched.confidence);
 
     std::optional<double> person_dp_px;
-    if (options.mode == Mode::dp_seg) {
+    if (result.mode == Mode::dp_seg) {
       small = stage("mask", [&] {
-        const Image mask = stretched(*person_mask, small_width, small_height);
-        if (capture.face_px) {
-          const std::array<double, 4>& face = *capture.face_px;
+        const Image mask = stretched(person, small_width, small_height);
+        if (face_px) {
+          const std::array<double, 4>& face = *face_px;
           const double x = static_cast<double>(small_width) / width, y = static_cast<double>(small_height) / height;
           person_dp_px = face_disparity(small, {face[0] * x, face[1] * y, face[2] * x, face[3] * y});
         } else {
           person_dp_px = interior_disparity(small, mask, options.merge_mask);
         }
-        result.mask = stretched(*person_mask, width, height);
+        result.mask = stretched(person, width, height);
         return flatten_person(std::move(small), mask, static_cast<float>(*person_dp_px), options.merge_mask);
       });
     }
@@ -205,8 +229,8 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
     result.confidence = resize_bilinear(small.confidence, width, height);
 
     result.focus_disparity_dp_px = person_dp_px.value_or(0);
-    if (capture.face_px) {
-      const std::array<double, 4>& face = *capture.face_px;
+    if (face_px) {
+      const std::array<double, 4>& face = *face_px;
       const std::optional<double> median =
           median_inside(smooth, {face[0] / width, face[1] / height, face[2] / width, face[3] / height});
       if (median && std::abs(*median) <= options.face_in_focus_dp_px) result.focus_disparity_dp_px = *median;
@@ -215,7 +239,7 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
       const BlurMapping mapping =
           options.match_pupil_mm ? match_lens(capture.camera, *options.match_pupil_mm, result.focus_disparity_dp_px)
                                  : make_blur_mapping(capture.camera.focus_distance_m, result.focus_disparity_dp_px,
-                                                     width, options.mode == Mode::dp_seg, options.blur_radius);
+                                                     width, result.mode == Mode::dp_seg, options.blur_radius);
       result.blur_radius_px = blur_radii(result.disparity_dp_px, mapping);
       return render_defocus(light(result.blur_radius_px), result.disparity_dp_px, result.blur_radius_px, mapping,
                             options.layers, options.aperture);

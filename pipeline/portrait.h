@@ -23,9 +23,10 @@
 #include "pipeline/edge_aware/filter_mask.h"
 #include "pipeline/edge_aware/joint_upsample.h"
 #include "pipeline/segmentation/merge_mask.h"
+#include "pipeline/segmentation/person_mask.h"
 
 /// The portrait mode of Wadhwa et al. 2018, "Synthetic Depth-of-Field with a Single-Camera Mobile Phone", stage by
-/// stage: burst -> disparity -> calibration -> mask merge -> edge-aware filtering -> blur -> noise.
+/// stage: burst -> people -> disparity -> calibration -> mask merge -> edge-aware filtering -> blur -> noise.
 namespace dualpixel::pipeline {
 
 enum class Mode {
@@ -52,6 +53,9 @@ struct PortraitOptions {
   LikelihoodMatchOptions likelihood_match;  ///< its noise is the capture's own, estimated where that has none
   UpsampleOptions tile_upsample;
   std::optional<Calibration> calibration;  ///< of the capture's camera; matched disparity is corrected by it
+  /// Finds the people of a linear RGB picture where a mode needs a mask and none is given; usually
+  /// pipeline::find_people.
+  std::function<FoundPeople(const Image& linear_rgb)> find_people;
   MergeMaskOptions merge_mask;
   BilateralGridOptions grid;
   BilateralSolverOptions solver;
@@ -79,6 +83,7 @@ struct StageTime {
 /// Everything at the full sensor's size unless said. Linear images are in the capture's normalised signal after white
 /// balance, clipped where the first colour clips.
 struct PortraitResult {
+  Mode mode = Mode::dp;           ///< as asked for; dp where that needed people and none were found
   Image input;                    ///< linear RGB, merged burst, demosaicked: the picture before blurring
   Image portrait;                 ///< linear RGB with synthetic defocus and noise
   Image portrait_srgb;            ///< the same, exposed and gamma-encoded for display, 0..1
@@ -87,8 +92,9 @@ struct PortraitResult {
   Image matched_disparity_dp_px;  ///< corrected but not smoothed, at DP resolution (dp_width x dp_height); empty in
                                   ///< mode seg
   Image matched_confidence;
-  Image mask;            ///< person mask, 0..1: edge-aware filtered in mode seg, as given in dp_seg, empty in dp
-  Image blur_radius_px;  ///< r(x) of Eq. 5, full-resolution pixels
+  Image mask;  ///< person mask, 0..1: edge-aware filtered in mode seg, as given or found in dp_seg, empty in dp
+  std::vector<Face> faces;  ///< that seeded a mask that was found, full-resolution pixels, largest first
+  Image blur_radius_px;     ///< r(x) of Eq. 5, full-resolution pixels
   double focus_disparity_dp_px = 0;
   int base_frame = 0;  ///< of the burst: whose scene and pose the pictures and maps show
   std::vector<StageTime> stages;
@@ -99,16 +105,17 @@ struct PortraitResult {
 using PortraitProgress = std::function<void(const std::string& stage, double fraction)>;
 
 /// Runs all stages on `capture`; its truth is never looked at. `person_mask` (one channel, 0..1, of any size: it is
-/// stretched over the picture) is needed in the modes dp_seg and seg. A capture without mosaic gives a grey picture.
-/// Mask and face are those of the first frame; where the base is the second or third they are used as they are, a
-/// hand's motion of a few pixels aside.
+/// stretched over the picture) serves the modes dp_seg and seg; without it, options.find_people makes one from the
+/// merged picture, and where it finds nobody the mode becomes dp, with a warning. A capture without mosaic gives a grey
+/// picture. Mask and face that are given are those of the first frame; where the base is the second or third they are
+/// used as they are, a hand's motion of a few pixels aside.
 ///
-/// d_focus is the median disparity over Capture::face_px where that face is well focused, in mode dp_seg otherwise the
-/// person's disparity, and 0 (trust the autofocus) in mode dp.
+/// d_focus is the median disparity over Capture::face_px, or else over the largest face found, where that face is well
+/// focused, in mode dp_seg otherwise the person's disparity, and 0 (trust the autofocus) in mode dp.
 ///
-/// Throws InputError where a mode lacks its mask, or the mask is not one channel of finite values, and where the
-/// calibration is another camera's. Dense views (1 x 1) must be of one colour: half-photosites under a mosaic hold
-/// nothing that could be matched.
+/// Throws InputError where a mode has neither mask nor find_people, or the mask is not one channel of finite values,
+/// and where the calibration is another camera's. Dense views (1 x 1) must be of one colour: half-photosites under a
+/// mosaic hold nothing that could be matched.
 PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options = {},
                             const std::optional<Image>& person_mask = {}, const PortraitProgress& progress = {});
 

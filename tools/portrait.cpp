@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -25,6 +27,11 @@ namespace {
 const std::map<std::string, pipeline::Mode> kModes = {
     {"dp", pipeline::Mode::dp}, {"dp+seg", pipeline::Mode::dp_seg}, {"seg", pipeline::Mode::seg}};
 
+constexpr double kTapSize = 0.1;  ///< side of the face that a tap stands for, of the picture's shorter side
+
+const std::map<pipeline::Mode, std::string> kModeNames = {
+    {pipeline::Mode::dp, "dp"}, {pipeline::Mode::dp_seg, "dp+seg"}, {pipeline::Mode::seg, "seg"}};
+
 struct PortraitCommand {
   std::string capture;
   PlainPair pair;
@@ -33,6 +40,8 @@ struct PortraitCommand {
   std::string matcher = "paper";
   std::string mask;
   bool true_mask = false;
+  std::vector<std::string> faces;
+  std::string tap;
   std::string calibration;
   std::string match_lens;
   pipeline::Aperture aperture;
@@ -68,6 +77,60 @@ Image read_mask(const std::string& path) {
   return mask;
 }
 
+/// In the picture with its axes exchanged.
+pipeline::Face exchanged(const pipeline::Face& face) { return {face.y, face.x, face.height, face.width}; }
+
+/// The faces that the user points at, or else the capture's own; in pixels of its pictures, largest first.
+std::vector<pipeline::Face> known_faces(const PortraitCommand& command, const Capture& capture) {
+  const bool turned = command.pair.vertical_split;  // the user's are not
+  const int width = turned ? capture.camera.height_px : capture.camera.width_px;
+  const int height = turned ? capture.camera.width_px : capture.camera.height_px;
+  const auto in_picture = [&](double x, double y) { return x >= 0 && x <= width && y >= 0 && y <= height; };
+  std::vector<pipeline::Face> faces;
+  for (const std::string& text : command.faces) {
+    pipeline::Face face;
+    int end = 0;
+    const bool read =
+        std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf%n", &face.x, &face.y, &face.width, &face.height, &end) == 4;
+    if (!read || end != static_cast<int>(text.size()) || !(face.width > 0 && face.height > 0) ||
+        !in_picture(face.x + face.width / 2, face.y + face.height / 2)) {
+      throw InputError(
+          fmt::format("--face {}: must read X,Y,WIDTH,HEIGHT in pixels, its centre in the picture of {} x {}",
+                      printable(text), width, height));
+    }
+    faces.push_back(turned ? exchanged(face) : face);
+  }
+  if (!command.tap.empty()) {
+    double x = 0, y = 0;
+    int end = 0;
+    const bool read = std::sscanf(command.tap.c_str(), "%lf,%lf%n", &x, &y, &end) == 2;
+    if (!read || end != static_cast<int>(command.tap.size()) || !in_picture(x, y)) {
+      throw InputError(fmt::format("--tap {}: must read X,Y in pixels, in the picture of {} x {}",
+                                   printable(command.tap), width, height));
+    }
+    const double side = kTapSize * std::min(width, height);
+    const pipeline::Face face = {x - side / 2, y - side / 2, side, side};
+    faces.push_back(turned ? exchanged(face) : face);
+  }
+  if (faces.empty() && capture.face_px) {
+    const auto& [x, y, w, h] = *capture.face_px;
+    faces.push_back({x, y, w, h});
+  }
+  std::stable_sort(faces.begin(), faces.end(), [](const auto& a, const auto& b) { return a.area() > b.area(); });
+  return faces;
+}
+
+/// find_people on a picture whose axes may be exchanged, as are the faces.
+pipeline::FoundPeople people_in(const Image& picture, std::vector<pipeline::Face> faces, bool turned,
+                                pipeline::PersonNetwork& network) {
+  if (!turned) return pipeline::find_people(picture, faces, network);
+  for (pipeline::Face& face : faces) face = exchanged(face);
+  pipeline::FoundPeople found = pipeline::find_people(transposed(picture), faces, network);
+  for (pipeline::Face& face : found.faces) face = exchanged(face);
+  found.mask = transposed(found.mask);
+  return found;
+}
+
 /// Of a pair that was transposed to run: as its pictures are.
 void transpose_back(pipeline::PortraitResult& result) {
   using Result = pipeline::PortraitResult;
@@ -76,6 +139,7 @@ void transpose_back(pipeline::PortraitResult& result) {
         &Result::matched_disparity_dp_px, &Result::matched_confidence, &Result::mask, &Result::blur_radius_px}) {
     result.*image = transposed(result.*image);
   }
+  for (pipeline::Face& face : result.faces) face = exchanged(face);
 }
 
 void run(const PortraitCommand& command) {
@@ -84,9 +148,7 @@ void run(const PortraitCommand& command) {
   options.matcher = command.matcher == "paper" ? pipeline::Matcher::paper : pipeline::Matcher::likelihood;
   options.seed = command.seed;
   const bool needs_mask = options.mode != pipeline::Mode::dp;
-  if (needs_mask && command.mask.empty() && !command.true_mask) {
-    throw InputError(fmt::format("--mode {}: needs a person mask; give --mask FILE or --true-mask", command.mode));
-  }
+  const bool find_people = needs_mask && command.mask.empty() && !command.true_mask;
   if (!needs_mask && (!command.mask.empty() || command.true_mask)) {
     throw InputError("--mode dp: uses no person mask; leave out --mask and --true-mask, or choose dp+seg or seg");
   }
@@ -102,11 +164,23 @@ void run(const PortraitCommand& command) {
     throw InputError("portrait: give a capture folder, or the two views by --left FILE --right FILE");
   }
   if (!command.calibration.empty()) options.calibration = read_calibration_folder(command.calibration);
+  std::optional<pipeline::PersonNetwork> network;
+  if (find_people) network.emplace();
   { const NewFolder writable(command.output, "result.json"); }  // before the work, not after it
 
   Capture capture = plain ? read_plain_pair(command.pair) : read_capture(command.capture, command.true_mask);
   if (!plain && options.mode != pipeline::Mode::seg) {
     require_matchable(capture.camera, command.capture, "/camera/dp_downsample_x");
+  }
+  const bool turned = command.pair.vertical_split;
+  const std::vector<pipeline::Face> faces = known_faces(command, capture);
+  if (!faces.empty()) capture.face_px = {faces[0].x, faces[0].y, faces[0].width, faces[0].height};
+  if (find_people) {
+    options.find_people = [&](const Image& picture) {
+      pipeline::FoundPeople found = people_in(picture, faces, turned, *network);
+      if (found.faces.empty() && !plain) require_matchable(capture.camera, command.capture, "/camera/dp_downsample_x");
+      return found;
+    };
   }
   std::optional<Image> mask;
   if (command.true_mask) {
@@ -115,13 +189,13 @@ void run(const PortraitCommand& command) {
     capture.truth.reset();
   } else if (!command.mask.empty()) {
     mask = read_mask(command.mask);
-    if (command.pair.vertical_split) mask = transposed(*mask);
+    if (turned) mask = transposed(*mask);
   }
 
   Progress bar("portrait");
   pipeline::PortraitResult result =
       pipeline::run_portrait(capture, options, mask, [&](const std::string&, double fraction) { bar(fraction); });
-  if (command.pair.vertical_split) transpose_back(result);
+  if (turned) transpose_back(result);
   for (const std::string& warning : result.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
 
   const auto absolute = [](const std::string& path) {
@@ -136,7 +210,7 @@ void run(const PortraitCommand& command) {
   } else {
     provenance["capture"] = absolute(command.capture);
   }
-  provenance["mode"] = command.mode;
+  provenance["mode"] = kModeNames.at(result.mode);
   provenance["matcher"] = command.matcher;
   provenance["seed"] = command.seed;
   if (options.match_pupil_mm) provenance["match_lens"] = command.match_lens;
@@ -146,7 +220,14 @@ void run(const PortraitCommand& command) {
   if (command.no_noise) provenance["synthetic_noise"] = false;
   if (!command.calibration.empty()) provenance["calibration"] = absolute(command.calibration);
   if (!result.warnings.empty()) provenance["warnings"] = result.warnings;
-  if (needs_mask) provenance["mask"] = command.true_mask ? "truth" : command.mask;
+  if (!result.faces.empty()) {
+    provenance["mask"] = "found";
+    for (const pipeline::Face& face : result.faces) {
+      provenance["faces_px"].push_back({face.x, face.y, face.width, face.height});
+    }
+  } else if (needs_mask && !find_people) {
+    provenance["mask"] = command.true_mask ? "truth" : command.mask;
+  }
   write_result(result, provenance, command.output);
 }
 
@@ -179,7 +260,10 @@ void add_portrait(CLI::App& program) {
       ->type_name("TEXT")
       ->needs(left);
   sub->add_option("-o,--output", command->output, "Result folder to write")->required()->type_name("DIR");
-  sub->add_option("--mode", command->mode, "dp: disparity alone; dp+seg: with a person mask; seg: mask alone")
+  sub->add_option(
+         "--mode", command->mode,
+         "dp: disparity alone; dp+seg: with a person mask; seg: mask alone. Where no mask is given, people are "
+         "found; where there are none, it becomes dp")
       ->check(CLI::IsMember({"dp", "dp+seg", "seg"}))
       ->capture_default_str();
   sub->add_option("--matcher", command->matcher,
@@ -192,6 +276,13 @@ void add_portrait(CLI::App& program) {
   sub->add_flag("--true-mask", command->true_mask, "Take the capture's true person mask")
       ->excludes(mask)
       ->excludes(left);
+  sub->add_option("--face", command->faces, "A face of a person to keep sharp, in pixels; repeat for several")
+      ->type_name("X,Y,WIDTH,HEIGHT")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
+  sub->add_option("--tap", command->tap, "A point on a person's face, in pixels, in place of the face's box")
+      ->type_name("X,Y");
   sub->add_option("--calibration", command->calibration,
                   "Calibration folder of this camera, as `dualpixel calibrate` writes it: corrects disparity")
       ->type_name("DIR")
@@ -213,7 +304,7 @@ void add_portrait(CLI::App& program) {
   sub->add_option("--seed", command->seed, "Seed of the synthetic noise")->type_name("N")->capture_default_str();
   add_threads_option(*sub);
   sub->footer(
-      "Example:\n  dualpixel portrait out/capture -o out/portrait --mode dp+seg --true-mask\n"
+      "Example:\n  dualpixel portrait out/capture -o out/portrait --mode dp+seg\n"
       "  dualpixel portrait --left l.png --right r.png -o out/portrait --matcher likelihood");
   sub->callback([command] { run(*command); });
 }

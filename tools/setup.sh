@@ -7,6 +7,7 @@ packages=(
   g++ cmake ninja-build pkg-config
   libembree-dev libopenimageio-dev libopenexr-dev libtinygltf-dev libglm-dev libtbb-dev
   nlohmann-json3-dev libfmt-dev libcli11-dev libxxhash-dev libeigen3-dev libgtest-dev libvalijson-dev
+  libdnnl-dev libdlib-dev liblapack-dev
   "$@"
 )
 missing=()

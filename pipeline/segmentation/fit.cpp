@@ -1,0 +1,27 @@
+#include "pipeline/segmentation/fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/resample.h"
+#include "pipeline/rows.h"
+
+namespace dualpixel::pipeline {
+
+Image fitted(const Image& linear, int longer_side_px) {
+  Image clipped(linear.width, linear.height, 3);
+  for_rows(linear.height, [&](int y) {
+    for (int x = 0; x < linear.width; ++x) {
+      for (int c = 0; c < 3; ++c) {
+        const float value = linear.at(x, y, linear.channels == 1 ? 0 : c);
+        clipped.at(x, y, c) = value >= 0 ? std::min(value, 1.F) : 0.F;
+      }
+    }
+  });
+  const double scale = static_cast<double>(longer_side_px) / std::max(linear.width, linear.height);
+  const int width = std::max(1, static_cast<int>(std::lround(scale * linear.width)));
+  const int height = std::max(1, static_cast<int>(std::lround(scale * linear.height)));
+  return scale < 1 ? resize_area(clipped, width, height) : resize_bilinear(clipped, width, height);
+}
+
+}  // namespace dualpixel::pipeline

@@ -1,0 +1,98 @@
+#include "pipeline/segmentation/person_mask.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "capture/error.h"
+#include "pipeline/display.h"
+#include "pipeline/segmentation/fit.h"
+
+namespace dualpixel::pipeline {
+namespace {
+
+constexpr double kFaceSigma_px = 21;  // section 3.2
+
+/// Where a picture lies in the network's square.
+struct Placement {
+  int x, y;
+};
+Placement placement(const Image& small) {
+  return {(kNetworkSize_px - small.width) / 2, (kNetworkSize_px - small.height) / 2};
+}
+
+Image network_picture(const Image& srgb) {
+  Image input(kNetworkSize_px, kNetworkSize_px, 4, -0.5F);
+  const Placement at = placement(srgb);
+  for (int y = 0; y < srgb.height; ++y) {
+    for (int x = 0; x < srgb.width; ++x) {
+      for (int c = 0; c < 3; ++c) input.at(at.x + x, at.y + y, c) = srgb.at(x, y, c) - 0.5F;
+    }
+  }
+  return input;
+}
+
+/// Sets the fourth channel; the face is in pixels of a picture whose sides are `width_px` and `height_px`, and `small`
+/// in the network's square.
+void set_face(Image& input, const Face& face, const Image& linear, const Image& small) {
+  const double center_x = face.x + face.width / 2, center_y = face.y + face.height / 2;
+  if (!(center_x >= 0 && center_x <= linear.width && center_y >= 0 && center_y <= linear.height)) {
+    throw InputError("face: its centre must lie in the picture");
+  }
+  const Placement at = placement(small);
+  const double x = at.x + center_x * small.width / linear.width, y = at.y + center_y * small.height / linear.height;
+  std::array<float, kNetworkSize_px> across{}, down{};  // the Gaussian is a product of the two
+  for (int i = 0; i < kNetworkSize_px; ++i) {
+    const double dx = i + 0.5 - x, dy = i + 0.5 - y;
+    across[i] = static_cast<float>(std::exp(-dx * dx / (2 * kFaceSigma_px * kFaceSigma_px)));
+    down[i] = static_cast<float>(std::exp(-dy * dy / (2 * kFaceSigma_px * kFaceSigma_px)));
+  }
+  for (int row = 0; row < kNetworkSize_px; ++row) {
+    for (int column = 0; column < kNetworkSize_px; ++column) input.at(column, row, 3) = across[column] * down[row];
+  }
+}
+
+}  // namespace
+
+std::vector<Face> seed_faces(const std::vector<Face>& faces, int width_px, int height_px, const SeedOptions& options) {
+  double largest = 0;
+  for (const Face& face : faces) largest = std::max(largest, face.area());
+  std::vector<Face> seeds;
+  for (const Face& face : faces) {
+    const bool large = face.area() >= options.least_of_largest * largest &&
+                       face.area() > options.least_of_picture * width_px * height_px;
+    if (large) seeds.push_back(face);
+  }
+  return seeds;
+}
+
+Image network_input(const Image& linear_rgb, const Face& face) {
+  const Image small = encode_for_display(fitted(linear_rgb, kNetworkSize_px));
+  Image input = network_picture(small);
+  set_face(input, face, linear_rgb, small);
+  return input;
+}
+
+Image person_mask(const Image& linear_rgb, const std::vector<Face>& faces, PersonNetwork& network) {
+  const Image small = encode_for_display(fitted(linear_rgb, kNetworkSize_px));
+  const Placement at = placement(small);
+  Image input = network_picture(small);
+  Image joined(small.width, small.height);
+  for (const Face& face : faces) {
+    set_face(input, face, linear_rgb, small);
+    const Image mask = network(input);
+    for (int y = 0; y < small.height; ++y) {
+      for (int x = 0; x < small.width; ++x) joined.at(x, y) = std::max(joined.at(x, y), mask.at(at.x + x, at.y + y));
+    }
+  }
+  return joined;
+}
+
+FoundPeople find_people(const Image& linear_rgb, const std::vector<Face>& given, PersonNetwork& network) {
+  FoundPeople found{given, {}};
+  if (given.empty()) found.faces = seed_faces(find_faces(linear_rgb), linear_rgb.width, linear_rgb.height);
+  if (!found.faces.empty()) found.mask = person_mask(linear_rgb, found.faces, network);
+  return found;
+}
+
+}  // namespace dualpixel::pipeline

@@ -1,0 +1,37 @@
+#pragma once
+#include <vector>
+
+#include "capture/image.h"
+#include "pipeline/segmentation/faces.h"
+#include "pipeline/segmentation/network.h"
+
+/// From a picture to the mask of its people (Wadhwa et al. 2018, section 3.3): every face seeds one run of the network.
+namespace dualpixel::pipeline {
+
+struct SeedOptions {
+  // "at least one third the area of the largest face and larger than 1.3 % the area of the image"
+  double least_of_largest = 1.0 / 3;
+  double least_of_picture = 0.013;
+};
+
+/// Of the faces that a detector found in a picture of this size, those that are no bystanders', in their order.
+std::vector<Face> seed_faces(const std::vector<Face>& faces, int width_px, int height_px,
+                             const SeedOptions& options = {});
+
+/// What the network sees: the picture (linear, white-balanced, one or three channels) in sRGB, its longer side 256 px,
+/// centred on black, minus 0.5; and a Gaussian of sigma 21 px and peak 1 about the face's centre.
+Image network_input(const Image& linear_rgb, const Face& face);
+
+/// The masks of all that `faces` seed, joined by maximum, 0..1: of the picture's shape, its longer side 256 px.
+/// Pictures of up to a pixel's width work. Faces' centres must lie in the picture.
+Image person_mask(const Image& linear_rgb, const std::vector<Face>& faces, PersonNetwork& network);
+
+struct FoundPeople {
+  std::vector<Face> faces;  ///< that seeded the mask, largest first; none: nobody was found
+  Image mask;               ///< person_mask's; empty where nobody was found
+};
+
+/// With the faces given, or else with those that find_faces and seed_faces leave.
+FoundPeople find_people(const Image& linear_rgb, const std::vector<Face>& given, PersonNetwork& network);
+
+}  // namespace dualpixel::pipeline
