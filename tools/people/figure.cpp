@@ -146,8 +146,8 @@ float HeadShape::operator()(vec3 p) const {
   d = blend(d, ellipsoid(s, {0.024f, 0.036f, 0.077f}, vec3(0.027f, 0.008f, 0.013f) * brow), 0.02f);
   d = carve(d, ellipsoid(s, {0.031f, 0.016f, 0.098f}, {0.020f, 0.013f, 0.02f}), 0.016f);
   const float eye = glm::length(s - vec3(0.031f, 0.0148f, 0.0715f)) - 0.0134f;
-  const float upper_lid = std::max(eye, 0.0042f * lids - (p.y - 0.0148f)),
-              lower_lid = std::max(eye, p.y - 0.0148f + 0.0055f * lids);
+  const float upper_lid = std::max(eye, 0.0034f * lids - (p.y - 0.0148f)),
+              lower_lid = std::max(eye, p.y - 0.0148f + 0.0046f * lids);
   d = blend(d, std::min(upper_lid, lower_lid), 0.004f);
   const vec3 tip(0, -0.018f * nose_length, 0.09f + 0.008f * nose);
   d = blend(d, capsule(p, {0, 0.022f, 0.078f}, tip, 0.0075f, 0.0105f * nose), 0.012f);

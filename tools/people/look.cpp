@@ -105,7 +105,7 @@ vec3 eye(const Look& look, vec3 d) {
   if (d.z > 0 && r < 0.17f) return vec3(0.01f);
   if (d.z > 0 && glm::length(vec2(d.x + 0.12f, d.y - 0.14f)) < 0.06f) return vec3(1.6f);  // a window's reflection
   if (d.z > 0 && r < 0.48f) return look.a * (r > 0.43f ? 0.35f : 0.7f + 0.6f * noise(look.seed, d * 30.0f));
-  return vec3(0.7f, 0.64f, 0.6f) - vec3(0, 0.1f, 0.12f) * step(r - 0.7f, 0.3f);
+  return vec3(0.52f, 0.48f, 0.46f) - vec3(0, 0.08f, 0.1f) * step(r - 0.7f, 0.3f);
 }
 
 vec3 hair(const Look& look, vec3 p) {
