@@ -56,7 +56,7 @@ void expose_to(Image& light, const Image& weight, float mean) {
 }
 
 std::vector<std::uint8_t> develop(Image light, Dice dice) {
-  const float warm = 0.1f * dice.normal(), green = 0.04f * dice.normal();
+  const float warm = 0.2f * dice.normal(), green = 0.05f * dice.normal();
   const float gain[3] = {std::exp2(warm), std::exp2(green), std::exp2(-warm)};
   const float saturation = std::clamp(1 + 0.18f * dice.normal(), 0.4f, 1.6f);
   const bool grey = dice.chance(0.03f);
@@ -66,7 +66,7 @@ std::vector<std::uint8_t> develop(Image light, Dice dice) {
   const float white_e = 6000 / std::exp2(dice.in(0, 5)) * dice.in(4, 60);
   const float read_e = 2.5f;
   const float vignette = dice.chance(0.4f) ? dice.in(0, 0.4f) : 0;
-  const float sharp = dice.chance(0.5f) ? dice.in(0, 0.7f) : -dice.in(0, 0.6f);
+  const float sharp = dice.chance(0.5f) ? dice.in(0, 0.8f) : -dice.in(0, 1);
   const std::uint64_t seed = dice.seed();
   for (int y = 0; y < light.height; ++y) {
     for (int x = 0; x < light.width; ++x) {
@@ -90,8 +90,9 @@ std::vector<std::uint8_t> develop(Image light, Dice dice) {
   }
   sharpen(light, sharp);
   std::vector<std::uint8_t> out(light.data.size());
-  std::transform(light.data.begin(), light.data.end(), out.begin(),
-                 [](float value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255 + 0.5f); });
+  std::transform(light.data.begin(), light.data.end(), out.begin(), [](float value) {
+    return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255));
+  });
   return out;
 }
 

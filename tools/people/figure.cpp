@@ -146,8 +146,8 @@ float HeadShape::operator()(vec3 p) const {
   d = blend(d, ellipsoid(s, {0.024f, 0.036f, 0.077f}, vec3(0.027f, 0.008f, 0.013f) * brow), 0.02f);
   d = carve(d, ellipsoid(s, {0.031f, 0.016f, 0.098f}, {0.020f, 0.013f, 0.02f}), 0.016f);
   const float eye = glm::length(s - vec3(0.031f, 0.0148f, 0.0715f)) - 0.0134f;
-  const float upper_lid = std::max(eye, 0.0042f * lids - (p.y - 0.0148f)),
-              lower_lid = std::max(eye, p.y - 0.0148f + 0.0055f * lids);
+  const float upper_lid = std::max(eye, 0.0034f * lids - (p.y - 0.0148f)),
+              lower_lid = std::max(eye, p.y - 0.0148f + 0.0046f * lids);
   d = blend(d, std::min(upper_lid, lower_lid), 0.004f);
   const vec3 tip(0, -0.018f * nose_length, 0.09f + 0.008f * nose);
   d = blend(d, capsule(p, {0, 0.022f, 0.078f}, tip, 0.0075f, 0.0105f * nose), 0.012f);
@@ -199,7 +199,8 @@ Piece cloth_piece(const Figure& figure, const Shape& shape, float folds_m, std::
     if (folds_m <= 0) continue;
     const vec3 bent = rest + 0.06f * noise(seed + 1, rest * 9.0f);
     const float fold = fractal(seed, bent * vec3(15, 9, 13), 2) - 0.45f;
-    piece.positions[i] += piece.normals[i] * (folds_m * fold);
+    const float crease = std::abs(noise(seed + 2, bent * vec3(11, 17, 11)) - 0.5f);  // sharp at its bottom
+    piece.positions[i] += piece.normals[i] * (folds_m * (fold + crease - 0.15f));
   }
   if (folds_m > 0) smooth_normals(piece);
   return piece;
@@ -315,8 +316,8 @@ Figure add_figure(Stage& stage, Dice dice, const FigureOptions& options) {
     hair.a = vec3(0.012f, 0.01f, 0.009f) * of_looks.in(0.5f, 2.5f);
   hair.b = hair.a * of_looks.in(1.0f, 2.2f);
   hair.seed = of_looks.seed();
-  hair.gloss = of_looks.in(0.1f, 0.6f);
-  hair.gloss_power = of_looks.in(10, 40);
+  hair.gloss = of_looks.in(0.03f, 0.3f);
+  hair.gloss_power = of_looks.in(5, 20);
   hair.softness = 0.2f;
   Look& face = figure.face;
   face = skin;

@@ -57,6 +57,8 @@ struct HairShape {
       d = blend(d, capsule(s, temple, end, 0.018f + thick_m, fall_thick), 0.03f);
       d = blend(d, capsule(p, {0, 0.0f, -0.075f}, {0, -0.1f - fall_m, -0.085f}, 0.055f, 0.045f + fall_thick), 0.05f);
     }
+    // the throat is free
+    if (fall_m > 0) d = carve(d, capsule(p, {0, -0.07f, 0.06f}, {0, -0.5f, 0.08f}, 0.062f, 0.05f), 0.02f);
     if (bun) d = blend(d, glm::length(p - bun_at) - bun_m, 0.012f);
     if (tail) d = blend(d, capsule(p, {0, 0.07f, -0.115f}, {0.03f, 0.07f - tail_m, -0.15f}, 0.03f, 0.022f), 0.02f);
     if (braids)
@@ -80,9 +82,12 @@ void let_hang(const Figure& figure, Piece& piece) {
       const float room = 0.028f - figure.bare(p);
       if (room <= 0) break;
       const float e = 0.01f;
-      const vec3 gradient(figure.bare(p + vec3(e, 0, 0)) - figure.bare(p - vec3(e, 0, 0)),
-                          0.3f * (figure.bare(p + vec3(0, e, 0)) - figure.bare(p - vec3(0, e, 0))),
-                          figure.bare(p + vec3(0, 0, e)) - figure.bare(p - vec3(0, 0, e)));
+      vec3 gradient(figure.bare(p + vec3(e, 0, 0)) - figure.bare(p - vec3(e, 0, 0)),
+                    0.3f * (figure.bare(p + vec3(0, e, 0)) - figure.bare(p - vec3(0, e, 0))),
+                    figure.bare(p + vec3(0, 0, e)) - figure.bare(p - vec3(0, 0, e)));
+      // what hangs behind goes to the back, not through the neck
+      const float ahead = glm::dot(p - head.origin, hanging.axes[2]) / s, push = glm::dot(gradient, hanging.axes[2]);
+      if (ahead < -0.02f && push > 0) gradient -= 2 * push * hanging.axes[2];
       if (glm::length(gradient) > 0) p += std::min(room, 0.06f) * glm::normalize(gradient);
     }
   }
@@ -148,7 +153,7 @@ void add_beard(Stage& stage, Figure& figure, Dice& dice) {
     const float lip = capsule(s, {0, -0.037f, 0.0885f}, {0.024f, -0.051f, 0.076f}, 0.005f + 0.2f * full, 0.004f);
     d = blend(d, lip, 0.004f);
     d = carve(d, ellipsoid(p, {0, -0.056f, 0.085f}, {0.022f, 0.0115f, 0.03f}), 0.006f);
-    return d - 0.004f * (noise(seed, p * 140.0f) + 0.5f * noise(seed + 1, p * 300.0f) - 0.75f);
+    return d - 0.007f * (noise(seed, p * 110.0f) + 0.6f * noise(seed + 1, p * 260.0f) - 0.8f);
   };
   Piece beard =
       mesh_of(distance, {-0.1f, -0.2f, -0.01f}, {0.1f, 0.02f, 0.13f}, figure.head_cell_m / figure.body.head_scale);
@@ -156,8 +161,10 @@ void add_beard(Stage& stage, Figure& figure, Dice& dice) {
   Piece soft = strands(figure, beard, dice, 250, 0.02f, 0.6f, 0.0007f, 0.4f);
   Look look = figure.hair;
   look.a *= dice.in(0.7f, 1.3f);
+  look.gloss *= 0.3f;
   add_piece(stage, figure, std::move(beard), look);
   add_piece(stage, figure, std::move(soft), look);
+  figure.face.v[kStubble] = std::max(figure.face.v[kStubble], dice.in(0.6f, 1.1f));
   figure.tags.emplace_back("beard");
 }
 

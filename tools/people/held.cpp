@@ -111,11 +111,10 @@ void add_held_thing(Stage& stage, Figure& figure, Dice dice) {
       leaves.a = {0.1f, 0.22f, 0.06f};
       leaves.c = {0.2f, 0.35f, 0.1f};
       Piece stems;
-      for (int i = 0; i < 26; ++i) {
+      for (int i = 0; i < 45; ++i) {
         const vec3 out = glm::normalize(dice.in3(-1, 1) + vec3(0, 1.3f, 0));
-        const float length = dice.in(0.1f, 0.24f);
-        add_ball(i % 3 == 0 ? stems : piece, grip + out * length, vec3(dice.in(0.015f, 0.035f)),
-                 axes_along(out, forward), 5);
+        const vec3 at = grip + out * dice.in(0.1f, 0.22f);
+        add_ball(i % 3 == 0 ? stems : piece, at, vec3(1, 0.6f, 1) * dice.in(0.01f, 0.03f), axes_along(out, forward), 5);
       }
       add_tube(stems, {grip - 0.12f * up, grip, grip + 0.1f * up}, {0.012f, 0.02f, 0.06f}, 8);
       add_piece(stage, figure, std::move(stems), leaves);

@@ -105,7 +105,7 @@ vec3 eye(const Look& look, vec3 d) {
   if (d.z > 0 && r < 0.17f) return vec3(0.01f);
   if (d.z > 0 && glm::length(vec2(d.x + 0.12f, d.y - 0.14f)) < 0.06f) return vec3(1.6f);  // a window's reflection
   if (d.z > 0 && r < 0.48f) return look.a * (r > 0.43f ? 0.35f : 0.7f + 0.6f * noise(look.seed, d * 30.0f));
-  return vec3(0.7f, 0.64f, 0.6f) - vec3(0, 0.1f, 0.12f) * step(r - 0.7f, 0.3f);
+  return vec3(0.52f, 0.48f, 0.46f) - vec3(0, 0.08f, 0.1f) * step(r - 0.7f, 0.3f);
 }
 
 vec3 hair(const Look& look, vec3 p) {
@@ -363,8 +363,8 @@ vec3 skin_color(Dice& dice) {
   constexpr int kMeans = 6;
   const vec3 mean[kMeans] = {{0.055f, 0.028f, 0.018f}, {0.13f, 0.065f, 0.04f},  {0.25f, 0.135f, 0.085f},
                              {0.38f, 0.22f, 0.145f},   {0.53f, 0.335f, 0.245f}, {0.66f, 0.45f, 0.36f}};
-  // pale to middling skin is as frequent as its share of the scale; none is rare
-  const float place = dice.in(0.0f, kMeans - 1.001f);
+  // the middle and pale half of the scale somewhat more often; none is rare
+  const float place = (kMeans - 1.001f) * std::pow(dice.unit(), 0.75f);
   const int i = static_cast<int>(place);
   const vec3 color = glm::mix(mean[i], mean[i + 1], place - static_cast<float>(i));
   const float red = 0.06f * dice.normal(), yellow = 0.06f * dice.normal();
@@ -372,10 +372,11 @@ vec3 skin_color(Dice& dice) {
 }
 
 vec3 hair_color(Dice& dice, bool old) {
-  const int kind = old ? 4 + dice.below(2) : dice.below(12);
+  const int kind = old ? 4 + dice.below(2) : dice.below(18);
   const float t = dice.unit();
-  if (kind <= 2) return glm::mix(vec3(0.006f, 0.005f, 0.005f), vec3(0.03f, 0.02f, 0.014f), t);
-  if (kind == 3 || kind >= 8) return glm::mix(vec3(0.025f, 0.014f, 0.008f), vec3(0.16f, 0.085f, 0.045f), t);
+  if (kind <= 2 || kind >= 14) return glm::mix(vec3(0.006f, 0.005f, 0.005f), vec3(0.03f, 0.02f, 0.014f), t);
+  if (kind == 3 || (kind >= 8 && kind < 14))
+    return glm::mix(vec3(0.025f, 0.014f, 0.008f), vec3(0.16f, 0.085f, 0.045f), t);
   if (kind == 4) return vec3(0.12f + 0.3f * t) * vec3(1, 0.98f, 0.95f);
   if (kind == 5) return vec3(0.4f + 0.35f * t);
   if (kind == 6) return glm::mix(vec3(0.28f, 0.18f, 0.09f), vec3(0.6f, 0.45f, 0.26f), t);

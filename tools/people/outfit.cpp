@@ -176,7 +176,7 @@ void add_clothes(Stage& stage, Figure& figure, Dice dice) {
   const auto top = static_cast<Top>(choice);
   figure.tags.push_back(std::string("top:") + kTopNames[choice]);
   Look look = cloth_look(dice);
-  const float folds = dice.in(0.006f, 0.016f);
+  const float folds = dice.in(0.006f, 0.024f);
   const bool closed_in_front = top == Top::shirt || top == Top::coat || top == Top::hoodie || top == Top::blazer;
   if (closed_in_front && dice.chance(0.7f)) look.v[kPlacket] = dice.in(0.2f, 1);
   const auto seed = dice.seed();

@@ -81,6 +81,25 @@ bool is_frontal_and_seen(const Figure& figure, const simulator::CameraView& came
   return shown > 0.6f * static_cast<float>(side * side);
 }
 
+/// Gives something that a person wears the colours of something behind: edges without contrast.
+void match_background(Stage& stage, Dice& dice) {
+  std::vector<int> worn, behind;
+  for (const Piece& piece : stage.pieces) {
+    const Look::Kind kind = stage.looks[static_cast<std::size_t>(piece.look)].kind;
+    if (piece.person < 0) {
+      behind.push_back(piece.look);
+    } else if (kind < Look::Kind::skin || kind == Look::Kind::hair) {
+      worn.push_back(piece.look);
+    }
+  }
+  if (worn.empty() || behind.empty()) return;
+  const Look& from = stage.looks[static_cast<std::size_t>(behind[dice.below(static_cast<int>(behind.size()))])];
+  for (int i = 0; i < 2; ++i) {
+    Look& to = stage.looks[static_cast<std::size_t>(worn[dice.below(static_cast<int>(worn.size()))])];
+    to.a = from.a, to.b = from.b, to.c = from.c;
+  }
+}
+
 Sitting take_sitting(Dice dice) {
   Sitting sitting;
   Dice plan = dice.of(1);
@@ -141,6 +160,7 @@ Sitting take_sitting(Dice dice) {
   const float back = plan.chance(0.3f) ? plan.in(0.8f, 1.6f) : plan.in(1.5f, 6);
   sitting.tags.push_back(add_surroundings(stage, dice.of(3), back));
   Dice extras = dice.of(4);
+  if (extras.chance(0.15f)) match_background(stage, extras);
   if (extras.chance(0.18f)) {  // bystanders
     const int bystanders = 1 + extras.below(3);
     for (int i = 0; i < bystanders; ++i) {
@@ -230,8 +250,9 @@ Image composite_of(const Exposure& exposure, Image background, Dice dice) {
   return out;
 }
 
-/// Develops a picture, centres it in the square and gives each of its people a sample.
-void finish(const Sitting& sitting, Image light, Dice dice, std::vector<PeopleSample>& out) {
+/// Develops a picture, centres it in the square and gives each of `people` a sample.
+void finish(const Sitting& sitting, const std::vector<PeopleSample>& people, Image light, Dice dice,
+            std::vector<PeopleSample>& out) {
   const Image& coverage = sitting.exposure.coverage;
   // as much for the people as for the whole picture, with an automatic exposure's errors
   Image weight(coverage.width, coverage.height, 1);
@@ -243,7 +264,7 @@ void finish(const Sitting& sitting, Image light, Dice dice, std::vector<PeopleSa
   expose_to(light, weight, 0.19f * std::exp2(0.6f * dice.normal()));
   const std::vector<std::uint8_t> photograph = develop(std::move(light), dice.of(1));
   const int left = (kPictureSide_px - coverage.width) / 2, top = (kPictureSide_px - coverage.height) / 2;
-  for (const PeopleSample& seen : sitting.samples) {
+  for (const PeopleSample& seen : people) {
     PeopleSample sample = seen;
     sample.picture.assign(static_cast<std::size_t>(kPictureSide_px) * kPictureSide_px * 3, 0);
     sample.mask.assign(static_cast<std::size_t>(kPictureSide_px) * kPictureSide_px, 0);
@@ -252,7 +273,7 @@ void finish(const Sitting& sitting, Image light, Dice dice, std::vector<PeopleSa
       std::copy_n(photograph.begin() + static_cast<std::ptrdiff_t>(y) * coverage.width * 3, coverage.width * 3,
                   sample.picture.begin() + static_cast<std::ptrdiff_t>(to) * 3);
       for (int x = 0; x < coverage.width; ++x) {
-        sample.mask[to + x] = static_cast<std::uint8_t>(coverage.at(x, y, seen.picture_index) * 255 + 0.5f);
+        sample.mask[to + x] = static_cast<std::uint8_t>(std::lround(coverage.at(x, y, seen.picture_index) * 255));
       }
     }
     for (vec3& k : sample.keypoints) k += vec3(left, top, 0);
@@ -328,17 +349,19 @@ std::vector<PeopleSample> make_people_shard(const PeopleOptions& options, int sh
       one_done();
       if (sitting.samples.empty()) return;
       std::vector<PeopleSample>& out = made[i];
-      finish(sitting, sitting.exposure.light, picture.of(50), out);
+      finish(sitting, sitting.samples, sitting.exposure.light, picture.of(50), out);
       const int whole = static_cast<int>(out.size());
       for (int k = 0; k < options.composites && sitting.clear; ++k) {
         Dice mix = picture.of(100 + k);
         const Image& background =
             backgrounds[static_cast<std::size_t>(mix.below(static_cast<int>(backgrounds.size())))];
-        finish(sitting, composite_of(sitting.exposure, background, mix.of(1)), mix.of(2), out);
+        // of several people one: the others are in the next
+        const PeopleSample& one = sitting.samples[static_cast<std::size_t>(k) % sitting.samples.size()];
+        finish(sitting, {one}, composite_of(sitting.exposure, background, mix.of(1)), mix.of(2), out);
       }
       for (std::size_t k = 0; k < out.size(); ++k) {
         out[k].composite = static_cast<int>(k) >= whole;
-        out[k].picture_index = index * (1 + options.composites) + static_cast<int>(k) / whole;
+        out[k].picture_index = index * (1 + options.composites) + std::max(static_cast<int>(k) - whole + 1, 0);
         Dice own = picture.of(7);
         out[k].seed = own.seed();
         if (!out[k].composite) out[k].tags.insert(out[k].tags.end(), sitting.tags.begin(), sitting.tags.end());

@@ -1,0 +1,264 @@
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "capture/error.h"
+#include "simulator/render/camera_rays.h"
+#include "tests/tools/run_program.h"
+#include "tools/people/people_set.h"
+#include "tools/people/surroundings.h"
+
+namespace dualpixel::tools {
+namespace {
+
+/// Two people before a camera of 96 x 128 pixels, nothing else.
+struct Pair {
+  Stage stage;
+  Figure first, second;
+  simulator::CameraView camera;
+
+  static Pair make(std::uint64_t seed) {
+    Stage stage;
+    FigureOptions options;
+    options.metres_per_px = 0.009f;
+    options.seen_below_head_m = 0.8f;
+    options.place = {0.22f, 0, 0};
+    Figure one = add_figure(stage, Dice(seed, false), options);
+    options.place = {-0.22f, 0, -0.1f};
+    options.person = 1;
+    Figure two = add_figure(stage, Dice(seed + 1, false), options);
+    CameraPlan plan;
+    const vec3 middle = 0.5f * (one.skeleton.head.origin + two.skeleton.head.origin);
+    plan.eye = middle + vec3(0, 0, 2);
+    plan.target = middle - vec3(0, 0.25f, 0);
+    plan.height_m = 1.2f;
+    plan.width_px = 96;
+    plan.height_px = 128;
+    plan.aperture_m = 1e-6f;
+    return {std::move(stage), std::move(one), std::move(two), make_camera(plan)};
+  }
+};
+
+/// Six samples, some of them composites, made once for all tests here.
+const std::vector<PeopleSample>& few_samples() {
+  static const std::vector<PeopleSample> samples = make_people_shard({.count = 6, .seed = 11, .composites = 2}, 0, 6);
+  return samples;
+}
+
+TEST(People, MasksAreTheShareOfEachPixelThatShowsThem) {
+  const Pair pair = Pair::make(3);
+  const World world(pair.stage);
+  const Exposure exposure = shoot(world, pair.camera, 2, 5);
+  // Independently: single rays through a 4 x 4 grid in every pixel. Both count 16 points, so at a pixel that an edge
+  // crosses each errs by at most sqrt(1/4 / 16) = 1/8 (unstratified), all else agrees.
+  std::array<double, 2> counted{}, summed{};
+  double edge_pixels = 0;
+  const auto& sensor = pair.camera.lens.sensor();
+  for (int y = 0; y < sensor.height_px; ++y) {
+    for (int x = 0; x < sensor.width_px; ++x) {
+      std::array<int, 2> hits{};
+      for (int i = 0; i < 16; ++i) {
+        const auto at = sensor.middle_m(x + (i % 4 - 1.5) / 4, y + (i / 4 - 1.5) / 4);
+        const simulator::Ray ray{
+            vec3(pair.camera.world_from_camera[3]),
+            mat3(pair.camera.world_from_camera) * vec3(pair.camera.lens.chief_slope(at.x, at.y), 1)};
+        const auto hit = world.intersector().intersect(ray);
+        if (hit) ++hits[pair.stage.pieces[hit->mesh].person];
+      }
+      for (int p = 0; p < 2; ++p) {
+        counted[p] += hits[p] / 16.0;
+        summed[p] += exposure.coverage.at(x, y, p);
+        if (hits[p] == 0) {
+          EXPECT_LE(exposure.coverage.at(x, y, p), 0.5f) << x << ' ' << y;
+        }
+        if (hits[p] > 0 && hits[p] < 16) edge_pixels += 1;
+      }
+    }
+  }
+  for (int p = 0; p < 2; ++p) {
+    EXPECT_GT(counted[p], 500);
+    EXPECT_NEAR(summed[p], counted[p], 4 * std::sqrt(2 * edge_pixels) / 8) << "person " << p;
+  }
+}
+
+TEST(People, TwoPeopleShareNoPixelBeyondItsArea) {
+  const Pair pair = Pair::make(7);
+  const World world(pair.stage);
+  const Exposure exposure = shoot(world, pair.camera, 2, 5);
+  int shared = 0;
+  for (std::size_t i = 0; i < exposure.coverage.pixel_count(); ++i) {
+    const float a = exposure.coverage.data[2 * i], b = exposure.coverage.data[2 * i + 1];
+    EXPECT_LE(a + b, 1 + 1e-6f);
+    if (a > 0 && b > 0) ++shared;
+  }
+  EXPECT_GT(shared, 10);  // they do overlap in this picture
+}
+
+TEST(People, FaceBoxHoldsEyesAndNoseAndLiesOnTheHead) {
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6}) {
+    const Pair pair = Pair::make(seed);
+    for (const Figure* figure : {&pair.first, &pair.second}) {
+      const glm::vec4 box = face_box(*figure, pair.camera);
+      const auto joints = keypoints_of(*figure);
+      for (int i = 0; i < 3; ++i) {
+        const vec3 at = project(pair.camera, joints[i]);
+        EXPECT_TRUE(at.x > box.x && at.x < box.x + box.z && at.y > box.y && at.y < box.y + box.w) << seed << ' ' << i;
+      }
+      // the skull is 24 cm high, 20 cm long (with the nose) and 18 cm wide (with ears) at scale 1: see HeadShape
+      vec2 low(1e9f), high(-1e9f);
+      for (int corner = 0; corner < 8; ++corner) {
+        const vec3 local((corner & 1) != 0 ? 0.09f : -0.09f, (corner & 2) != 0 ? 0.135f : -0.11f,
+                         (corner & 4) != 0 ? 0.1f : -0.11f);
+        const vec2 at(project(pair.camera, figure->skeleton.head.out(figure->body.head_scale * local)));
+        low = glm::min(low, at);
+        high = glm::max(high, at);
+      }
+      EXPECT_GE(box.x, low.x);
+      EXPECT_GE(box.y, low.y);
+      EXPECT_LE(box.x + box.z, high.x);
+      EXPECT_LE(box.y + box.w, high.y);
+    }
+  }
+}
+
+TEST(SlowPeople, SeenKeypointsLieInTheMask) {
+  int seen = 0;
+  for (const PeopleSample& sample : few_samples()) {
+    for (const glm::vec3& k : sample.keypoints) {
+      if (k.z != 2) continue;
+      ++seen;
+      int most = 0;
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+          const int x = std::clamp(static_cast<int>(k.x) + dx, 0, kPictureSide_px - 1);
+          const int y = std::clamp(static_cast<int>(k.y) + dy, 0, kPictureSide_px - 1);
+          most = std::max<int>(most, sample.mask[static_cast<std::size_t>(y) * kPictureSide_px + x]);
+        }
+      }
+      EXPECT_GT(most, 127) << k.x << ' ' << k.y;
+    }
+  }
+  EXPECT_GE(seen, 3 * 6);  // nose and eyes at the least
+}
+
+TEST(SlowPeople, SamplesOfOnePictureShareItAndNotTheirPeople) {
+  const auto& samples = few_samples();
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const PeopleSample& s = samples[i];
+    EXPECT_EQ(s.picture.size(), 256u * 256 * 3);
+    EXPECT_GT(std::count(s.mask.begin(), s.mask.end(), 255), 100);
+    for (std::size_t k = i + 1; k < samples.size(); ++k) {
+      if (samples[k].picture_index != s.picture_index) continue;
+      EXPECT_EQ(samples[k].picture, s.picture);
+      for (std::size_t p = 0; p < s.mask.size(); ++p) EXPECT_LE(s.mask[p] + samples[k].mask[p], 256);
+    }
+  }
+  EXPECT_TRUE(std::any_of(samples.begin(), samples.end(), [](const auto& s) { return s.composite; }));
+  EXPECT_FALSE(samples[0].composite);
+}
+
+TEST(People, HeldOutDrawsNothingThatTrainingDraws) {
+  Dice training(5, false), held_out(5, true);
+  const auto slot = [](float u) { return static_cast<int>(std::floor(u * 80)) % 5; };
+  std::set<int> training_slots, held_out_slots;
+  for (int i = 0; i < 10000; ++i) {
+    training_slots.insert(slot(training.unit()));
+    held_out_slots.insert(slot(held_out.unit()));
+  }
+  EXPECT_EQ(training_slots, (std::set<int>{0, 1, 2, 3}));
+  EXPECT_EQ(held_out_slots, (std::set<int>{4}));
+  for (const auto& [n, reserved] :
+       {std::pair{kGestures, kReservedGestures}, {kPlaces, kReservedPlaces}, {kLights, kReservedLights}}) {
+    for (int i = 0; i < 200; ++i) {
+      EXPECT_LT(training.choose(n, reserved), n - reserved);
+      EXPECT_GE(held_out.choose(n, reserved), n - reserved);
+    }
+  }
+  for (const LookPool& pool : {cloth_pool(), wall_pool()}) {
+    for (int i = pool.count - pool.reserved; i < pool.count; ++i) {
+      EXPECT_EQ(std::count(pool.kinds, pool.kinds + pool.count - pool.reserved, pool.kinds[i]), 0);
+    }
+  }
+}
+
+TEST(People, JointsKeepHumanLengths) {
+  // Drillis & Contini 1966: upper arm .186, forearm .146, thigh .245, shank .246 of stature; and every pose is within
+  // reach, so that no bone is stretched.
+  Dice dice(9, false);
+  for (int i = 0; i < 60; ++i) {
+    const Body body = make_body(dice);
+    const Pose pose = make_pose(dice, body, static_cast<Gesture>(i % kGestures));
+    const Skeleton k = make_skeleton(body, pose, vec3(0), 0.3f);
+    const float h = body.stature_m;
+    for (int side = 0; side < 2; ++side) {
+      EXPECT_NEAR(glm::distance(k.shoulder[side], k.elbow[side]) / h, 0.186f, 0.012f);
+      EXPECT_NEAR(glm::distance(k.elbow[side], k.wrist[side]) / h, 0.146f, 0.012f);
+      EXPECT_NEAR(glm::distance(k.hip[side], k.knee[side]) / h, 0.245f, 0.002f);
+    }
+    const float crown = k.head.origin.y + 0.137f * body.head_scale;
+    // children's heads are larger, bowed ones lower
+    if (!pose.sitting) {
+      EXPECT_NEAR(crown / h, 1, 0.09f);
+    }
+  }
+}
+
+TEST(People, NpyHasVersionOnesHeader) {
+  const std::string bytes = npy_bytes("<f4", {3, 4}, std::string(48, 'x'));
+  EXPECT_EQ(bytes.substr(0, 8), std::string("\x93NUMPY\x01\x00", 8));
+  const std::size_t length = static_cast<unsigned char>(bytes[8]) + 256u * static_cast<unsigned char>(bytes[9]);
+  EXPECT_EQ((10 + length) % 64, 0u);
+  EXPECT_EQ(bytes.size(), 10 + length + 48);
+  EXPECT_EQ(bytes[9 + length], '\n');
+  EXPECT_NE(bytes.find("{'descr': '<f4', 'fortran_order': False, 'shape': (3, 4), }"), std::string::npos);
+  EXPECT_NE(npy_bytes("|u1", {5}, "12345").find("(5, )"), std::string::npos);
+}
+
+TEST(People, BadOptionsAreRefused) {
+  expect_one_line_refusal(run_program("people"));
+  expect_one_line_refusal(run_program("people -o /tmp/never --count 0"));
+  expect_one_line_refusal(run_program("people -o /tmp/never --composites -1"));
+  expect_one_line_refusal(run_program("people -o /dev/null/x --count 1"));
+}
+
+/// Everything of a sample as one string.
+std::string all_of(const PeopleSample& s) {
+  std::string bytes(s.picture.begin(), s.picture.end());
+  bytes.append(s.mask.begin(), s.mask.end());
+  for (const auto& k : s.keypoints) bytes += std::to_string(k.x) + std::to_string(k.y) + std::to_string(k.z);
+  return bytes + std::to_string(s.face.x) + std::to_string(s.seed) + std::to_string(s.picture_index);
+}
+
+TEST(SlowPeople, SameSeedSameBytesForOneThreadAndTwo) {
+  const PeopleOptions options{.count = 6, .seed = 11, .composites = 2};
+  std::vector<PeopleSample> alone;
+  {
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    alone = make_people_shard(options, 0, 6);
+  }
+  ASSERT_EQ(alone.size(), few_samples().size());
+  for (std::size_t i = 0; i < alone.size(); ++i) EXPECT_EQ(all_of(alone[i]), all_of(few_samples()[i])) << i;
+  const auto other = make_people_shard({.count = 6, .seed = 12, .composites = 2}, 0, 1);
+  EXPECT_NE(all_of(other[0]), all_of(alone[0]));
+}
+
+TEST(SlowPeople, AnEndedRunGoesOnWhereItWas) {
+  const TemporaryFolder folder;
+  const PeopleOptions options{.count = 2, .seed = 4, .composites = 0};
+  int made = 0;
+  const auto count = [&](const std::vector<PeopleSample>&) { ++made; };
+  write_people_set(options, folder / "set", {}, count);
+  const std::string masks = read_bytes(folder / "set/shard_00000/masks.npy");
+  write_people_set(options, folder / "set", {}, count);
+  EXPECT_EQ(made, 1);
+  write_people_set({.count = 2, .seed = 5, .composites = 0}, folder / "set", {}, count);
+  EXPECT_EQ(made, 2);
+  EXPECT_NE(read_bytes(folder / "set/shard_00000/masks.npy"), masks);
+  EXPECT_EQ(folder.names().size(), 1u);  // nothing temporary is left
+}
+
+}  // namespace
+}  // namespace dualpixel::tools
