@@ -181,7 +181,12 @@ SceneDefocus measure_defocus(const Capture& capture, const std::string& name) {
   const std::array<double, 3>& gains = capture.exposure.white_balance;
   const double white = *std::min_element(gains.begin(), gains.end());
   const Judge judge(truth, blur_radii(truth.disparity_dp_px, from_sharp));
-  SceneDefocus scene{name, truth.photograph, judge(dp.input), {}, {}};
+  SceneDefocus scene{name, truth.photograph, judge(dp.input), {}, {}, {}};
+  const Image true_radius_px = blur_radii(truth.disparity_dp_px, from_picture);
+  pipeline::Defocused bright = render_defocus(pipeline::recover_highlights(dp.input, true_radius_px, white),
+                                              truth.disparity_dp_px, true_radius_px, from_picture);
+  clip_highlights(bright, dp.input, white);
+  scene.recovered = {"picture, highlights recovered", judge(bright.rgb), std::move(bright.rgb)};
   const auto add = [&](const std::string& rung, Image picture) {
     scene.rungs.push_back({rung, judge(picture), std::move(picture)});
   };
@@ -190,11 +195,6 @@ SceneDefocus measure_defocus(const Capture& capture, const std::string& name) {
   const Image coarse_truth = pipeline::resize_area(truth.disparity_dp_px, matched.width, matched.height);
   add("renderer", render(truth.all_in_focus, truth.disparity_dp_px, from_sharp));
   add("picture", render(dp.input, truth.disparity_dp_px, from_picture));
-  const Image true_radius_px = blur_radii(truth.disparity_dp_px, from_picture);
-  pipeline::Defocused bright = render_defocus(pipeline::recover_highlights(dp.input, true_radius_px, white),
-                                              truth.disparity_dp_px, true_radius_px, from_picture);
-  clip_highlights(bright, dp.input, white);
-  add("highlights", std::move(bright.rgb));
   const Image certain(matched.width, matched.height, 1, 1.0f);
   add("smoothing", render(dp.input, smoothed(coarse_truth, certain, dp.input), from_picture));
   add("matching",

@@ -33,10 +33,10 @@ struct Preference {
 
 struct SceneDefocus {
   std::string name;
-  Image photograph;     ///< truth, linear
-  Closeness untouched;  ///< of the capture's picture
-  std::vector<Rung>
-      rungs;  ///< renderer alone, capture's picture, its highlights recovered, smoothing, matching, calibration, mask
+  Image photograph;                   ///< truth, linear
+  Closeness untouched;                ///< of the capture's picture
+  std::vector<Rung> rungs;            ///< renderer alone, capture's picture, smoothing, matching, calibration, mask
+  Rung recovered;                     ///< the rung "picture" with clipped highlights recovered (highlights.h)
   std::vector<Preference> preferred;  ///< best first at the rim; empty where there is no person
 };
 
@@ -44,7 +44,6 @@ struct SceneDefocus {
 /// faces there are. The rungs:
 ///   renderer       the true all-in-focus picture, blurred by true disparity
 ///   picture        the merged burst in its place: noise, and the phone lens's own blur
-///   highlights     its clipped highlights recovered before the blur; an option, on this rung alone
 ///   smoothing      true disparity at DP resolution, through the edge-aware stages
 ///   matching       matched disparity, brought to the truth's scale and offset by least squares, through the same
 ///   calibration    the same without that fit: the pipeline's mode dp

@@ -23,7 +23,7 @@ namespace {
 struct ExperimentDefocusOptions {
   std::string folder;
   std::vector<std::string> scenes = {"scenes/portrait.json", "scenes/slanted_planes.json",
-                                     "scenes/occlusion_edges.json"};
+                                     "scenes/occlusion_edges.json", "scenes/calibration_target.json"};
 };
 
 constexpr float kHaloRadii[] = {3, 6, 10, 15, 20, 30};
@@ -47,7 +47,9 @@ nlohmann::ordered_json to_json(const Closeness& closeness) {
 }
 
 nlohmann::ordered_json to_json(const SceneDefocus& scene) {
-  nlohmann::ordered_json json = {{"scene", scene.name}, {"not_blurred", to_json(scene.untouched)}};
+  nlohmann::ordered_json json = {{"scene", scene.name},
+                                 {"not_blurred", to_json(scene.untouched)},
+                                 {"highlights_recovered", to_json(scene.recovered.closeness)}};
   double before = 0;
   for (const Rung& rung : scene.rungs) {
     json["rungs"][rung.name] = to_json(rung.closeness);
@@ -100,7 +102,8 @@ std::string scene_html(const SceneDefocus& scene) {
                 before > 0 ? fmt::format("{:.2f}", before - now) : "");
     before = now;
   }
-  html += row("not blurred", scene.untouched, "") + "</table></div>";
+  html += row(scene.recovered.name, scene.recovered.closeness, "") + row("not blurred", scene.untouched, "") +
+          "</table></div>";
   if (!scene.preferred.empty()) {
     html +=
         "<h3>Preferred at the subject</h3><div class=\"scroll\"><table><tr><th></th><th>at the outline, dB</th>"
@@ -114,6 +117,7 @@ std::string scene_html(const SceneDefocus& scene) {
   const auto small = [](const Image& image) { return resized(image, 448, 336); };
   html += "<div class=\"pictures\">" + figure(small(scene.photograph), "the photograph");
   for (const Rung& rung : scene.rungs) html += figure(small(rung.picture), rung.name);
+  html += figure(small(scene.recovered.picture), scene.recovered.name);
   return html + "</div>";
 }
 
@@ -187,7 +191,7 @@ void add_experiment_defocus(CLI::App& experiment) {
   auto options = std::make_shared<ExperimentDefocusOptions>();
   CLI::App* command = experiment.add_subcommand(
       "defocus", "Synthetic defocus against the wide lens's photograph: loss by cause, order of methods, halos");
-  command->add_option("scene", options->scenes, "Scene JSON files (default: three shipped ones)")
+  command->add_option("scene", options->scenes, "Scene JSON files (default: the shipped ones)")
       ->type_name("SCENE.json");
   command->add_option("-o,--output", options->folder, "Folder to write defocus.json and defocus.html into")
       ->required()
