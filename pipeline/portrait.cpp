@@ -121,7 +121,7 @@ Image stretched(const Image& mask, int width, int height) {
 
 PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options,
                             const std::optional<Image>& person_mask, const PortraitProgress& progress) {
-  require_valid(options.aperture);
+  require_valid(options.bokeh.aperture);
   const bool find = options.mode != Mode::dp && !person_mask;
   if (find && !options.find_people) throw InputError("person mask: missing; modes dp+seg and seg need one");
   if (options.mode != Mode::dp && person_mask) require_mask(*person_mask);
@@ -147,13 +147,10 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
   burst.mosaic = {};
   result.base_frame = burst.base_frame;
 
+  Bokeh bokeh = options.bokeh;
   const std::array<double, 3>& gains = capture.exposure.white_balance;
-  const double white = *std::min_element(gains.begin(), gains.end());
-  Image recovered;
-  const auto light = [&](const Image& radius_px) -> const Image& {  // what is blurred
-    if (!options.highlights) return result.input;
-    return recovered = recover_highlights(result.input, radius_px, white, *options.highlights);
-  };
+  bokeh.white = *std::min_element(gains.begin(), gains.end());
+
   std::optional<std::array<double, 4>> face_px = capture.face_px;
   FoundPeople found;
   if (find) {
@@ -176,10 +173,8 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
     result.mask = stage("mask", [&] {
       return filter_mask(person, encode_guide(result.input, guide_gain(result.input)), options.filter_mask);
     });
-    MaskBlurred blurred = stage("blur", [&] {
-      return blur_background(light(background_radii(result.mask, options.mask_blur)), result.mask, options.mask_blur,
-                             options.aperture);
-    });
+    MaskBlurred blurred =
+        stage("blur", [&] { return blur_background(result.input, result.mask, options.mask_blur, bokeh); });
     defocused = std::move(blurred.picture);
     result.blur_radius_px = std::move(blurred.radius_px);
   } else {
@@ -241,12 +236,10 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
                                  : make_blur_mapping(capture.camera.focus_distance_m, result.focus_disparity_dp_px,
                                                      width, result.mode == Mode::dp_seg, options.blur_radius);
       result.blur_radius_px = blur_radii(result.disparity_dp_px, mapping);
-      return render_defocus(light(result.blur_radius_px), result.disparity_dp_px, result.blur_radius_px, mapping,
-                            options.layers, options.aperture);
+      return render_defocus(result.input, result.disparity_dp_px, result.blur_radius_px, mapping, options.layers,
+                            bokeh);
     });
   }
-
-  if (options.highlights) clip_highlights(defocused, result.input, white);
 
   result.portrait = stage("noise", [&] {
     if (options.synthetic_noise) {

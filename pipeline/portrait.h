@@ -8,9 +8,8 @@
 #include "capture/capture.h"
 #include "capture/image.h"
 #include "pipeline/calibration/calibration.h"
-#include "pipeline/defocus/aperture.h"
 #include "pipeline/defocus/blur_radius.h"
-#include "pipeline/defocus/highlights.h"
+#include "pipeline/defocus/bokeh.h"
 #include "pipeline/defocus/layers.h"
 #include "pipeline/defocus/mask_blur.h"
 #include "pipeline/defocus/noise.h"
@@ -65,9 +64,7 @@ struct PortraitOptions {
   /// Set: the blur of a lens with this entrance pupil in place of Eq. 5's (match_lens.h); not in mode seg.
   std::optional<double> match_pupil_mm;
   LayerOptions layers;
-  Aperture aperture;
-  /// Set: clipped highlights are blurred as bright as they may have been.
-  std::optional<HighlightOptions> highlights;
+  Bokeh bokeh;  ///< its white level is the capture's own
   MaskBlurOptions mask_blur;
   NoiseOptions noise;
   bool synthetic_noise = true;  ///< on what the blur has smoothed

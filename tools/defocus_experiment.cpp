@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 
-#include "pipeline/defocus/highlights.h"
 #include "pipeline/defocus/mask_blur.h"
 #include "pipeline/defocus/match_lens.h"
 #include "pipeline/defocus/render.h"
@@ -182,11 +181,13 @@ SceneDefocus measure_defocus(const Capture& capture, const std::string& name) {
   const double white = *std::min_element(gains.begin(), gains.end());
   const Judge judge(truth, blur_radii(truth.disparity_dp_px, from_sharp));
   SceneDefocus scene{name, truth.photograph, judge(dp.input), {}, {}, {}};
-  const Image true_radius_px = blur_radii(truth.disparity_dp_px, from_picture);
-  pipeline::Defocused bright = render_defocus(pipeline::recover_highlights(dp.input, true_radius_px, white),
-                                              truth.disparity_dp_px, true_radius_px, from_picture);
-  clip_highlights(bright, dp.input, white);
-  scene.recovered = {"picture, highlights recovered", judge(bright.rgb), std::move(bright.rgb)};
+  pipeline::Bokeh recover;
+  recover.highlights.emplace();
+  recover.white = white;
+  Image bright = render_defocus(dp.input, truth.disparity_dp_px, blur_radii(truth.disparity_dp_px, from_picture),
+                                from_picture, {}, recover)
+                     .rgb;
+  scene.recovered = {"picture, highlights recovered", judge(bright), std::move(bright)};
   const auto add = [&](const std::string& rung, Image picture) {
     scene.rungs.push_back({rung, judge(picture), std::move(picture)});
   };

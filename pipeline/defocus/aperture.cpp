@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "capture/error.h"
 
@@ -24,7 +25,7 @@ void require_valid(const Aperture& aperture) {
   }
 }
 
-BlurShape blur_shape(const Aperture& aperture, double field_x, double field_y, bool in_front_of_focus) {
+BlurShape blur_shape(const Aperture& aperture, bool in_front_of_focus) {
   BlurShape shape;
   if (aperture.blades > 0) {
     const double sector = 2 * kPi / aperture.blades;
@@ -34,17 +35,23 @@ BlurShape blur_shape(const Aperture& aperture, double field_x, double field_y, b
     for (int side = 0; side < aperture.blades; ++side) {
       const double angle = (side + 0.5) * sector;
       shape.normals.push_back({std::sin(angle), up * std::cos(angle)});
+      if (aperture.lying) std::swap(shape.normals.back()[0], shape.normals.back()[1]);
     }
   }
-  shape.cut = {aperture.cats_eye * field_x, aperture.cats_eye * field_y};
   return shape;
 }
 
+void cut_to_cats_eye(BlurShape& shape, const Aperture& aperture, double field_x, double field_y) {
+  const double shift = shape.extent * aperture.cats_eye;
+  shape.cut = {shift * field_x, shift * field_y};
+}
+
 Chord chord(const BlurShape& shape, double radius, double y) {
-  Chord common{-shape.extent * radius, shape.extent * radius};
+  const double rim = shape.extent * radius;
+  Chord common{-rim, rim};
   const auto cut_circle = [&](double middle_x, double middle_y) {
-    const double squared = radius * radius - (y - middle_y) * (y - middle_y);
-    const double half = squared > 0 ? std::sqrt(squared) : -radius;
+    const double squared = rim * rim - (y - middle_y) * (y - middle_y);
+    const double half = squared > 0 ? std::sqrt(squared) : -rim;
     common = {std::max(common.begin, middle_x - half), std::min(common.end, middle_x + half)};
   };
   for (const auto& [nx, ny] : shape.normals) {
@@ -71,7 +78,8 @@ double depth_inside(const BlurShape& shape, double radius, double x, double y) {
   const double cut_x = radius * shape.cut[0], cut_y = radius * shape.cut[1];
   const bool lens = cut_x != 0 || cut_y != 0;
   if (shape.normals.empty() || lens) {
-    depth = std::min({depth, radius - std::hypot(x - cut_x, y - cut_y), radius - std::hypot(x + cut_x, y + cut_y)});
+    const double rim = shape.extent * radius;
+    depth = std::min({depth, rim - std::hypot(x - cut_x, y - cut_y), rim - std::hypot(x + cut_x, y + cut_y)});
   }
   return depth;
 }

@@ -8,8 +8,10 @@ namespace dualpixel::pipeline {
 struct Aperture {
   int blades = 0;  ///< 0: round (the paper's disc); 3 to 16: a regular polygon
   /// 0 to 0.9: how much of the blur's radius the lens's rims cut off on either side in the picture's corners,
-  /// proportionally less towards the middle: the cat's eye of a lens that vignettes (two equal circles in common).
+  /// proportionally less towards the middle: the cat's eye of a lens that vignettes. Two circles through the blades'
+  /// corners, shifted apart, bound it.
   double cats_eye = 0;
+  bool lying = false;  ///< the picture lies on its side, transposed: its x axis points down
 };
 
 /// Throws InputError where a value is out of range.
@@ -19,16 +21,19 @@ void require_valid(const Aperture& aperture);
 ///
 /// A polygon has the disc's area, so that a radius means the same for every shape. One corner points up behind the
 /// focus and, as the two sides of the focus are each other's mirror images, down in front of it. A cat's eye has less
-/// area, as the lens has there.
+/// area, as the lens has there, and looks alike on both sides.
 struct BlurShape {
   std::vector<std::array<double, 2>> normals;  ///< of a polygon's sides, unit length; empty when round
   double side_distance = 0;                    ///< of the sides from the middle
   double extent = 1;                           ///< of the farthest corner from the middle
-  std::array<double, 2> cut = {0, 0};          ///< discs around +cut and -cut bound a cat's eye
+  std::array<double, 2> cut = {0, 0};          ///< discs of radius `extent` around +cut and -cut bound a cat's eye
 };
 
-/// `field_x`, `field_y`: the point's place from the picture's middle, length 1 in the corners.
-BlurShape blur_shape(const Aperture& aperture, double field_x, double field_y, bool in_front_of_focus);
+/// In the middle of the picture.
+BlurShape blur_shape(const Aperture& aperture, bool in_front_of_focus);
+
+/// Cuts `shape`, of this aperture, to the cat's eye at a place: from the picture's middle, length 1 in the corners.
+void cut_to_cats_eye(BlurShape& shape, const Aperture& aperture, double field_x, double field_y);
 
 /// What a line at height y has in common with the shape of radius r; none where end <= begin.
 struct Chord {

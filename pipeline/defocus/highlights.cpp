@@ -41,16 +41,4 @@ Image recover_highlights(Image rgb, const Image& radius_px, double white, const 
   return rgb;
 }
 
-void clip_highlights(Defocused& blurred, const Image& input, double white) {
-  const auto most = static_cast<float>(white);
-  for_rows(input.height, [&](int y) {
-    const float* own = input.row(y);
-    float* pixel = blurred.rgb.row(y);
-    for (int x = 0; x < input.width; ++x, own += 3, pixel += 3) {
-      const bool sharp = blurred.blurred.row(y)[x] == 0;
-      for (int c = 0; c < 3; ++c) pixel[c] = sharp ? own[c] : std::min(pixel[c], most);
-    }
-  });
-}
-
 }  // namespace dualpixel::pipeline

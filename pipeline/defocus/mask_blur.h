@@ -1,6 +1,5 @@
 #pragma once
 #include "capture/image.h"
-#include "pipeline/defocus/aperture.h"
 #include "pipeline/defocus/render.h"
 
 /// The blur where nothing but a person mask is known (Wadhwa et al. 2018, end of section 5.2).
@@ -16,14 +15,11 @@ struct MaskBlurred {
   Image radius_px;  ///< full-resolution px: the background's radius, times how much of the blurred picture shows
 };
 
-/// Radius of each pixel's blur, full-resolution px, but for the depth plane: the background's times 1 - mask.
-Image background_radii(const Image& mask, const MaskBlurOptions& options = {});
-
 /// The background (1 - mask) [R, G, B, 1] is blurred by one disc, or the aperture's shape, at half resolution, and
 /// divided by its alpha, so that the person's colours never bleed into it. A depth plane is feigned by mixing: the
-/// blurred picture's share falls linearly from 1 at the top to 0 at the bottom. The person is laid over it. `mask` is
-/// of the picture's size, 0..1. Throws InputError where their sizes differ.
+/// blurred picture's share falls linearly from 1 at the top to 0 at the bottom (Aperture::lying: left to right). The
+/// person is laid over it. `mask` is of the picture's size, 0..1. Throws InputError where their sizes differ.
 MaskBlurred blur_background(const Image& rgb, const Image& mask, const MaskBlurOptions& options = {},
-                            const Aperture& aperture = {});
+                            const Bokeh& bokeh = {});
 
 }  // namespace dualpixel::pipeline

@@ -81,7 +81,7 @@ Extent extent_of(const Image& disparity_dp_px, const Image& radius_px, double r_
 
 /// The same maps with what is not valid mended.
 Defocused render_mended(const Image& rgb, Image disparity_dp_px, Image radius_px, const BlurMapping& mapping,
-                        const LayerOptions& options, const Aperture& aperture) {
+                        const LayerOptions& options, const Bokeh& bokeh) {
   const auto most = static_cast<float>(mapping.r_max_px);
   for (std::size_t i = 0; i < radius_px.data.size(); ++i) {
     float& disparity = disparity_dp_px.data[i];
@@ -92,22 +92,26 @@ Defocused render_mended(const Image& rgb, Image disparity_dp_px, Image radius_px
     }
     radius = radius > 0 ? std::min(radius, most) : 0;
   }
-  return render_defocus(rgb, disparity_dp_px, radius_px, mapping, options, aperture);
+  return render_defocus(rgb, disparity_dp_px, radius_px, mapping, options, bokeh);
 }
 
 }  // namespace
 
 Defocused render_defocus(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px,
-                         const BlurMapping& mapping, const LayerOptions& options, const Aperture& aperture) {
-  require_valid(aperture);
+                         const BlurMapping& mapping, const LayerOptions& options, const Bokeh& bokeh) {
+  require_valid(bokeh.aperture);
   require_size(disparity_dp_px, rgb, "disparity");
   require_size(radius_px, rgb, "radius");
   const int width = rgb.width, height = rgb.height;
   const Extent extent = extent_of(disparity_dp_px, radius_px, mapping.r_max_px);
-  if (!extent.valid) return render_mended(rgb, disparity_dp_px, radius_px, mapping, options, aperture);
+  if (!extent.valid) return render_mended(rgb, disparity_dp_px, radius_px, mapping, options, bokeh);
   if (extent.largest_px == 0) return {rgb, Image(width, height)};
-  const Stacks stacks = blur_bands(rgb, disparity_dp_px, radius_px,
-                                   make_bands(extent.low_dp_px, extent.high_dp_px, mapping, options), aperture);
+  const std::vector<Band> bands = make_bands(extent.low_dp_px, extent.high_dp_px, mapping, options);
+  const Stacks stacks = bokeh.highlights
+                            ? blur_bands(recover_highlights(rgb, radius_px, bokeh.white, *bokeh.highlights),
+                                         disparity_dp_px, radius_px, bands, bokeh.aperture)
+                            : blur_bands(rgb, disparity_dp_px, radius_px, bands, bokeh.aperture);
+  const float brightest = bokeh.highlights ? static_cast<float>(bokeh.white) : std::numeric_limits<float>::infinity();
 
   const RowEnlarger below(stacks.below, width, height);
   const RowEnlarger above(stacks.above.empty() ? stacks.below : stacks.above, width, height);
@@ -128,8 +132,10 @@ Defocused render_defocus(const Image& rgb, const Image& disparity_dp_px, const I
         const Rgba laid = nearer + open * (sharp * own + (1 - sharp) * load_rgba(behind.data() + 4 * x));
         const bool seen = laid[3] > kLeastAlpha;
         const Rgba color = seen ? laid / laid[3] : own;
-        for (int c = 0; c < 3; ++c) result[3 * x + c] = color[c];
-        out.blurred.row(y)[x] = seen ? 1 - open * sharp / laid[3] : 0;
+        const float blurred = seen ? 1 - open * sharp / laid[3] : 0;
+        const float limit = blurred > 0 ? brightest : std::numeric_limits<float>::infinity();
+        for (int c = 0; c < 3; ++c) result[3 * x + c] = std::min(color[c], limit);
+        out.blurred.row(y)[x] = blurred;
       }
     }
   });

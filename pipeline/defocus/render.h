@@ -1,5 +1,5 @@
 #pragma once
-#include "pipeline/defocus/aperture.h"
+#include "pipeline/defocus/bokeh.h"
 #include "pipeline/defocus/layers.h"
 
 /// Synthetic defocus from disparity (Wadhwa et al. 2018, sections 5.2 and 5.3).
@@ -12,7 +12,8 @@ struct Defocused {
 
 /// Blurs linear `rgb` by `radius_px` (blur_radius.h's r(x), full-resolution px): bands of disparity are blurred at half
 /// resolution, the in-focus one by brute force and the others in the gradient domain, enlarged, and laid over each
-/// other from back to front, divided by the alpha that they add up to. Pixels whose radius is below half a pixel are
+/// other from back to front, divided by the alpha that they add up to. (The in-focus band shows an aperture's polygon
+/// as behind the focus on both sides: its radii are too small to tell.) Pixels whose radius is below half a pixel are
 /// the input's own, laid over the in-focus band and all behind it; up to 1.5 px they blend over. Only blurred things
 /// nearer than the focus may cover them.
 ///
@@ -20,6 +21,6 @@ struct Defocused {
 /// [0, r_max], and those that are no numbers count as 0. Throws InputError where the maps' sizes are not the picture's,
 /// or for an aperture that cannot be.
 Defocused render_defocus(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px,
-                         const BlurMapping& mapping, const LayerOptions& options = {}, const Aperture& aperture = {});
+                         const BlurMapping& mapping, const LayerOptions& options = {}, const Bokeh& bokeh = {});
 
 }  // namespace dualpixel::pipeline

@@ -41,7 +41,7 @@ int reach_of(const BlurShape& shape, float radius) {
 }
 
 /// Every pixel's weight.
-Kernel antialiased(const BlurShape& shape, float radius) {
+void antialiased(const BlurShape& shape, float radius, int, Kernel& kernel) {
   const int reach = reach_of(shape, radius);
   const auto weight = [&](int dx, int dy) {
     return static_cast<float>(std::clamp(depth_inside(shape, radius, dx, dy) + 0.5, 0.0, 1.0));
@@ -51,14 +51,15 @@ Kernel antialiased(const BlurShape& shape, float radius) {
     for (int dx = -reach; dx <= reach; ++dx) total += weight(dx, dy);
   }
   const auto scale = static_cast<float>(1 / total);
-  Kernel kernel{reach, reach + 1, {}};
+  kernel.reach = reach;
+  kernel.row_pairs = reach + 1;
+  kernel.pairs.clear();
   for (int dy = -reach; dy <= reach; ++dy) {
     for (int dx = -reach; dx <= reach; dx += 2) {
       const float right = dx < reach ? weight(dx + 1, dy) : 0;
       kernel.pairs.push_back({dx, scale * pair_of(weight(dx, dy), right)});
     }
   }
-  return kernel;
 }
 
 /// A row of pixels of one weight that has the area, the middle and the spread along the row of what the shape has in a
@@ -69,14 +70,13 @@ struct ShapeRow {
   double end = 0;
 };
 
-ShapeRow shape_row(const BlurShape& shape, double radius, int y) {
-  constexpr int kLines = 16;
+ShapeRow shape_row(const BlurShape& shape, double radius, int y, int lines) {
   // lines at sines of even steps: chords fall like a root at a disc's top, and so evenly
   const double top = shape.extent * radius;
   const auto angle = [&](double at) { return std::asin(std::clamp(at / top, -1.0, 1.0)); };
-  const double from = angle(y - 0.5), step = (angle(y + 0.5) - from) / kLines;
+  const double from = angle(y - 0.5), step = (angle(y + 0.5) - from) / lines;
   double area = 0, first = 0, second = 0;  // moments over x
-  for (int line = 0; line < kLines; ++line) {
+  for (int line = 0; line < lines; ++line) {
     const double u = from + (line + 0.5) * step;
     const auto [begin, end] = chord(shape, radius, top * std::sin(u));
     if (end <= begin) continue;
@@ -92,16 +92,14 @@ ShapeRow shape_row(const BlurShape& shape, double radius, int y) {
 }
 
 /// Differences along x of the shape's weights, two pairs a row: where it begins and where it ends.
-Kernel gradient(const BlurShape& shape, float radius) {
+void gradient(const BlurShape& shape, float radius, int lines, Kernel& kernel) {
   radius = std::max(radius, kLeastRadius);
-  Kernel kernel{reach_of(shape, radius), 2, {}};
-  std::vector<ShapeRow> rows;
+  kernel.reach = reach_of(shape, radius);
+  kernel.row_pairs = 2;
+  kernel.pairs.clear();
   double area = 0;
   for (int dy = -kernel.reach; dy <= kernel.reach; ++dy) {
-    rows.push_back(shape_row(shape, radius, dy));
-    area += rows.back().area;
-  }
-  for (const ShapeRow& row : rows) {
+    const ShapeRow row = shape_row(shape, radius, dy, lines);
     // a step of the row's weight at `at`, spread over the two pixels whose running sums then have the row's share
     const auto step = [&](double at, float weight) {
       const double pixel = std::floor(at + 0.5);
@@ -109,59 +107,56 @@ Kernel gradient(const BlurShape& shape, float radius) {
       return Pairs{static_cast<int>(pixel), weight * pair_of(1 - later, later)};
     };
     const double length = row.end - row.begin;
-    const auto weight = length > 0 ? static_cast<float>(row.area / (length * area)) : 0;
+    const float weight = length > 0 ? static_cast<float>(row.area / length) : 0;
     kernel.pairs.push_back(step(row.begin, weight));
     kernel.pairs.push_back(step(row.end, -weight));
+    area += row.area;
   }
-  return kernel;
+  const auto scale = static_cast<float>(1 / area);
+  for (Pairs& pair : kernel.pairs) pair.weights *= scale;
 }
 
-using MakeKernel = Kernel (*)(const BlurShape&, float);
+/// Makes the kernel of a radius, from so many lines a row.
+using MakeKernel = void (*)(const BlurShape&, float radius, int lines, Kernel&);
 
-/// Kernels of the shapes and radii that a layer needs, made when they are first asked for. A cat's eye is of one shape
-/// in each cell of the picture.
+/// Kernels of the radii and places of a layer. They are kept when they are the same everywhere; a cat's eye is made
+/// anew for each pixel, from fewer lines, as it changes from one to the next.
 class Kernels {
  public:
-  static constexpr int kCell = 64;  ///< pixels; over one, a rim moves by a fraction of a pixel
-
   Kernels(const Layer& layer, const Aperture& aperture, MakeKernel make)
-      : layer_(layer), aperture_(aperture), make_(make) {
-    if (aperture.cats_eye > 0) cell_px_ = kCell;
-    columns_ = (layer.rgba.width + cell_px_ - 1) / cell_px_;
+      : aperture_(aperture),
+        make_(make),
+        shape_(blur_shape(aperture, layer.in_front_of_focus)),
+        half_width_(0.5 * layer.rgba.width),
+        half_height_(0.5 * layer.rgba.height),
+        per_corner_(1 / std::max(std::hypot(half_width_, half_height_), 1.0)) {
     const std::vector<float>& radii = layer.radius_px.data;
-    steps_ = radii.empty() ? 1 : step_of(*std::max_element(radii.begin(), radii.end())) + 1;
-    cells_.resize(static_cast<std::size_t>(columns_) * ((layer.rgba.height + cell_px_ - 1) / cell_px_));
+    const float largest = radii.empty() ? 0 : *std::max_element(radii.begin(), radii.end());
+    largest_reach_ = reach_of(shape_, std::max(largest + 1 / kSteps, kLeastRadius));
+    kept_.resize(aperture.cats_eye > 0 ? 1 : step_of(largest) + 1);
   }
 
-  int cell_px() const { return cell_px_; }
-  int largest_reach() const {
-    const float largest_px = std::max(static_cast<float>(steps_ - 1) / kSteps, kLeastRadius);
-    return reach_of(blur_shape(aperture_, 0, 0, layer_.in_front_of_focus), largest_px);
-  }
+  int largest_reach() const { return largest_reach_; }
 
   const Kernel& operator()(int x, int y, float radius) {
-    std::vector<Kernel>& cell = cells_[static_cast<std::size_t>(y / cell_px_) * columns_ + x / cell_px_];
-    if (cell.empty()) cell.resize(steps_);
-    Kernel& kernel = cell[step_of(radius)];
-    if (kernel.pairs.empty()) kernel = make_(shape_at(x, y), static_cast<float>(step_of(radius)) / kSteps);
-    return kernel;
+    const int step = step_of(radius);
+    const float rounded = static_cast<float>(step) / kSteps;
+    if (aperture_.cats_eye > 0) {
+      cut_to_cats_eye(shape_, aperture_, (x + 0.5 - half_width_) * per_corner_, (y + 0.5 - half_height_) * per_corner_);
+      make_(shape_, rounded, 2, kept_[0]);
+      return kept_[0];
+    }
+    if (kept_[step].pairs.empty()) make_(shape_, rounded, 16, kept_[step]);
+    return kept_[step];
   }
 
  private:
-  BlurShape shape_at(int x, int y) const {
-    const double half_width = 0.5 * layer_.rgba.width, half_height = 0.5 * layer_.rgba.height;
-    const double corner = std::hypot(half_width, half_height);
-    const auto field = [&](int at, double half) { return ((at / cell_px_ + 0.5) * cell_px_ - half) / corner; };
-    return blur_shape(aperture_, field(x, half_width), field(y, half_height), layer_.in_front_of_focus);
-  }
-
-  const Layer& layer_;
   Aperture aperture_;
   MakeKernel make_;
-  int cell_px_ = 1 << 30;
-  int columns_ = 1;
-  int steps_ = 1;
-  std::vector<std::vector<Kernel>> cells_;
+  BlurShape shape_;
+  double half_width_, half_height_, per_corner_;
+  int largest_reach_ = 0;
+  std::vector<Kernel> kept_;
 };
 
 /// Rows of a strip of the result while it is being scattered, with room for discs to both sides.

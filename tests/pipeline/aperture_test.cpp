@@ -26,13 +26,19 @@ double area_of(const BlurShape& shape, double radius) {
   return area;
 }
 
+BlurShape shape_at(const Aperture& aperture, double field_x, double field_y) {
+  BlurShape shape = blur_shape(aperture, false);
+  cut_to_cats_eye(shape, aperture, field_x, field_y);
+  return shape;
+}
+
 TEST(Aperture, PolygonsHaveTheDiscsArea) {
   for (int blades = 3; blades <= 16; ++blades) {
     for (const bool in_front : {false, true}) {
-      EXPECT_NEAR(area_of(blur_shape({blades, 0}, 0.3, 0.4, in_front), 2.5), kPi * 6.25, 2e-4) << blades;
+      EXPECT_NEAR(area_of(blur_shape({blades}, in_front), 2.5), kPi * 6.25, 2e-4) << blades;
     }
   }
-  EXPECT_NEAR(area_of(blur_shape({}, 0, 0, false), 2.5), kPi * 6.25, 2e-4);
+  EXPECT_NEAR(area_of(blur_shape({}, false), 2.5), kPi * 6.25, 2e-4);
 }
 
 // Two circles of radius r whose middles lie 2 s r apart have 2 r^2 (acos s - s sqrt(1 - s^2)) in common.
@@ -40,7 +46,7 @@ TEST(Aperture, CatsEyesHaveTheAreaOfTwoCirclesInCommon) {
   for (const double field : {0.0, 0.25, 0.5, 1.0}) {
     for (const double direction : {0.0, 0.7, 2.0}) {
       const double s = 0.8 * field;
-      const BlurShape shape = blur_shape({0, 0.8}, field * std::cos(direction), field * std::sin(direction), false);
+      const BlurShape shape = shape_at({0, 0.8}, field * std::cos(direction), field * std::sin(direction));
       EXPECT_NEAR(area_of(shape, 3), 18 * (std::acos(s) - s * std::sqrt(1 - s * s)), 2e-4) << field;
     }
   }
@@ -48,7 +54,7 @@ TEST(Aperture, CatsEyesHaveTheAreaOfTwoCirclesInCommon) {
 
 TEST(Aperture, DepthAndChordsAgree) {
   for (const Aperture& aperture : {Aperture{}, Aperture{5, 0}, Aperture{6, 0.5}, Aperture{0, 0.9}}) {
-    const BlurShape shape = blur_shape(aperture, -0.6, 0.5, true);
+    const BlurShape shape = shape_at(aperture, -0.6, 0.5);
     for (double y = -1.7; y < 1.7; y += 0.0937) {
       const auto [begin, end] = chord(shape, 1, y);
       for (double x = -1.7; x < 1.7; x += 0.0871) {
@@ -117,25 +123,61 @@ TEST(Aperture, ImpulsesBecomePolygons) {
   }
 }
 
-// In a corner a cat's eye is narrow towards the middle of the picture, and in the middle it is round.
+// Spreads along the line to the picture's middle and across it, against what two discs have in common.
 TEST(Aperture, CatsEyesNarrowTowardsTheMiddle) {
   constexpr int kSide = 320;
-  const auto spreads = [&](int at) {
-    const Image shape = impulse(kSide, at, at, 12, {0, 0.6}, false, false);
-    double along = 0, across = 0;
+  constexpr float kRadius = 12;
+  for (const int at : {60, 160, 300}) {
+    const Image shape = impulse(kSide, at, at, kRadius, {0, 0.6}, false, false);
+    // what two discs have in common, on a grid of tenths of a pixel
+    const double field = (at + 0.5 - kSide / 2.0) / (kSide / 2.0), cut = 0.6 * field * kRadius / std::sqrt(2);
+    double area = 0, true_along = 0, true_across = 0, along = 0, across = 0;
+    for (double v = -kRadius; v < kRadius; v += 0.1) {
+      for (double u = -kRadius; u < kRadius; u += 0.1) {
+        if (std::hypot(u - cut, v - cut) > kRadius || std::hypot(u + cut, v + cut) > kRadius) continue;
+        area += 1;
+        true_along += (u + v) * (u + v) / 2;
+        true_across += (u - v) * (u - v) / 2;
+      }
+    }
     for (int y = 0; y < kSide; ++y) {
       for (int x = 0; x < kSide; ++x) {
         along += shape.at(x, y, 0) * std::pow(x - at + y - at, 2) / 2;
         across += shape.at(x, y, 0) * std::pow(x - y, 2) / 2;
       }
     }
-    return std::pair{along, across};
-  };
-  const auto [round_along, round_across] = spreads(kSide / 2);
-  EXPECT_NEAR(round_along, 36, 0.05 * 36);  // r^2 / 4; the cell's middle lies 32 px from the picture's
-  EXPECT_NEAR(round_across, 36, 0.05 * 36);
-  const auto [along, across] = spreads(kSide - 20);
-  EXPECT_LT(along, 0.5 * across);
+    // a pixel's square adds 1/12; two lines a row instead of the integral, some per cent of a row at either end
+    EXPECT_NEAR(along, true_along / area + 1.0 / 12, 0.02 * true_along / area) << at;
+    EXPECT_NEAR(across, true_across / area + 1.0 / 12, 0.02 * true_across / area) << at;
+  }
+}
+
+// The cut of a cat's eye that fades leaves the polygon; of a lying picture all is transposed.
+TEST(Aperture, ShapesFadeIntoEachOtherAndLieDown) {
+  const BlurShape plain = blur_shape({3}, false), faint = shape_at({3, 1e-6}, 0.7, 0.7);
+  EXPECT_NEAR(area_of(faint, 2), area_of(plain, 2), 1e-3);
+  const BlurShape lying = blur_shape({5, 0, true}, false), upright = blur_shape({5}, false);
+  for (double y = -1.3; y < 1.3; y += 0.17) {
+    for (double x = -1.3; x < 1.3; x += 0.13) {
+      EXPECT_NEAR(depth_inside(lying, 1, x, y), depth_inside(upright, 1, y, x), 1e-12);
+    }
+  }
+}
+
+// Tenths of a pixel of difference between neighbours: no cells show.
+TEST(Aperture, CatsEyesChangeSmoothly) {
+  constexpr int kSide = 200;
+  const Aperture aperture{0, 0.9};
+  for (int at = 150; at < 190; ++at) {
+    const Image one = impulse(kSide, at, 100, 15, aperture, false, false);
+    const Image next = impulse(kSide, at + 1, 100, 15, aperture, false, false);
+    double difference = 0;
+    for (int y = 0; y < kSide; ++y) {
+      for (int x = 1; x < kSide; ++x) difference += std::abs(next.at(x, y, 0) - one.at(x - 1, y, 0));
+    }
+    // both rims move by 0.9 * 15 / 141 px = 0.1: of the area, about 0.2 px * 30 px over 700 px^2 less what is cut
+    EXPECT_LT(difference, 0.06) << at;
+  }
 }
 
 TEST(Aperture, ConstantPicturesStayConstant) {
@@ -146,7 +188,7 @@ TEST(Aperture, ConstantPicturesStayConstant) {
   const BlurMapping mapping = make_blur_mapping(1, 0, 2688, false);
   radius = blur_radii(disparity, mapping);
   for (const Aperture& aperture : {Aperture{5, 0}, Aperture{0, 0.7}, Aperture{7, 0.9}}) {
-    const Image out = render_defocus(Image(70, 50, 3, 0.4f), disparity, radius, mapping, {}, aperture).rgb;
+    const Image out = render_defocus(Image(70, 50, 3, 0.4f), disparity, radius, mapping, {}, {aperture, {}, 1}).rgb;
     for (const float value : out.data) ASSERT_NEAR(value, 0.4f, 1e-5);
   }
 }
@@ -155,7 +197,7 @@ TEST(Aperture, RefusesWhatCannotBe) {
   const Image rgb(8, 8, 3), map(8, 8);
   for (const Aperture& aperture : {Aperture{2, 0}, Aperture{17, 0}, Aperture{-1, 0}, Aperture{0, 0.95},
                                    Aperture{0, -0.1}, Aperture{0, std::nan("")}}) {
-    EXPECT_THROW(render_defocus(rgb, map, map, BlurMapping(), {}, aperture), InputError);
+    EXPECT_THROW(render_defocus(rgb, map, map, BlurMapping(), {}, {aperture, {}, 1}), InputError);
   }
 }
 
