@@ -191,7 +191,7 @@ TEST(People, JointsKeepHumanLengths) {
   for (int i = 0; i < 60; ++i) {
     const Body body = make_body(dice);
     const Pose pose = make_pose(dice, body, static_cast<Gesture>(i % kGestures));
-    const Skeleton k = make_skeleton(body, pose, vec3(0), 0.3f);
+    const Skeleton k = make_skeleton(body, pose, vec3(0), 0.3f, proportions_of(body));
     const float h = body.stature_m;
     for (int side = 0; side < 2; ++side) {
       EXPECT_NEAR(glm::distance(k.shoulder[side], k.elbow[side]) / h, 0.186f, 0.012f);

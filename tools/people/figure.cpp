@@ -236,6 +236,14 @@ void add_body(Stage& stage, Figure& figure, Dice dice) {
 
 void add_head(Stage& stage, Figure& figure, Dice dice) {
   const Body& body = figure.body;
+  const auto on_head = [&](vec3 p) { return figure.skeleton.head.out(body.head_scale * p); };
+  figure.face_points = {on_head({0, -0.018f, 0.1f}), on_head({0.031f, 0.0148f, 0.083f}),
+                        on_head({-0.031f, 0.0148f, 0.083f}), on_head({0.084f, 0.002f, -0.008f}),
+                        on_head({-0.084f, 0.002f, -0.008f})};
+  for (const vec3& p : {vec3(0, 0.045f, 0.088f), vec3(0, -0.104f, 0.07f), vec3(0.062f, 0, 0.05f),
+                        vec3(-0.062f, 0, 0.05f), vec3(0.05f, -0.06f, 0.04f), vec3(-0.05f, -0.06f, 0.04f)}) {
+    figure.face_outline.push_back(on_head(p));
+  }
   HeadShape shape;
   const float child = body.child ? 1.0f : 0.0f;
   shape.jaw = 1.03f - 0.08f * body.woman + 0.05f * body.girth + 0.04f * dice.normal();
@@ -294,7 +302,7 @@ Figure add_figure(Stage& stage, Dice dice, const FigureOptions& options) {
   figure.body = make_body(of_body);
   figure.pose = make_pose(of_pose, figure.body, options.gesture);
   figure.pose.head_yaw = std::clamp(figure.pose.head_yaw + options.head_yaw, -1.25f, 1.25f);
-  figure.skeleton = make_skeleton(figure.body, figure.pose, options.place, options.yaw);
+  figure.skeleton = make_skeleton(figure.body, figure.pose, options.place, options.yaw, proportions_of(figure.body));
   figure.person = options.person;
   figure.head_cell_m = std::clamp(1.1f * options.metres_per_px, 0.0038f, 0.014f);
   figure.body_cell_m = std::clamp(2.4f * options.metres_per_px, 0.009f, 0.024f);

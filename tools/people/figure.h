@@ -34,6 +34,9 @@ struct Figure {
   float head_cell_m = 0.005f, body_cell_m = 0.012f;
   float lowest_m = 0;  ///< nothing below this height is seen
   Look skin, face, hair;
+  /// World places: nose, left and right eye, left and right ear; and of brow, chin, cheeks and jaw.
+  std::array<vec3, 5> face_points{};
+  std::vector<vec3> face_outline;
   Shape bare;                     ///< the body without clothes, head and hands
   std::vector<std::string> tags;  ///< "hair:long", "held:phone", ...
 };

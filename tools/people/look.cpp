@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "simulator/render/surface.h"
 #include "tools/people/sdf.h"
 
 namespace dualpixel::tools {
@@ -332,6 +333,8 @@ vec3 reflectance(const Look& look, vec3 p) {
       return herringbone(look, p);
     case Kind::graffiti:
       return graffiti(look, p);
+    case Kind::textured:
+      return look.a * vec3(simulator::sample_texture(*look.texture, {p.x, p.y}));
   }
   return look.a;
 }

@@ -286,35 +286,19 @@ void finish(const Sitting& sitting, const std::vector<PeopleSample>& people, Ima
 
 std::array<vec3, kKeypoints> keypoints_of(const Figure& figure) {
   const Skeleton& k = figure.skeleton;
-  const float s = figure.body.head_scale;
-  const auto on_head = [&](float x, float y, float z) { return k.head.out(s * vec3(x, y, z)); };
-  return {on_head(0, -0.018f, 0.1f),
-          on_head(0.031f, 0.0148f, 0.083f),
-          on_head(-0.031f, 0.0148f, 0.083f),
-          on_head(0.084f, 0.002f, -0.008f),
-          on_head(-0.084f, 0.002f, -0.008f),
-          k.shoulder[0],
-          k.shoulder[1],
-          k.elbow[0],
-          k.elbow[1],
-          k.wrist[0],
-          k.wrist[1],
-          k.hip[0],
-          k.hip[1],
-          k.knee[0],
-          k.knee[1],
-          k.ankle[0],
-          k.ankle[1]};
+  std::array<vec3, kKeypoints> joints;
+  std::copy(figure.face_points.begin(), figure.face_points.end(), joints.begin());
+  std::size_t next = figure.face_points.size();
+  for (const auto* pair : {&k.shoulder, &k.elbow, &k.wrist, &k.hip, &k.knee, &k.ankle}) {
+    for (const vec3& joint : *pair) joints[next++] = joint;
+  }
+  return joints;
 }
 
 glm::vec4 face_box(const Figure& figure, const simulator::CameraView& camera) {
-  const float s = figure.body.head_scale;
-  constexpr vec3 kOutline[] = {{0, 0.045f, 0.088f},    {0, -0.104f, 0.07f},    {0.062f, 0.0f, 0.05f},
-                               {-0.062f, 0.0f, 0.05f}, {0.05f, 0.04f, 0.07f},  {-0.05f, 0.04f, 0.07f},
-                               {0.05f, -0.06f, 0.04f}, {-0.05f, -0.06f, 0.04f}};
   vec2 low(1e9f), high(-1e9f);
-  for (const vec3& p : kOutline) {
-    const vec2 at(project(camera, figure.skeleton.head.out(s * p)));
+  for (const vec3& p : figure.face_outline) {
+    const vec2 at(project(camera, p));
     low = glm::min(low, at);
     high = glm::max(high, at);
   }
