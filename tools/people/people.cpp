@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "tools/people/develop.h"
+#include "tools/people/makehuman.h"
 #include "tools/people/surroundings.h"
 
 namespace dualpixel::tools {
@@ -100,7 +101,13 @@ void match_background(Stage& stage, Dice& dice) {
   }
 }
 
-Sitting take_sitting(Dice dice) {
+Figure add_any_figure(Stage& stage, Dice dice, const FigureOptions& options, const MakeHumanAssets* makehuman) {
+  Dice which = dice.of(99);
+  if (makehuman && which.chance(0.5f)) return add_makehuman_figure(stage, *makehuman, dice, options);
+  return add_figure(stage, dice, options);
+}
+
+Sitting take_sitting(Dice dice, const MakeHumanAssets* makehuman) {
   Sitting sitting;
   Dice plan = dice.of(1);
   const Size size = any_size(plan);
@@ -136,7 +143,7 @@ Sitting take_sitting(Dice dice) {
     options.head_yaw = -0.75f * options.yaw + 0.16f * plan.normal();
     Dice gesture = dice.of(10 + i);
     options.gesture = any_gesture(gesture);
-    figures.push_back(add_figure(stage, dice.of(20 + i), options));
+    figures.push_back(add_any_figure(stage, dice.of(20 + i), options, makehuman));
     tallest = std::max(tallest, figures.back().skeleton.head.origin.y);
     lowest = std::min(lowest, figures.back().skeleton.head.origin.y);
   }
@@ -171,7 +178,7 @@ Sitting take_sitting(Dice dice) {
       other.metres_per_px = options.metres_per_px * (behind + distance) / distance;
       other.person = -1;
       other.gesture = any_gesture(extras);
-      add_figure(stage, extras.of(i), other);
+      add_any_figure(stage, extras.of(i), other, makehuman);
     }
     sitting.tags.emplace_back("bystanders");
   }
@@ -329,7 +336,7 @@ std::vector<PeopleSample> make_people_shard(const PeopleOptions& options, int sh
     tbb::parallel_for(0, round, [&](int i) {
       const int index = first + i;
       const Dice picture = dice.of(static_cast<std::uint64_t>(index));
-      const Sitting sitting = take_sitting(picture);
+      const Sitting sitting = take_sitting(picture, options.makehuman.get());
       one_done();
       if (sitting.samples.empty()) return;
       std::vector<PeopleSample>& out = made[i];
