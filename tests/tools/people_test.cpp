@@ -296,7 +296,7 @@ TEST(People, BrokenMakeHumanAssetsAreRefusedByFileAndLine) {
   EXPECT_NE(message(good, weights, "obj_file a.obj\nverts 0\n").find("0 vertices are fitted"), std::string::npos);
 }
 
-TEST(People, MakeHumanFiguresStandWhereTheirJointsAre) {
+TEST(SlowPeople, MakeHumanFiguresStandWhereTheirJointsAre) {
   const char* folder = std::getenv("DUALPIXEL_MAKEHUMAN");
   if (folder == nullptr) GTEST_SKIP() << "DUALPIXEL_MAKEHUMAN names no folder of assets";
   const MakeHumanAssets assets(folder);

@@ -72,6 +72,8 @@ bool is_frontal_and_seen(const Figure& figure, const simulator::CameraView& came
   const vec3 to_eye = glm::normalize(eye - figure.skeleton.head.origin);
   if (glm::dot(to_eye, figure.skeleton.head.axes[2]) < kMostTurned) return false;
   if (sample.face.z < kSmallestFace_px) return false;
+  // nothing before it: an umbrella, a hand or a phone of their own is in the mask, too
+  if (sample.keypoints[0].z != 2 || (sample.keypoints[1].z != 2 && sample.keypoints[2].z != 2)) return false;
   const int x0 = static_cast<int>(sample.face.x), y0 = static_cast<int>(sample.face.y),
             side = static_cast<int>(sample.face.z);
   float shown = 0;
@@ -113,12 +115,12 @@ Sitting take_sitting(Dice dice, const MakeHumanAssets* makehuman) {
   const Size size = any_size(plan);
   // head's share of the picture's height: close, portrait, half body, full body
   const int framing = plan.below(100);
-  const float share = framing < 18   ? plan.in(0.36f, 0.58f)
-                      : framing < 65 ? plan.in(0.22f, 0.36f)
-                      : framing < 88 ? plan.in(0.14f, 0.22f)
+  const float share = framing < 22   ? plan.in(0.36f, 0.58f)
+                      : framing < 70 ? plan.in(0.22f, 0.36f)
+                      : framing < 90 ? plan.in(0.14f, 0.22f)
                                      : plan.in(0.09f, 0.13f);
   const int crowd = plan.below(100);
-  const int people = crowd < 72 || share > 0.45f ? 1 : crowd < 90 ? 2 : 3 + plan.below(kMostPeople - 2);
+  const int people = crowd < 82 || share > 0.45f ? 1 : crowd < 95 ? 2 : 3 + plan.below(kMostPeople - 2);
   const float aspect = static_cast<float>(size.width) / static_cast<float>(size.height);
   float height_m = 0.235f / share;
   if (people > 1) height_m = std::max(height_m, 0.5f * static_cast<float>(people) / aspect);

@@ -401,7 +401,7 @@ std::string add_surroundings(Stage& stage, Dice dice, float back_m) {
 
 std::string set_light(Stage& stage, Dice dice) {
   constexpr const char* kNames[] = {"overcast", "sun",  "sun behind", "window", "ceiling", "softbox",
-                                    "flash",    "lamp", "golden",     "neon",   "skylight"};
+                                    "flash",    "lamp", "neon",       "golden", "skylight"};
   const int index = dice.choose(kLights, kReservedLights);
   const float side = dice.sign(), turn = dice.in(0.2f, 1.3f), up = dice.in(0.25f, 1.1f);
   const auto towards = [](float around, float height) {
