@@ -221,8 +221,9 @@ TEST(People, NpyHasVersionOnesHeader) {
 
 TEST(People, BadOptionsAreRefused) {
   expect_one_line_refusal(run_program("people"));
-  expect_one_line_refusal(run_program("people -o /tmp/never --count 0"));
-  expect_one_line_refusal(run_program("people -o /tmp/never --composites -1"));
+  for (const auto& [count, composites] : {std::pair{0, 4}, {-1, 4}, {kMostSamples + 1, 4}, {1, -1}, {1, 101}}) {
+    EXPECT_THROW(check_people_options({.count = count, .composites = composites}), InputError);
+  }
   expect_one_line_refusal(run_program("people -o /dev/null/x --count 1"));
 }
 
