@@ -15,6 +15,49 @@ float cone_distance(const Cone& cone, vec3 p) {
   return cone.end_normal == vec3(0) ? d : std::max(d, glm::dot(p - cone.b, cone.end_normal));
 }
 
+/// A shape for many lookups: what does not depend on the place is worked out once, and cones that are too far away to
+/// matter are passed over. The same numbers as Shape's.
+class PreparedShape {
+ public:
+  explicit PreparedShape(const Shape& shape) : shape_(shape) {
+    for (const Cone& cone : shape.cones) {
+      const vec3 ab = cone.b - cone.a;
+      const vec3 squeezed = ab + (cone.flat - 1) * glm::dot(ab, cone.flat_axis) * cone.flat_axis;
+      spheres_.push_back({0.5f * (cone.a + cone.b),
+                          0.5f * glm::length(ab) + std::max(cone.radius_a, cone.radius_b) + cone.fillet_m + 1e-4f,
+                          squeezed, std::max(glm::dot(squeezed, squeezed), 1e-9f)});
+    }
+  }
+
+  float operator()(vec3 p) const {
+    float d = 10;
+    for (std::size_t i = 0; i < spheres_.size(); ++i) {
+      const Prepared& s = spheres_[i];
+      const vec3 from = p - s.middle;
+      const float matters = d + s.reach;  // a union's fillet ends where the other surface is fillet_m further away
+      if (matters <= 0 || glm::dot(from, from) > matters * matters) continue;
+      const Cone& cone = shape_.cones[i];
+      vec3 pa = p - cone.a;
+      pa += (cone.flat - 1) * glm::dot(pa, cone.flat_axis) * cone.flat_axis;
+      const float t = std::clamp(glm::dot(pa, s.ab) / s.length2, 0.0f, 1.0f);
+      float e = glm::length(pa - t * s.ab) - (cone.radius_a + (cone.radius_b - cone.radius_a) * t);
+      if (cone.end_normal != vec3(0)) e = std::max(e, glm::dot(p - cone.b, cone.end_normal));
+      d = blend(d, e, cone.fillet_m);
+    }
+    return shape_.cut_normal == vec3(0) ? d : std::max(d, glm::dot(p - shape_.cut_point, shape_.cut_normal));
+  }
+
+ private:
+  struct Prepared {
+    vec3 middle;
+    float reach;
+    vec3 ab;  ///< squeezed
+    float length2;
+  };
+  const Shape& shape_;
+  std::vector<Prepared> spheres_;
+};
+
 vec3 mirrored(vec3 p, float x) { return {x * p.x, p.y, p.z}; }
 
 /// A hand in its own frame: palm at the origin facing +z, fingers along +y, thumb towards +x.
@@ -184,9 +227,10 @@ Piece cloth_piece(const Figure& figure, const Shape& shape, float folds_m, std::
   }
   low.y = std::max(low.y, figure.lowest_m - 0.03f);
   if (low.y >= high.y) return {};
+  const PreparedShape prepared(shape);
   Piece piece = mesh_of(
       [&](vec3 p) {
-        float d = shape(p);
+        float d = prepared(p);
         for (const Cone& cone : carved) d = carve(d, cone_distance(cone, p), carve_fillet_m);
         return d;
       },
