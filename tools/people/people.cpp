@@ -218,7 +218,7 @@ Image take_background(Dice dice) {
   camera.eye = {plan.in(-0.3f, 0.3f), plan.in(1.0f, 1.8f), plan.in(0.5f, 2.5f)};
   camera.target = {plan.in(-0.3f, 0.3f), camera.eye.y + plan.in(-0.5f, 0.3f), 0};
   camera.height_m = glm::distance(camera.eye, camera.target) * plan.in(0.4f, 1.2f);
-  camera.width_px = camera.height_px = 288;
+  camera.width_px = camera.height_px = kPictureSide_px;
   camera.focus_m = plan.in(0.4f, 3);
   camera.aperture_m = plan.chance(0.5f) ? plan.in(0.001f, 0.004f) : plan.in(0.006f, 0.05f);
   camera.roll = 0.04f * plan.normal();
@@ -232,7 +232,7 @@ Image composite_of(const Exposure& exposure, Image background, Dice dice) {
   Image out = people;
   expose_to(out, exposure.coverage, dice.in(0.7f, 1.4f));
   expose_to(background, {}, dice.in(0.4f, 1.6f));
-  const float zoom = dice.in(0.55f, 1.12f);
+  const float zoom = dice.in(0.5f, 0.99f);
   const bool flip = dice.chance(0.5f);
   const float room_x = static_cast<float>(background.width) - zoom * static_cast<float>(out.width) - 1;
   const float room_y = static_cast<float>(background.height) - zoom * static_cast<float>(out.height) - 1;
@@ -319,7 +319,7 @@ glm::vec4 face_box(const Figure& figure, const simulator::CameraView& camera) {
 std::vector<PeopleSample> make_people_shard(const PeopleOptions& options, int shard, int count,
                                             const std::function<void(double)>& progress) {
   const Dice dice = Dice(options.seed, options.held_out).of(static_cast<std::uint64_t>(shard));
-  std::vector<Image> backgrounds(options.composites > 0 ? std::clamp(count / 8, 3, 48) : 0);
+  std::vector<Image> backgrounds(options.composites > 0 ? std::clamp(count / 16, 3, 32) : 0);
   std::atomic<int> done = 0;
   const int in_all = static_cast<int>(backgrounds.size()) + count / (1 + options.composites);
   const auto one_done = [&] {
