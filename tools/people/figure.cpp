@@ -1,7 +1,5 @@
 #include "tools/people/figure.h"
 
-#include <limits>
-
 namespace dualpixel::tools {
 namespace {
 
@@ -250,7 +248,7 @@ Piece cloth_piece(const Figure& figure, const Shape& shape, float folds_m, std::
   return piece;
 }
 
-void add_body(Stage& stage, Figure& figure, Dice dice) {
+void add_body(Stage& stage, Figure& figure) {
   const Skeleton& k = figure.skeleton;
   figure.bare.cones = torso_cones(figure, 0);
   for (const Cone& cone : neck_cones(figure, 0)) figure.bare.cones.push_back(cone);
@@ -275,7 +273,6 @@ void add_body(Stage& stage, Figure& figure, Dice dice) {
     for (vec3& n : piece.normals) n = hand.axes * n;
     add_piece(stage, figure, std::move(piece), figure.skin);
   }
-  (void)dice;
 }
 
 void add_head(Stage& stage, Figure& figure, Dice dice) {
@@ -385,7 +382,7 @@ Figure add_figure(Stage& stage, Dice dice, const FigureOptions& options) {
   face.v[kEyeLine] = made_up ? of_looks.in(0.3f, 1) : of_looks.in(0, 0.3f);
   face.v[kScalpHair] = 0.6f;
 
-  add_body(stage, figure, dice.of(4));
+  add_body(stage, figure);
   add_clothes(stage, figure, dice.of(5));
   add_hair_and_hat(stage, figure, dice.of(6));
   add_head(stage, figure, dice.of(7));

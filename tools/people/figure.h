@@ -54,13 +54,13 @@ struct FigureOptions {
 /// Draws a person and adds it to the stage.
 Figure add_figure(Stage& stage, Dice dice, const FigureOptions& options);
 
-// the parts, in the order in which add_figure() calls them
-void add_body(Stage& stage, Figure& figure, Dice dice);
+// the parts, which see what was drawn before them
+void add_body(Stage& stage, Figure& figure);
 void add_head(Stage& stage, Figure& figure, Dice dice);
 void add_clothes(Stage& stage, Figure& figure, Dice dice);
 void add_hair_and_hat(Stage& stage, Figure& figure, Dice dice);
-void add_seat(Stage& stage, const Figure& figure, Dice dice);
 void add_held_thing(Stage& stage, Figure& figure, Dice dice);
+void add_seat(Stage& stage, const Figure& figure, Dice dice);  ///< of one who sits; it is nobody's
 
 /// Torso, shoulders and neck with `offset_m` of room; arms and legs likewise. Sides as in Skeleton.
 std::vector<Cone> torso_cones(const Figure& figure, float offset_m);

@@ -1,5 +1,3 @@
-#include <limits>
-
 #include "tools/people/figure.h"
 
 namespace dualpixel::tools {
