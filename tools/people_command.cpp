@@ -4,6 +4,7 @@
 #include "capture/error.h"
 #include "capture/image_io.h"
 #include "tools/commands.h"
+#include "tools/people/makehuman.h"
 #include "tools/people/people_set.h"
 
 namespace dualpixel::tools {
@@ -11,11 +12,13 @@ namespace {
 
 struct PeopleArguments {
   PeopleOptions options;
-  std::string folder, preview;
+  std::string folder, preview, makehuman;
 };
 
-void run(const PeopleArguments& arguments) {
+void run(PeopleArguments arguments) {
   check_people_options(arguments.options);
+  if (!arguments.makehuman.empty())
+    arguments.options.makehuman = std::make_shared<MakeHumanAssets>(arguments.makehuman);
   Progress bar("people");
   std::mutex one_at_a_time;
   const auto progress = [&](double fraction) {
@@ -62,6 +65,11 @@ void add_people(CLI::App& program) {
           "--preview", arguments->preview,
           "Contact sheet (PNG) of the first samples that this run makes: masks outlined, faces boxed, keypoints dotted")
       ->type_name("FILE");
+  command
+      ->add_option(
+          "--makehuman", arguments->makehuman,
+          "Folder of assets in MakeHuman's formats (3dobjs, targets, rigs, ...): half of the people come from them")
+      ->type_name("DIR");
   add_threads_option(*command);
   command->footer("Example:\n  dualpixel people -o out/people --count 20000 --seed 1 --preview out/people.png");
   command->callback([arguments] { run(*arguments); });

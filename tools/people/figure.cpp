@@ -1,7 +1,5 @@
 #include "tools/people/figure.h"
 
-#include <limits>
-
 namespace dualpixel::tools {
 namespace {
 
@@ -14,6 +12,49 @@ float cone_distance(const Cone& cone, vec3 p) {
   const float d = glm::length(pa - t * ab) - (cone.radius_a + (cone.radius_b - cone.radius_a) * t);
   return cone.end_normal == vec3(0) ? d : std::max(d, glm::dot(p - cone.b, cone.end_normal));
 }
+
+/// A shape for many lookups: what does not depend on the place is worked out once, and cones that are too far away to
+/// matter are passed over. The same numbers as Shape's.
+class PreparedShape {
+ public:
+  explicit PreparedShape(const Shape& shape) : shape_(shape) {
+    for (const Cone& cone : shape.cones) {
+      const vec3 ab = cone.b - cone.a;
+      const vec3 squeezed = ab + (cone.flat - 1) * glm::dot(ab, cone.flat_axis) * cone.flat_axis;
+      spheres_.push_back({0.5f * (cone.a + cone.b),
+                          0.5f * glm::length(ab) + std::max(cone.radius_a, cone.radius_b) + cone.fillet_m + 1e-4f,
+                          squeezed, std::max(glm::dot(squeezed, squeezed), 1e-9f)});
+    }
+  }
+
+  float operator()(vec3 p) const {
+    float d = 10;
+    for (std::size_t i = 0; i < spheres_.size(); ++i) {
+      const Prepared& s = spheres_[i];
+      const vec3 from = p - s.middle;
+      const float matters = d + s.reach;  // a union's fillet ends where the other surface is fillet_m further away
+      if (matters <= 0 || glm::dot(from, from) > matters * matters) continue;
+      const Cone& cone = shape_.cones[i];
+      vec3 pa = p - cone.a;
+      pa += (cone.flat - 1) * glm::dot(pa, cone.flat_axis) * cone.flat_axis;
+      const float t = std::clamp(glm::dot(pa, s.ab) / s.length2, 0.0f, 1.0f);
+      float e = glm::length(pa - t * s.ab) - (cone.radius_a + (cone.radius_b - cone.radius_a) * t);
+      if (cone.end_normal != vec3(0)) e = std::max(e, glm::dot(p - cone.b, cone.end_normal));
+      d = blend(d, e, cone.fillet_m);
+    }
+    return shape_.cut_normal == vec3(0) ? d : std::max(d, glm::dot(p - shape_.cut_point, shape_.cut_normal));
+  }
+
+ private:
+  struct Prepared {
+    vec3 middle;
+    float reach;
+    vec3 ab;  ///< squeezed
+    float length2;
+  };
+  const Shape& shape_;
+  std::vector<Prepared> spheres_;
+};
 
 vec3 mirrored(vec3 p, float x) { return {x * p.x, p.y, p.z}; }
 
@@ -184,9 +225,10 @@ Piece cloth_piece(const Figure& figure, const Shape& shape, float folds_m, std::
   }
   low.y = std::max(low.y, figure.lowest_m - 0.03f);
   if (low.y >= high.y) return {};
+  const PreparedShape prepared(shape);
   Piece piece = mesh_of(
       [&](vec3 p) {
-        float d = shape(p);
+        float d = prepared(p);
         for (const Cone& cone : carved) d = carve(d, cone_distance(cone, p), carve_fillet_m);
         return d;
       },
@@ -206,7 +248,7 @@ Piece cloth_piece(const Figure& figure, const Shape& shape, float folds_m, std::
   return piece;
 }
 
-void add_body(Stage& stage, Figure& figure, Dice dice) {
+void add_body(Stage& stage, Figure& figure) {
   const Skeleton& k = figure.skeleton;
   figure.bare.cones = torso_cones(figure, 0);
   for (const Cone& cone : neck_cones(figure, 0)) figure.bare.cones.push_back(cone);
@@ -231,11 +273,18 @@ void add_body(Stage& stage, Figure& figure, Dice dice) {
     for (vec3& n : piece.normals) n = hand.axes * n;
     add_piece(stage, figure, std::move(piece), figure.skin);
   }
-  (void)dice;
 }
 
 void add_head(Stage& stage, Figure& figure, Dice dice) {
   const Body& body = figure.body;
+  const auto on_head = [&](vec3 p) { return figure.skeleton.head.out(body.head_scale * p); };
+  figure.face_points = {on_head({0, -0.018f, 0.1f}), on_head({0.031f, 0.0148f, 0.083f}),
+                        on_head({-0.031f, 0.0148f, 0.083f}), on_head({0.084f, 0.002f, -0.008f}),
+                        on_head({-0.084f, 0.002f, -0.008f})};
+  for (const vec3& p : {vec3(0, 0.045f, 0.088f), vec3(0, -0.104f, 0.07f), vec3(0.062f, 0, 0.05f),
+                        vec3(-0.062f, 0, 0.05f), vec3(0.05f, -0.06f, 0.04f), vec3(-0.05f, -0.06f, 0.04f)}) {
+    figure.face_outline.push_back(on_head(p));
+  }
   HeadShape shape;
   const float child = body.child ? 1.0f : 0.0f;
   shape.jaw = 1.03f - 0.08f * body.woman + 0.05f * body.girth + 0.04f * dice.normal();
@@ -294,7 +343,7 @@ Figure add_figure(Stage& stage, Dice dice, const FigureOptions& options) {
   figure.body = make_body(of_body);
   figure.pose = make_pose(of_pose, figure.body, options.gesture);
   figure.pose.head_yaw = std::clamp(figure.pose.head_yaw + options.head_yaw, -1.25f, 1.25f);
-  figure.skeleton = make_skeleton(figure.body, figure.pose, options.place, options.yaw);
+  figure.skeleton = make_skeleton(figure.body, figure.pose, options.place, options.yaw, proportions_of(figure.body));
   figure.person = options.person;
   figure.head_cell_m = std::clamp(1.1f * options.metres_per_px, 0.0038f, 0.014f);
   figure.body_cell_m = std::clamp(2.4f * options.metres_per_px, 0.009f, 0.024f);
@@ -333,7 +382,7 @@ Figure add_figure(Stage& stage, Dice dice, const FigureOptions& options) {
   face.v[kEyeLine] = made_up ? of_looks.in(0.3f, 1) : of_looks.in(0, 0.3f);
   face.v[kScalpHair] = 0.6f;
 
-  add_body(stage, figure, dice.of(4));
+  add_body(stage, figure);
   add_clothes(stage, figure, dice.of(5));
   add_hair_and_hat(stage, figure, dice.of(6));
   add_head(stage, figure, dice.of(7));

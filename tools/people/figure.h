@@ -34,6 +34,9 @@ struct Figure {
   float head_cell_m = 0.005f, body_cell_m = 0.012f;
   float lowest_m = 0;  ///< nothing below this height is seen
   Look skin, face, hair;
+  /// World places: nose, left and right eye, left and right ear; and of brow, chin, cheeks and jaw.
+  std::array<vec3, 5> face_points{};
+  std::vector<vec3> face_outline;
   Shape bare;                     ///< the body without clothes, head and hands
   std::vector<std::string> tags;  ///< "hair:long", "held:phone", ...
 };
@@ -51,13 +54,13 @@ struct FigureOptions {
 /// Draws a person and adds it to the stage.
 Figure add_figure(Stage& stage, Dice dice, const FigureOptions& options);
 
-// the parts, in the order in which add_figure() calls them
-void add_body(Stage& stage, Figure& figure, Dice dice);
+// the parts, which see what was drawn before them
+void add_body(Stage& stage, Figure& figure);
 void add_head(Stage& stage, Figure& figure, Dice dice);
 void add_clothes(Stage& stage, Figure& figure, Dice dice);
 void add_hair_and_hat(Stage& stage, Figure& figure, Dice dice);
-void add_seat(Stage& stage, const Figure& figure, Dice dice);
 void add_held_thing(Stage& stage, Figure& figure, Dice dice);
+void add_seat(Stage& stage, const Figure& figure, Dice dice);  ///< of one who sits; it is nobody's
 
 /// Torso, shoulders and neck with `offset_m` of room; arms and legs likewise. Sides as in Skeleton.
 std::vector<Cone> torso_cones(const Figure& figure, float offset_m);

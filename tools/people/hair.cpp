@@ -57,8 +57,10 @@ struct HairShape {
       d = blend(d, capsule(s, temple, end, 0.018f + thick_m, fall_thick), 0.03f);
       d = blend(d, capsule(p, {0, 0.0f, -0.075f}, {0, -0.1f - fall_m, -0.085f}, 0.055f, 0.045f + fall_thick), 0.05f);
     }
-    // the throat is free
-    if (fall_m > 0) d = carve(d, capsule(p, {0, -0.07f, 0.06f}, {0, -0.5f, 0.08f}, 0.062f, 0.05f), 0.02f);
+    if (fall_m > 0) {  // the neck and the throat are free
+      d = carve(d, capsule(p, {0, -0.07f, 0.06f}, {0, -0.5f, 0.08f}, 0.062f, 0.05f), 0.02f);
+      d = carve(d, capsule(p, {0, -0.1f, 0.0f}, {0, -0.5f, 0.03f}, 0.05f, 0.075f), 0.02f);
+    }
     if (bun) d = blend(d, glm::length(p - bun_at) - bun_m, 0.012f);
     if (tail) d = blend(d, capsule(p, {0, 0.07f, -0.115f}, {0.03f, 0.07f - tail_m, -0.15f}, 0.03f, 0.022f), 0.02f);
     if (braids)
@@ -87,7 +89,7 @@ void let_hang(const Figure& figure, Piece& piece) {
                     figure.bare(p + vec3(0, 0, e)) - figure.bare(p - vec3(0, 0, e)));
       // what hangs behind goes to the back, not through the neck
       const float ahead = glm::dot(p - head.origin, hanging.axes[2]) / s, push = glm::dot(gradient, hanging.axes[2]);
-      if (ahead < -0.02f && push > 0) gradient -= 2 * push * hanging.axes[2];
+      if (ahead < 0.0f && push > 0) gradient -= 2 * push * hanging.axes[2];
       if (glm::length(gradient) > 0) p += std::min(room, 0.06f) * glm::normalize(gradient);
     }
   }

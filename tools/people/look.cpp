@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "simulator/render/surface.h"
 #include "tools/people/sdf.h"
 
 namespace dualpixel::tools {
@@ -163,7 +164,8 @@ vec3 books(const Look& look, vec3 p) {
   const vec3 cover(hash01(look.seed, book, shelf_id, 1), hash01(look.seed, book, shelf_id, 2),
                    hash01(look.seed, book, shelf_id, 3));
   const bool title = std::abs(y - 0.4f) < 0.06f;
-  return cover * cover * (saw(warped) < 0.08f ? 0.3f : 1.0f) + (title ? vec3(0.25f) : vec3(0));
+  const vec3 muted = glm::mix(cover * cover, vec3(0.3f, 0.25f, 0.2f), hash01(look.seed, book, shelf_id, 6));
+  return muted * (saw(warped) < 0.08f ? 0.3f : 1.0f) + (title ? vec3(0.25f) : vec3(0));
 }
 
 /// Patches, discs and slopes of colour, as of a picture, a poster or many things out of focus.
@@ -332,6 +334,8 @@ vec3 reflectance(const Look& look, vec3 p) {
       return herringbone(look, p);
     case Kind::graffiti:
       return graffiti(look, p);
+    case Kind::textured:
+      return look.a * vec3(simulator::sample_texture(*look.texture, {p.x, p.y}));
   }
   return look.a;
 }

@@ -2,7 +2,9 @@
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 
+#include "simulator/scene/scene.h"
 #include "tools/people/dice.h"
 
 /// Solid textures: the colour of a surface as a function of where a point lies on it at rest, in metres. No texture
@@ -44,15 +46,18 @@ struct Look {
     crowd,
     stones,
     herringbone,
-    graffiti
+    graffiti,
+    textured  ///< `texture` at rest's x, y as glTF's u, v, times a
   } kind = Kind::plain;
   glm::vec3 a{0.5f}, b{0.2f}, c{0.1f};  ///< linear reflectances: ground, pattern, accent
   float scale_m = 0.05f;                ///< of one repeat
   std::uint32_t seed = 1;
-  float gloss = 0;           ///< strength of the highlight, 0..1
-  float gloss_power = 20;    ///< its sharpness
-  float softness = 0;        ///< how far light wraps around, as under skin: 0..1
-  glm::vec3 emission{0};     ///< radiance per reflectance, in the dome's units
+  float gloss = 0;         ///< strength of the highlight, 0..1
+  float gloss_power = 20;  ///< its sharpness
+  float softness = 0;      ///< how far light wraps around, as under skin: 0..1
+  glm::vec3 emission{0};   ///< radiance per reflectance, in the dome's units
+  std::shared_ptr<const simulator::Texture> texture;
+  bool cut_out = false;      ///< where the texture's alpha is under 1/2 there is nothing
   std::array<float, 6> v{};  ///< of a face or a garment: see FaceDetail, kPlacket
 };
 

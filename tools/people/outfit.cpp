@@ -1,5 +1,3 @@
-#include <limits>
-
 #include "tools/people/figure.h"
 
 namespace dualpixel::tools {
@@ -23,7 +21,7 @@ Shape upper_garment(const Figure& figure, float room_m, float sleeves, float hem
   const float hips = (0.075f + 0.008f * figure.body.woman) * h * (1 + 0.22f * figure.body.girth) + room_m;
   if (hem < 0 && !figure.pose.sitting) {
     const vec3 bottom = k.pelvis.out({0, hem * h, 0});
-    Cone skirt{k.pelvis.origin, bottom, hips * 1.05f, hips * 1.02f + flare_m, 0.03f, k.pelvis.axes[2], 1.2f};
+    Cone skirt{k.pelvis.origin, bottom, hips * 1.06f, hips * 1.06f + 0.012f + flare_m, 0.03f, k.pelvis.axes[2], 1.2f};
     skirt.end_normal = -k.pelvis.axes[1];
     shape.cones.push_back(skirt);
   }
@@ -126,7 +124,7 @@ void add_lower(Stage& stage, const Figure& figure, Dice& dice) {
   const float h = figure.body.stature_m;
   if (std::max(k.hip[0].y, k.knee[0].y) + 0.15f * h < figure.lowest_m) return;
   const bool skirt = figure.body.woman > 0.5f && !figure.pose.sitting && dice.chance(0.35f);
-  const float room = dice.in(0.008f, 0.028f);
+  const float room = dice.in(0.006f, 0.018f);
   Shape shape;
   const vec3 z = k.pelvis.axes[2];
   const float hips = (0.066f + 0.006f * figure.body.woman) * h * (1 + 0.22f * figure.body.girth) + room;

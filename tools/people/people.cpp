@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "tools/people/develop.h"
+#include "tools/people/makehuman.h"
 #include "tools/people/surroundings.h"
 
 namespace dualpixel::tools {
@@ -71,6 +72,8 @@ bool is_frontal_and_seen(const Figure& figure, const simulator::CameraView& came
   const vec3 to_eye = glm::normalize(eye - figure.skeleton.head.origin);
   if (glm::dot(to_eye, figure.skeleton.head.axes[2]) < kMostTurned) return false;
   if (sample.face.z < kSmallestFace_px) return false;
+  // nothing before it: an umbrella, a hand or a phone of their own is in the mask, too
+  if (sample.keypoints[0].z != 2 || (sample.keypoints[1].z != 2 && sample.keypoints[2].z != 2)) return false;
   const int x0 = static_cast<int>(sample.face.x), y0 = static_cast<int>(sample.face.y),
             side = static_cast<int>(sample.face.z);
   float shown = 0;
@@ -100,18 +103,24 @@ void match_background(Stage& stage, Dice& dice) {
   }
 }
 
-Sitting take_sitting(Dice dice) {
+Figure add_any_figure(Stage& stage, Dice dice, const FigureOptions& options, const MakeHumanAssets* makehuman) {
+  Dice which = dice.of(99);
+  if (makehuman && which.chance(0.5f)) return add_makehuman_figure(stage, *makehuman, dice, options);
+  return add_figure(stage, dice, options);
+}
+
+Sitting take_sitting(Dice dice, const MakeHumanAssets* makehuman) {
   Sitting sitting;
   Dice plan = dice.of(1);
   const Size size = any_size(plan);
   // head's share of the picture's height: close, portrait, half body, full body
   const int framing = plan.below(100);
-  const float share = framing < 18   ? plan.in(0.36f, 0.58f)
-                      : framing < 65 ? plan.in(0.22f, 0.36f)
-                      : framing < 88 ? plan.in(0.14f, 0.22f)
+  const float share = framing < 22   ? plan.in(0.36f, 0.58f)
+                      : framing < 70 ? plan.in(0.22f, 0.36f)
+                      : framing < 90 ? plan.in(0.14f, 0.22f)
                                      : plan.in(0.09f, 0.13f);
   const int crowd = plan.below(100);
-  const int people = crowd < 72 || share > 0.45f ? 1 : crowd < 90 ? 2 : 3 + plan.below(kMostPeople - 2);
+  const int people = crowd < 82 || share > 0.45f ? 1 : crowd < 95 ? 2 : 3 + plan.below(kMostPeople - 2);
   const float aspect = static_cast<float>(size.width) / static_cast<float>(size.height);
   float height_m = 0.235f / share;
   if (people > 1) height_m = std::max(height_m, 0.5f * static_cast<float>(people) / aspect);
@@ -136,7 +145,7 @@ Sitting take_sitting(Dice dice) {
     options.head_yaw = -0.75f * options.yaw + 0.16f * plan.normal();
     Dice gesture = dice.of(10 + i);
     options.gesture = any_gesture(gesture);
-    figures.push_back(add_figure(stage, dice.of(20 + i), options));
+    figures.push_back(add_any_figure(stage, dice.of(20 + i), options, makehuman));
     tallest = std::max(tallest, figures.back().skeleton.head.origin.y);
     lowest = std::min(lowest, figures.back().skeleton.head.origin.y);
   }
@@ -171,7 +180,7 @@ Sitting take_sitting(Dice dice) {
       other.metres_per_px = options.metres_per_px * (behind + distance) / distance;
       other.person = -1;
       other.gesture = any_gesture(extras);
-      add_figure(stage, extras.of(i), other);
+      add_any_figure(stage, extras.of(i), other, makehuman);
     }
     sitting.tags.emplace_back("bystanders");
   }
@@ -209,7 +218,7 @@ Image take_background(Dice dice) {
   camera.eye = {plan.in(-0.3f, 0.3f), plan.in(1.0f, 1.8f), plan.in(0.5f, 2.5f)};
   camera.target = {plan.in(-0.3f, 0.3f), camera.eye.y + plan.in(-0.5f, 0.3f), 0};
   camera.height_m = glm::distance(camera.eye, camera.target) * plan.in(0.4f, 1.2f);
-  camera.width_px = camera.height_px = 288;
+  camera.width_px = camera.height_px = kPictureSide_px;
   camera.focus_m = plan.in(0.4f, 3);
   camera.aperture_m = plan.chance(0.5f) ? plan.in(0.001f, 0.004f) : plan.in(0.006f, 0.05f);
   camera.roll = 0.04f * plan.normal();
@@ -223,7 +232,7 @@ Image composite_of(const Exposure& exposure, Image background, Dice dice) {
   Image out = people;
   expose_to(out, exposure.coverage, dice.in(0.7f, 1.4f));
   expose_to(background, {}, dice.in(0.4f, 1.6f));
-  const float zoom = dice.in(0.55f, 1.12f);
+  const float zoom = dice.in(0.5f, 0.99f);
   const bool flip = dice.chance(0.5f);
   const float room_x = static_cast<float>(background.width) - zoom * static_cast<float>(out.width) - 1;
   const float room_y = static_cast<float>(background.height) - zoom * static_cast<float>(out.height) - 1;
@@ -286,35 +295,19 @@ void finish(const Sitting& sitting, const std::vector<PeopleSample>& people, Ima
 
 std::array<vec3, kKeypoints> keypoints_of(const Figure& figure) {
   const Skeleton& k = figure.skeleton;
-  const float s = figure.body.head_scale;
-  const auto on_head = [&](float x, float y, float z) { return k.head.out(s * vec3(x, y, z)); };
-  return {on_head(0, -0.018f, 0.1f),
-          on_head(0.031f, 0.0148f, 0.083f),
-          on_head(-0.031f, 0.0148f, 0.083f),
-          on_head(0.084f, 0.002f, -0.008f),
-          on_head(-0.084f, 0.002f, -0.008f),
-          k.shoulder[0],
-          k.shoulder[1],
-          k.elbow[0],
-          k.elbow[1],
-          k.wrist[0],
-          k.wrist[1],
-          k.hip[0],
-          k.hip[1],
-          k.knee[0],
-          k.knee[1],
-          k.ankle[0],
-          k.ankle[1]};
+  std::array<vec3, kKeypoints> joints;
+  std::copy(figure.face_points.begin(), figure.face_points.end(), joints.begin());
+  std::size_t next = figure.face_points.size();
+  for (const auto* pair : {&k.shoulder, &k.elbow, &k.wrist, &k.hip, &k.knee, &k.ankle}) {
+    for (const vec3& joint : *pair) joints[next++] = joint;
+  }
+  return joints;
 }
 
 glm::vec4 face_box(const Figure& figure, const simulator::CameraView& camera) {
-  const float s = figure.body.head_scale;
-  constexpr vec3 kOutline[] = {{0, 0.045f, 0.088f},    {0, -0.104f, 0.07f},    {0.062f, 0.0f, 0.05f},
-                               {-0.062f, 0.0f, 0.05f}, {0.05f, 0.04f, 0.07f},  {-0.05f, 0.04f, 0.07f},
-                               {0.05f, -0.06f, 0.04f}, {-0.05f, -0.06f, 0.04f}};
   vec2 low(1e9f), high(-1e9f);
-  for (const vec3& p : kOutline) {
-    const vec2 at(project(camera, figure.skeleton.head.out(s * p)));
+  for (const vec3& p : figure.face_outline) {
+    const vec2 at(project(camera, p));
     low = glm::min(low, at);
     high = glm::max(high, at);
   }
@@ -326,7 +319,7 @@ glm::vec4 face_box(const Figure& figure, const simulator::CameraView& camera) {
 std::vector<PeopleSample> make_people_shard(const PeopleOptions& options, int shard, int count,
                                             const std::function<void(double)>& progress) {
   const Dice dice = Dice(options.seed, options.held_out).of(static_cast<std::uint64_t>(shard));
-  std::vector<Image> backgrounds(options.composites > 0 ? std::clamp(count / 8, 3, 48) : 0);
+  std::vector<Image> backgrounds(options.composites > 0 ? std::clamp(count / 16, 3, 32) : 0);
   std::atomic<int> done = 0;
   const int in_all = static_cast<int>(backgrounds.size()) + count / (1 + options.composites);
   const auto one_done = [&] {
@@ -345,7 +338,7 @@ std::vector<PeopleSample> make_people_shard(const PeopleOptions& options, int sh
     tbb::parallel_for(0, round, [&](int i) {
       const int index = first + i;
       const Dice picture = dice.of(static_cast<std::uint64_t>(index));
-      const Sitting sitting = take_sitting(picture);
+      const Sitting sitting = take_sitting(picture, options.makehuman.get());
       one_done();
       if (sitting.samples.empty()) return;
       std::vector<PeopleSample>& out = made[i];

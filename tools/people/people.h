@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -17,11 +18,15 @@ namespace dualpixel::tools {
 inline constexpr int kPictureSide_px = 256, kKeypoints = 17, kMostPeople = 5;
 inline constexpr int kShardSamples = 512;
 
+class MakeHumanAssets;
+
 struct PeopleOptions {
   int count = kShardSamples;  ///< samples in all
   std::uint64_t seed = 1;
   bool held_out = false;  ///< from pools and numbers that training never draws: see dice.h
   int composites = 4;     ///< of each rendered picture over other backgrounds
+  /// Set: half of the people are made from these; see makehuman.h. A set's bytes then depend on them, too.
+  std::shared_ptr<const MakeHumanAssets> makehuman;
 };
 
 /// One picture and one of its people.

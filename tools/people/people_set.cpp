@@ -23,10 +23,14 @@ int samples_of_shard(const PeopleOptions& options, int shard) {
 
 /// What a shard was made from, and so whether it need not be made again.
 std::string shard_recipe(const PeopleOptions& options, int shard) {
-  const nlohmann::ordered_json json = {
-      {"format", "dualpixel people shard"},        {"version", 1},         {"shard", shard},
-      {"count", samples_of_shard(options, shard)}, {"seed", options.seed}, {"held_out", options.held_out},
-      {"composites", options.composites}};
+  const nlohmann::ordered_json json = {{"format", "dualpixel people shard"},
+                                       {"version", 1},
+                                       {"shard", shard},
+                                       {"count", samples_of_shard(options, shard)},
+                                       {"seed", options.seed},
+                                       {"held_out", options.held_out},
+                                       {"composites", options.composites},
+                                       {"makehuman", options.makehuman != nullptr}};
   return json.dump(2) + "\n";
 }
 
@@ -124,10 +128,15 @@ void write_people_set(const PeopleOptions& options, const std::string& folder,
     }
     if (progress) progress((shard + 1.0) / shards);
   }
-  const nlohmann::ordered_json json = {
-      {"format", "dualpixel people"},     {"version", 1},         {"size_px", kPictureSide_px},
-      {"count", options.count},           {"seed", options.seed}, {"held_out", options.held_out},
-      {"composites", options.composites}, {"shards", shards}};
+  const nlohmann::ordered_json json = {{"format", "dualpixel people"},
+                                       {"version", 1},
+                                       {"size_px", kPictureSide_px},
+                                       {"count", options.count},
+                                       {"seed", options.seed},
+                                       {"held_out", options.held_out},
+                                       {"composites", options.composites},
+                                       {"makehuman", options.makehuman != nullptr},
+                                       {"shards", shards}};
   replace_file(folder + "/people.json", json.dump(2) + "\n");
 }
 

@@ -115,6 +115,16 @@ World::World(const Stage& stage) : stage_(stage) {
     simulator::Mesh& mesh = scene_.meshes.emplace_back();
     mesh.positions = piece.positions;
     mesh.triangles = piece.triangles;
+    const Look& look = stage.looks[static_cast<std::size_t>(piece.look)];
+    if (!look.cut_out) continue;
+    mesh.material = static_cast<int>(scene_.materials.size());
+    simulator::Material& leaf = scene_.materials.emplace_back();
+    leaf.alpha_cutoff = 0.5f;
+    leaf.base_color_texture.texture = static_cast<int>(scene_.textures.size());
+    simulator::Texture& texture = scene_.textures.emplace_back();
+    texture.width = look.texture->width, texture.height = look.texture->height;
+    texture.rgba = look.texture->rgba;
+    mesh.uv0.assign(piece.rest.begin(), piece.rest.end());
   }
   intersector_.emplace(scene_);
 }

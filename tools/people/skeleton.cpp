@@ -189,22 +189,40 @@ vec3 Skeleton::rest_of(vec3 p) const {
   return sum / total;
 }
 
-Skeleton make_skeleton(const Body& body, const Pose& pose, vec3 place, float yaw) {
+Proportions proportions_of(const Body& body) {
+  const float h = body.stature_m, s = body.head_scale;
+  Proportions p;
+  p.pelvis_m = 0.535f * h;
+  p.sitting_pelvis_m = 0.28f * h;
+  p.chest = {0, 0.065f * h, 0};
+  p.neck_base = {0, 0.218f * h, -0.012f * h};
+  // what stature leaves over the neck's base, less what of the head is above its origin
+  const float head_top = 0.137f * s;
+  p.neck = {0, std::max(h * (1 - 0.535f - 0.065f - 0.218f) - head_top, 0.055f * s), 0.004f * h};
+  p.head_forward_m = 0.012f * s;
+  p.shoulder = {body.shoulder_half_m, 0.192f * h, -0.004f * h};
+  p.hip = {body.hip_half_m, -0.01f * h, 0};
+  const float arm_scale = body.child ? 0.96f : 1.0f;
+  p.upper_arm_m = 0.182f * h * arm_scale;
+  p.fore_arm_m = 0.15f * h * arm_scale;
+  p.thigh_m = 0.245f * h;
+  p.shank_m = 0.246f * h;
+  return p;
+}
+
+Skeleton make_skeleton(const Body& body, const Pose& pose, vec3 place, float yaw, const Proportions& proportions) {
   const float h = body.stature_m;
-  const float s = body.head_scale;
   Skeleton k;
   k.pelvis.axes = turn(yaw, {0, 1, 0});
-  k.pelvis.origin = place + vec3(0, pose.sitting ? 0.28f * h : 0.535f * h, 0);
+  k.pelvis.origin = place + vec3(0, pose.sitting ? proportions.sitting_pelvis_m : proportions.pelvis_m, 0);
   k.chest.axes = k.pelvis.axes * turn(pose.twist, {0, 1, 0}) * turn(pose.lean, {1, 0, 0}) * turn(-pose.side, {0, 0, 1});
-  k.chest.origin = k.pelvis.out({0, 0.065f * h, 0}) + 0.3f * h * vec3(k.chest.axes[1] - vec3(0, 1, 0)) * 0.2f;
-  k.neck_base = k.chest.out({0, 0.218f * h, -0.012f * h});
+  k.chest.origin = k.pelvis.out(proportions.chest) + 0.06f * h * vec3(k.chest.axes[1] - vec3(0, 1, 0));
+  k.neck_base = k.chest.out(proportions.neck_base);
   const mat3 neck_axes = k.chest.axes * turn(0.45f * pose.head_yaw, {0, 1, 0}) *
                          turn(0.12f + 0.5f * pose.head_pitch, {1, 0, 0}) * turn(-0.5f * pose.head_roll, {0, 0, 1});
   k.head.axes = k.chest.axes * turn(pose.head_yaw, {0, 1, 0}) * turn(pose.head_pitch - 0.6f * pose.lean, {1, 0, 0}) *
                 turn(-pose.head_roll, {0, 0, 1});
-  // stature: floor to pelvis .535, to the neck's base .218 + .065, then neck and head
-  const float head_top = 0.137f * s, neck = std::max(h * (1 - 0.535f - 0.065f - 0.218f) - head_top, 0.055f * s);
-  k.head.origin = k.neck_base + neck_axes * vec3(0, neck, 0.004f * h) + k.head.axes * vec3(0, 0, 0.012f * s);
+  k.head.origin = k.neck_base + neck_axes * proportions.neck + k.head.axes[2] * proportions.head_forward_m;
   const Frame rest_chest{{0, 0.6f * h, 0}, mat3(1)};
   const auto add_bone = [&](vec3 a, vec3 b, const mat3& axes, vec3 rest_a, float radius) {
     k.bones.push_back({a, b, axes, rest_a, radius});
@@ -212,17 +230,16 @@ Skeleton make_skeleton(const Body& body, const Pose& pose, vec3 place, float yaw
   add_bone(k.pelvis.origin, k.pelvis.out({0, 0.03f * h, 0}), k.pelvis.axes, {0, 0.535f * h, 0}, 0.09f * h);
   add_bone(k.chest.out({0, 0.05f * h, 0}), k.chest.out({0, 0.2f * h, 0}), k.chest.axes,
            rest_chest.out({0, 0.05f * h, 0}), 0.09f * h);
-  add_bone(k.neck_base, k.head.origin, neck_axes, rest_chest.out({0, 0.218f * h, -0.012f * h}), 0.035f * h);
-  const float arm_scale = body.child ? 0.96f : 1.0f;
+  add_bone(k.neck_base, k.head.origin, neck_axes, rest_chest.out(proportions.neck_base), 0.035f * h);
   for (int side = 0; side < 2; ++side) {
     const float x = side == 0 ? 1.0f : -1.0f;
     const ArmPose& arm_pose = pose.arm[side];
     const auto mirrored = [&](vec3 v) { return vec3(x * v.x, v.y, v.z); };
     const auto to_world = [&](vec3 v) { return k.chest.axes * mirrored(v); };
     const float lift = 0.25f * std::max(arm_pose.wrist.y - 0.2f, 0.0f) + pose.shrug[side];
-    const vec3 shoulder_rest(x * body.shoulder_half_m, 0.192f * h, -0.004f * h);
+    const vec3 shoulder_rest = mirrored(proportions.shoulder);
     k.shoulder[side] = k.chest.out(shoulder_rest + vec3(-0.3f * x * lift * h, lift * h, 0));
-    const float upper = 0.182f * h * arm_scale, fore = 0.15f * h * arm_scale;
+    const float upper = proportions.upper_arm_m, fore = proportions.fore_arm_m;
     k.wrist[side] = k.chest.out(h * mirrored(arm_pose.wrist));
     k.elbow[side] = bend(k.shoulder[side], k.wrist[side], upper, fore, to_world(arm_pose.elbow));
     const mat3 hand_axes = axes_along(to_world(arm_pose.fingers), to_world(arm_pose.palm));
@@ -239,17 +256,17 @@ Skeleton make_skeleton(const Body& body, const Pose& pose, vec3 place, float yaw
     add_bone(k.shoulder[side], k.elbow[side], upper_axes, rest_shoulder, 0.034f * h);
     add_bone(k.elbow[side], k.wrist[side], fore_axes, rest_elbow, 0.028f * h);
 
-    k.hip[side] = k.pelvis.out({x * body.hip_half_m, -0.01f * h, 0});
+    k.hip[side] = k.pelvis.out(mirrored(proportions.hip));
     const vec3 foot = pose.foot[side];
     k.ankle[side] = place + k.pelvis.axes * vec3(x * foot.x * h, 0.045f * h, (foot.z + (pose.sitting ? 0.22f : 0)) * h);
-    k.knee[side] = bend(k.hip[side], k.ankle[side], 0.245f * h, 0.246f * h,
+    k.knee[side] = bend(k.hip[side], k.ankle[side], proportions.thigh_m, proportions.shank_m,
                         k.pelvis.axes * (pose.sitting ? vec3(0.15f * x, 0.6f, 1) : vec3(0.1f * x, 0, 1)));
     k.toe[side] = k.ankle[side] + k.pelvis.axes * vec3(0.25f * x * 0.1f * h, -0.028f * h, 0.1f * h);
-    const vec3 rest_hip(x * body.hip_half_m, 0.525f * h, 0);
+    const vec3 rest_hip = vec3(0, 0.535f * h, 0) + mirrored(proportions.hip);
     const mat3 thigh_axes = limb_axes(k.hip[side], k.knee[side], k.pelvis.axes, {0, -1, 0});
     const mat3 shin_axes = limb_axes(k.knee[side], k.ankle[side], thigh_axes, {0, -1, 0});
     add_bone(k.hip[side], k.knee[side], thigh_axes, rest_hip, 0.05f * h);
-    add_bone(k.knee[side], k.ankle[side], shin_axes, rest_hip - vec3(0, 0.245f * h, 0), 0.035f * h);
+    add_bone(k.knee[side], k.ankle[side], shin_axes, rest_hip - vec3(0, proportions.thigh_m, 0), 0.035f * h);
   }
   return k;
 }

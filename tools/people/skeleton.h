@@ -110,8 +110,17 @@ struct Skeleton {
   vec3 rest_of(vec3 p) const;
 };
 
+/// Lengths of the sticks, metres; places in the frame of the part that they hang from, of the left side.
+struct Proportions {
+  float pelvis_m = 0.9f, sitting_pelvis_m = 0.5f;  ///< over the floor
+  vec3 chest{0}, neck_base{0}, neck{0}, shoulder{0}, hip{0};
+  float head_forward_m = 0;
+  float upper_arm_m = 0.3f, fore_arm_m = 0.25f, thigh_m = 0.4f, shank_m = 0.4f;
+};
+Proportions proportions_of(const Body& body);
+
 /// The person stands (or sits) at `place`, turned by `yaw` (radians, to its left).
-Skeleton make_skeleton(const Body& body, const Pose& pose, vec3 place, float yaw);
+Skeleton make_skeleton(const Body& body, const Pose& pose, vec3 place, float yaw, const Proportions& proportions);
 
 /// Axes of which y runs along `along` and z as near to `towards` as can be.
 mat3 axes_along(vec3 along, vec3 towards);

@@ -401,7 +401,7 @@ std::string add_surroundings(Stage& stage, Dice dice, float back_m) {
 
 std::string set_light(Stage& stage, Dice dice) {
   constexpr const char* kNames[] = {"overcast", "sun",  "sun behind", "window", "ceiling", "softbox",
-                                    "flash",    "lamp", "golden",     "neon",   "skylight"};
+                                    "flash",    "lamp", "neon",       "golden", "skylight"};
   const int index = dice.choose(kLights, kReservedLights);
   const float side = dice.sign(), turn = dice.in(0.2f, 1.3f), up = dice.in(0.25f, 1.1f);
   const auto towards = [](float around, float height) {
@@ -418,7 +418,7 @@ std::string set_light(Stage& stage, Dice dice) {
   switch (static_cast<Light>(index)) {
     case Light::overcast:
       dome.up = vec3(1.1f), dome.horizon = vec3(0.75f), dome.down = ground * 0.6f;
-      key.irradiance = vec3(dice.in(0.05f, 0.25f)), key.spread = 0.5f;
+      key.irradiance = vec3(dice.in(0.05f, 0.25f)), key.spread = 0.3f;
       break;
     case Light::sun_side:
       dome.up = 0.4f * sky, dome.horizon = 0.6f * sky, dome.down = ground;
@@ -434,16 +434,16 @@ std::string set_light(Stage& stage, Dice dice) {
       dome.up = vec3(0.35f), dome.horizon = vec3(0.3f), dome.down = ground * 0.6f;
       key.direction = towards(side * dice.in(0.9f, 1.8f), dice.in(0.0f, 0.6f));
       dome.lobe_direction = key.direction, dome.lobe = vec3(1, 1, 1.05f) * dice.in(0.6f, 2);
-      key.irradiance = vec3(0.9f, 0.95f, 1), key.spread = dice.in(0.3f, 0.8f);
+      key.irradiance = vec3(0.9f, 0.95f, 1), key.spread = dice.in(0.1f, 0.35f);
       break;
     case Light::ceiling:
       dome.up = warm * 0.8f, dome.horizon = warm * 0.5f, dome.down = ground;
       key.direction = towards(side * dice.in(0, 2.5f), dice.in(0.9f, 1.4f));
-      key.irradiance = warm * dice.in(0.3f, 0.9f), key.spread = dice.in(0.1f, 0.6f);
+      key.irradiance = warm * dice.in(0.3f, 0.9f), key.spread = dice.in(0.06f, 0.3f);
       break;
     case Light::softbox:
       dome.up = vec3(0.25f), dome.horizon = vec3(0.25f), dome.down = vec3(0.2f);
-      key.irradiance = vec3(1), key.spread = dice.in(0.2f, 0.6f);
+      key.irradiance = vec3(1), key.spread = dice.in(0.08f, 0.3f);
       break;
     case Light::flash:
       dome.up = dome.horizon = vec3(dice.in(0.05f, 0.2f)), dome.down = vec3(0.05f);
@@ -465,13 +465,13 @@ std::string set_light(Stage& stage, Dice dice) {
       const vec3 one = any_color(dice) + 0.1f, two = any_color(dice) + 0.1f;
       dome.up = vec3(0.08f), dome.horizon = 0.3f * one, dome.down = vec3(0.05f);
       dome.lobe_direction = towards(-side * dice.in(0.8f, 2), 0.2f), dome.lobe = 2.0f * one, dome.lobe_sharpness = 2;
-      key.irradiance = 1.5f * two, key.spread = 0.3f;
+      key.irradiance = 1.5f * two, key.spread = 0.2f;
       break;
     }
     case Light::skylight:
       dome.up = vec3(1.6f, 1.6f, 1.7f), dome.horizon = vec3(0.2f), dome.down = ground * 0.8f;
       key.direction = towards(side, 1.35f);
-      key.irradiance = vec3(0.5f), key.spread = 0.9f;
+      key.irradiance = vec3(0.5f), key.spread = 0.35f;
       break;
   }
   return std::string("light:") + kNames[index];

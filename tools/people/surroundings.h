@@ -18,8 +18,8 @@ enum class Light : std::uint8_t {
   softbox,
   flash,
   lamp,
-  golden,
   neon,
+  golden,
   skylight
 };
 inline constexpr int kLights = 11, kReservedLights = 2;
