@@ -52,10 +52,6 @@ Metadata read_metadata(const std::string& path) {
   return metadata;
 }
 
-float linear_from_srgb(float encoded) {
-  return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
-}
-
 /// Linear RGB (or grey), 0 black and 1 clipped.
 Image read_view(const std::string& path, const Metadata& metadata, bool vertical) {
   const PictureSize size = picture_size(path);
@@ -93,6 +89,10 @@ Image gray(const Image& view) {
 std::uint16_t digital_number(float signal) { return static_cast<std::uint16_t>(std::lround(kFullScale * signal)); }
 
 }  // namespace
+
+float linear_from_srgb(float encoded) {
+  return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
+}
 
 Image transposed(const Image& image) {
   Image result(image.height, image.width, image.channels);

@@ -32,7 +32,8 @@ dlib::array2d<unsigned char> grey_picture(const Image& linear_rgb, int longer_si
 bool has_face_detector() { return true; }
 
 std::vector<Face> find_faces(const Image& linear_rgb) {
-  dlib::frontal_face_detector detector = dlib::get_frontal_face_detector();
+  static const dlib::frontal_face_detector kDetector = dlib::get_frontal_face_detector();  // 0.3 s to unpack
+  dlib::frontal_face_detector detector = kDetector;
   std::vector<Face> faces;
   for (const int size_px : {kDetectorSize_px, 2 * kDetectorSize_px}) {
     const dlib::array2d<unsigned char> grey = grey_picture(linear_rgb, size_px);

@@ -237,6 +237,44 @@ TEST(Portrait, MissingOrBrokenMasksAreTheUsersErrors) {
   EXPECT_THROW(run_portrait(capture, test_options(Mode::seg), Image(4, 4, 1, NAN)), InputError);
 }
 
+TEST(Portrait, PeopleAreFoundWhereNoMaskIsGiven) {
+  const Capture capture = make_capture();
+  for (const Mode mode : {Mode::dp_seg, Mode::seg}) {
+    PortraitOptions options = test_options(mode);
+    const Face face{200, 120, 60, 60};
+    options.find_people = [&](const Image& picture) {
+      EXPECT_EQ(picture.width, kWidth);
+      EXPECT_EQ(picture.channels, 3);
+      return FoundPeople{{face}, person_mask()};
+    };
+    const PortraitResult found = run_portrait(capture, options);
+    EXPECT_EQ(found.mode, mode);
+    ASSERT_EQ(found.faces.size(), 1U);
+    EXPECT_TRUE(found.warnings.empty());
+    Capture with_face = capture;  // as if mask and face had been given
+    with_face.face_px = {face.x, face.y, face.width, face.height};
+    EXPECT_EQ(found.portrait.data, run_portrait(with_face, test_options(mode), person_mask()).portrait.data);
+
+    // A mask that is given is used, and nobody is looked for.
+    options.find_people = [](const Image&) -> FoundPeople { throw std::logic_error("looked for people"); };
+    EXPECT_TRUE(run_portrait(capture, options, person_mask()).faces.empty());
+  }
+}
+
+TEST(Portrait, WhereNobodyIsFoundDisparityDoes) {
+  const Capture capture = make_capture();
+  const PortraitResult plain = run_portrait(capture, test_options());
+  for (const Mode mode : {Mode::dp_seg, Mode::seg}) {
+    PortraitOptions options = test_options(mode);
+    options.find_people = [](const Image&) { return FoundPeople{}; };
+    const PortraitResult result = run_portrait(capture, options);
+    EXPECT_EQ(result.mode, Mode::dp);
+    EXPECT_EQ(result.portrait.data, plain.portrait.data);
+    ASSERT_EQ(result.warnings.size(), 1U);
+    EXPECT_NE(result.warnings[0].find("no face found"), std::string::npos);
+  }
+}
+
 TEST(Portrait, SameBytesForAnyNumberOfThreads) {
   const Capture capture = make_capture();
   for (const Mode mode : {Mode::dp, Mode::seg}) {

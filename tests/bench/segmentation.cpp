@@ -1,0 +1,40 @@
+#include <benchmark/benchmark.h>
+
+#include <random>
+
+#include "pipeline/segmentation/person_mask.h"
+
+/// What finding people costs, on one core: the network's 256 x 256, and faces at 1x and at 1x and 2x of 640 px.
+namespace dualpixel::pipeline {
+namespace {
+
+Image noise(int width, int height) {
+  std::mt19937 random(1);
+  Image picture(width, height, 3);
+  for (float& value : picture.data) value = static_cast<float>(random() % 1000) / 1000;
+  return picture;
+}
+
+void person_network(benchmark::State& state) {
+  PersonNetwork network(read_weights(DUALPIXEL_SOURCE_DIR "/pipeline/segmentation/weights/person.safetensors"));
+  const Image input = network_input(noise(256, 192), {100, 50, 40, 40});
+  for (auto _ : state) benchmark::DoNotOptimize(network(input));
+}
+BENCHMARK(person_network)->Unit(benchmark::kMillisecond);
+
+void network_input_of_12_megapixels(benchmark::State& state) {
+  const Image picture = noise(4000, 3000);
+  for (auto _ : state) benchmark::DoNotOptimize(network_input(picture, {1000, 500, 400, 400}));
+}
+BENCHMARK(network_input_of_12_megapixels)->Unit(benchmark::kMillisecond);
+
+/// Noise holds no face: both scales are searched.
+void faces_at_both_scales(benchmark::State& state) {
+  const Image picture = noise(640, 480);
+  find_faces(picture);  // unpacks the detector
+  for (auto _ : state) benchmark::DoNotOptimize(find_faces(picture));
+}
+BENCHMARK(faces_at_both_scales)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace dualpixel::pipeline

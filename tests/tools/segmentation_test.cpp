@@ -1,0 +1,156 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "capture/error.h"
+#include "capture/image_io.h"
+#include "pipeline/segmentation/person_mask.h"
+#include "tests/pipeline/drawn_face.h"
+#include "tests/pipeline/texture.h"
+#include "tests/pipeline/toy_network.h"
+#include "tests/tools/run_program.h"
+#include "tools/mask_metrics.h"
+
+namespace dualpixel::tools {
+namespace {
+
+TEST(MaskMetrics, AreTheirFormulas) {
+  Image a(8, 4), b(8, 4);
+  for (int y = 0; y < 4; ++y) {
+    for (int x = 0; x < 8; ++x) {
+      a.at(x, y) = x < 4 ? 1 : 0;            // the left half
+      b.at(x, y) = x >= 2 && x < 6 ? 1 : 0;  // the middle half
+    }
+  }
+  EXPECT_EQ(mask_iou(a, b), 2.0 / 6);
+  EXPECT_EQ(mask_iou(a, a), 1);
+  EXPECT_EQ(mask_iou(Image(8, 4), Image(8, 4)), 1);
+  EXPECT_EQ(mask_iou(a, Image(8, 4)), 0);
+  EXPECT_EQ(mask_gradient_error(a, Image(8, 4)), 1.0 / 8);  // one step of 1 in each row of 8
+  EXPECT_EQ(mask_gradient_error(a, b), 3.0 / 8);            // and two more
+  EXPECT_EQ(mask_gradient_error(Image(8, 4, 1, 0.7F), Image(8, 4)), 0);
+}
+
+/// A linear picture as an 8-bit file.
+void write_picture(const std::string& path, Image picture) {
+  for (float& value : picture.data) value = srgb_from_linear(value);
+  write_png8(path, picture);
+}
+
+class SegmentationExperiment : public testing::Test {
+ protected:
+  SegmentationExperiment() {
+    std::filesystem::create_directory(folder / "images");
+    std::filesystem::create_directory(folder / "masks");
+    write_bytes(folder / "toy.safetensors", pipeline::as_safetensors(pipeline::face_follower()));
+  }
+  Outcome run() {
+    return run_program("experiment segmentation --images '" + (folder / "images") + "' --masks '" + (folder / "masks") +
+                       "' --weights '" + (folder / "toy.safetensors") + "' -o '" + (folder / "out") + "'");
+  }
+  TemporaryFolder folder;
+};
+
+TEST_F(SegmentationExperiment, ScoresWhatItFinds) {
+  if (!pipeline::has_person_network() || !pipeline::has_face_detector()) GTEST_SKIP() << "built without";
+  Image picture(640, 480, 3, 0.2F), truth(640, 480);
+  pipeline::draw_face(picture, 300, 220, 160);
+  const pipeline::Face face = pipeline::find_faces(picture).at(0);
+  // The toy's mask: where the Gaussian of sigma 21 px of 256 is above a half.
+  const double radius = 21 * std::sqrt(2 * std::log(2.0)) * 640 / 256;
+  for (int y = 0; y < 480; ++y) {
+    for (int x = 0; x < 640; ++x) {
+      const double dx = x + 0.5 - face.x - face.width / 2, dy = y + 0.5 - face.y - face.height / 2;
+      truth.at(x, y) = std::hypot(dx, dy) < radius ? 1 : 0;
+    }
+  }
+  write_picture(folder / "images/face.png", picture);
+  write_png8(folder / "masks/face.png", truth);
+  write_picture(folder / "images/wall.png", Image(64, 48, 3, 0.2F));
+  write_png8(folder / "masks/wall.png", Image(64, 48, 1, 1));
+  const Outcome outcome = run();
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("mean IoU, 2 pictures"), std::string::npos);
+  const nlohmann::json json = nlohmann::json::parse(read_bytes(folder / "out/segmentation.json"));
+  EXPECT_EQ(json["count"], 2);
+  EXPECT_EQ(json["without_face"], 1);
+  // A disc of radius 25 px that lies half a pixel off has 1 - 2 / (pi * 25) = 97 % of itself in common; twice that off
+  // in both directions: the network's pixels are pairs.
+  EXPECT_GT(json["mean_iou_where_found"], 0.92);
+  EXPECT_NEAR(json["mean_iou"].get<double>(), json["mean_iou_where_found"].get<double>() / 2, 1e-9);
+  EXPECT_NE(read_bytes(folder / "out/segmentation.html").find("wall"), std::string::npos);
+}
+
+TEST_F(SegmentationExperiment, UnusableFoldersAreOneClearLine) {
+  if (!pipeline::has_person_network()) GTEST_SKIP() << "built without oneDNN";
+  expect_one_line_refusal(run());  // no pictures
+  write_picture(folder / "images/a.png", Image(64, 48, 3, 0.2F));
+  const Outcome no_mask = run();
+  expect_one_line_refusal(no_mask);
+  EXPECT_NE(no_mask.err.find("holds no mask of that name"), std::string::npos);
+  write_png8(folder / "masks/a.png", Image(48, 64, 1, 1));
+  const Outcome other_size = run();
+  expect_one_line_refusal(other_size);
+  EXPECT_NE(other_size.err.find("48 x 64 pixels"), std::string::npos);
+  write_bytes(folder / "toy.safetensors", "nothing");
+  expect_one_line_refusal(run());
+  std::filesystem::remove_all(folder / "masks");
+  expect_one_line_refusal(run());
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+}
+
+/// Two views of the same, with a face where asked for.
+std::string write_pair(const TemporaryFolder& folder, bool with_face) {
+  Image picture = pipeline::Texture(5, 0.02).raster(320, 240, 0.5, 1, 0.5, 1);
+  Image rgb(320, 240, 3);
+  for (std::size_t i = 0; i < rgb.data.size(); ++i) rgb.data[i] = 0.25F * (1 + 0.3F * picture.data[i / 3]);
+  if (with_face) pipeline::draw_face(rgb, 150, 110, 90);
+  write_picture(folder / "l.png", rgb);
+  write_picture(folder / "r.png", rgb);
+  return "portrait --left '" + (folder / "l.png") + "' --right '" + (folder / "r.png") + "' -o '" + (folder / "out") +
+         "' ";
+}
+
+TEST(PortraitPeople, FacesOutsideThePictureAreRefused) {
+  const TemporaryFolder folder;
+  const std::string portrait = write_pair(folder, false);
+  for (const char* bad : {"--face 1,2,3", "--face 400,10,20,20", "--face nan,1,2,3", "--tap -1,2"}) {
+    expect_one_line_refusal(run_program(portrait + bad));
+  }
+}
+
+TEST(PortraitPeople, AreFoundWithoutAMask) {
+  if (!pipeline::has_person_network() || !pipeline::has_face_detector()) GTEST_SKIP() << "built without";
+  try {
+    pipeline::built_in_weights();
+  } catch (const InputError&) {
+    GTEST_SKIP() << "built without weights";
+  }
+  const auto result_of = [](const std::string& arguments, const TemporaryFolder& folder, bool warns) {
+    const Outcome outcome = run_program(arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.err.find("no face found") != std::string::npos, warns) << outcome.err;
+    return nlohmann::json::parse(read_bytes(folder / "out/result.json"))["provenance"];
+  };
+  const TemporaryFolder folder;
+  const std::string portrait = write_pair(folder, true);
+  const nlohmann::json found = result_of(portrait + "--mode seg", folder, false);
+  EXPECT_EQ(found["mode"], "seg");
+  EXPECT_EQ(found["mask"], "found");
+  ASSERT_EQ(found["faces_px"].size(), 1U);
+  EXPECT_NEAR(found["faces_px"][0][0].get<double>() + found["faces_px"][0][2].get<double>() / 2, 150, 12);
+  // what the user points at wins
+  const nlohmann::json pointed = result_of(portrait + "--mode dp+seg --face 20,30,40,50 --tap 200,100", folder, false);
+  EXPECT_EQ(pointed["faces_px"], nlohmann::json::parse("[[20,30,40,50],[188,88,24,24]]"));
+  EXPECT_EQ(result_of(portrait + "--mode dp+seg --split vertical --face 20,30,40,50", folder, false)["faces_px"],
+            nlohmann::json::parse("[[20,30,40,50]]"));
+
+  const nlohmann::json nobody = result_of(write_pair(folder, false) + "--mode dp+seg", folder, true);
+  EXPECT_EQ(nobody["mode"], "dp");
+  EXPECT_FALSE(nobody.contains("mask"));
+}
+
+}  // namespace
+}  // namespace dualpixel::tools

@@ -1,0 +1,277 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "capture/error.h"
+#include "capture/files.h"
+#include "capture/image_io.h"
+#include "pipeline/edge_aware/filter_mask.h"
+#include "pipeline/edge_aware/guide.h"
+#include "pipeline/resample.h"
+#include "pipeline/segmentation/person_mask.h"
+#include "tools/commands.h"
+#include "tools/mask_metrics.h"
+#include "tools/plain_pair.h"
+#include "tools/report_assets.h"
+#include "tools/report_images.h"
+#include "tools/report_page.h"
+
+namespace dualpixel::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kWorst = 20;
+constexpr int kThumbnail_px = 360;
+
+struct Command {
+  std::string images, masks, weights, output;
+};
+
+struct Portrait {
+  std::string name;
+  std::string image, mask;  ///< paths
+  std::size_t faces = 0;
+  // At the picture's size: the network's mask enlarged, and after edge-aware filtering.
+  double iou = 0, filtered_iou = 0;
+  // At the network's size, of the same two.
+  double gradient_error = 0, filtered_gradient_error = 0;
+};
+
+/// The regular files of a folder, by name.
+std::vector<fs::path> files_of(const std::string& folder) {
+  std::error_code error;
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (entry.is_regular_file(error)) files.push_back(entry.path());
+  }
+  if (error) throw InputError(printable(folder) + ": cannot be read as a folder: " + error.message());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// Every image with the mask of the same name, whatever their extensions.
+std::vector<Portrait> portraits_of(const Command& command) {
+  const std::vector<fs::path> masks = files_of(command.masks);
+  std::vector<Portrait> portraits;
+  for (const fs::path& image : files_of(command.images)) {
+    const auto mask =
+        std::find_if(masks.begin(), masks.end(), [&](const fs::path& path) { return path.stem() == image.stem(); });
+    if (mask == masks.end()) {
+      throw InputError(
+          fmt::format("{}: {} holds no mask of that name", printable(image.string()), printable(command.masks)));
+    }
+    portraits.push_back({image.stem().string(), image.string(), mask->string()});
+  }
+  if (portraits.empty()) throw InputError(printable(command.images) + ": holds no pictures");
+  return portraits;
+}
+
+/// Linear, one or three channels. EXR and HDR files are linear as they stand, all others are taken for sRGB.
+Image read_linear(const std::string& path) {
+  const std::string format = picture_size(path).format;
+  const Image stored = read_image(path);
+  Image picture(stored.width, stored.height, stored.channels < 3 ? 1 : 3);
+  for (std::size_t i = 0; i < picture.pixel_count(); ++i) {
+    for (int c = 0; c < picture.channels; ++c) {
+      const float value = stored.data[i * stored.channels + c];
+      picture.data[i * picture.channels + c] = format == "openexr" || format == "hdr" ? value : linear_from_srgb(value);
+    }
+  }
+  return picture;
+}
+
+Image read_true_mask(const std::string& path, const Image& picture) {
+  const Image stored = read_image(path);
+  Image mask(stored.width, stored.height);
+  for (std::size_t i = 0; i < mask.data.size(); ++i) {
+    mask.data[i] = stored.data[i * stored.channels];
+    if (!(mask.data[i] >= 0 && mask.data[i] <= 1))
+      throw InputError(printable(path) + ": mask values must lie in [0, 1]");
+  }
+  if (!mask.same_size(picture)) {
+    throw InputError(fmt::format("{}: {} x {} pixels; its picture has {} x {}", printable(path), mask.width,
+                                 mask.height, picture.width, picture.height));
+  }
+  return mask;
+}
+
+struct Scored {
+  Image picture, truth, filtered;
+};
+
+/// Measures one portrait. Where no face is found the mask is empty.
+Scored score(Portrait& portrait, pipeline::PersonNetwork& network) {
+  Scored scored;
+  scored.picture = read_linear(portrait.image);
+  scored.truth = read_true_mask(portrait.mask, scored.picture);
+  const int width = scored.picture.width, height = scored.picture.height;
+  const pipeline::FoundPeople found = pipeline::find_people(scored.picture, {}, network);
+  portrait.faces = found.faces.size();
+  if (found.faces.empty()) {
+    scored.filtered = Image(width, height);
+    portrait.iou = portrait.filtered_iou = mask_iou(scored.filtered, scored.truth);
+    return scored;
+  }
+  Image rgb = scored.picture;
+  if (rgb.channels == 1) {
+    rgb = Image(width, height, 3);
+    for (std::size_t i = 0; i < rgb.data.size(); ++i) rgb.data[i] = scored.picture.data[i / 3];
+  }
+  scored.filtered = pipeline::filter_mask(found.mask, pipeline::encode_guide(rgb, pipeline::guide_gain(rgb)));
+  portrait.iou = mask_iou(pipeline::resize_bilinear(found.mask, width, height), scored.truth);
+  portrait.filtered_iou = mask_iou(scored.filtered, scored.truth);
+  const Image small_truth = pipeline::resize_area(scored.truth, found.mask.width, found.mask.height);
+  portrait.gradient_error = mask_gradient_error(found.mask, small_truth);
+  portrait.filtered_gradient_error =
+      mask_gradient_error(pipeline::resize_area(scored.filtered, found.mask.width, found.mask.height), small_truth);
+  return scored;
+}
+
+/// The picture in grey, what the mask has too much in orange, what it lacks in blue.
+std::string errors_uri(const Scored& scored) {
+  const double scale = std::min(1.0, 1.0 * kThumbnail_px / std::max(scored.picture.width, scored.picture.height));
+  const int width = std::max(1, static_cast<int>(scale * scored.picture.width));
+  const int height = std::max(1, static_cast<int>(scale * scored.picture.height));
+  const Image picture = resized(scored.picture, width, height), truth = resized(scored.truth, width, height);
+  const Image filtered = resized(scored.filtered, width, height);
+  Image shown(width, height, 3);
+  for (std::size_t i = 0; i < shown.pixel_count(); ++i) {
+    const float grey = srgb_from_linear(picture.data[i * picture.channels + (picture.channels == 3 ? 1 : 0)]);
+    const float error = filtered.data[i] - truth.data[i];
+    const float amount = 0.8F * std::abs(error);
+    const float orange[3] = {1, 0.5F, 0.1F}, blue[3] = {0.2F, 0.5F, 1};
+    for (int c = 0; c < 3; ++c) {
+      shown.data[3 * i + c] = grey * (1 - amount) + amount * (error > 0 ? orange[c] : blue[c]);
+    }
+  }
+  return jpeg_data_uri(shown);
+}
+
+struct Means {
+  std::size_t count = 0, without_face = 0;
+  double iou = 0, filtered_iou = 0;              ///< over all
+  double iou_found = 0, filtered_iou_found = 0;  ///< over those with a face, as the following
+  double gradient_error = 0, filtered_gradient_error = 0;
+};
+
+Means means_of(const std::vector<Portrait>& portraits) {
+  Means means;
+  means.count = portraits.size();
+  for (const Portrait& p : portraits) {
+    means.without_face += p.faces == 0 ? 1 : 0;
+    means.iou += p.iou;
+    means.filtered_iou += p.filtered_iou;
+    if (p.faces == 0) continue;
+    means.iou_found += p.iou;
+    means.filtered_iou_found += p.filtered_iou;
+    means.gradient_error += p.gradient_error;
+    means.filtered_gradient_error += p.filtered_gradient_error;
+  }
+  const auto all = static_cast<double>(means.count);
+  const double found = std::max(1.0, all - static_cast<double>(means.without_face));
+  for (double* sum : {&means.iou, &means.filtered_iou}) *sum /= all;
+  for (double* sum :
+       {&means.iou_found, &means.filtered_iou_found, &means.gradient_error, &means.filtered_gradient_error}) {
+    *sum /= found;
+  }
+  return means;
+}
+
+void write_page(const std::vector<Portrait>& portraits, const Means& means,
+                const std::vector<std::pair<const Portrait*, std::string>>& worst, const std::string& output) {
+  NewFolder out(output, "segmentation.json");
+  nlohmann::ordered_json json = {{"format", "dualpixel-experiment-segmentation"},
+                                 {"version", 1},
+                                 {"count", means.count},
+                                 {"without_face", means.without_face},
+                                 {"mean_iou", means.iou},
+                                 {"mean_iou_filtered", means.filtered_iou},
+                                 {"mean_iou_where_found", means.iou_found},
+                                 {"mean_iou_filtered_where_found", means.filtered_iou_found},
+                                 {"gradient_error", means.gradient_error},
+                                 {"gradient_error_filtered", means.filtered_gradient_error},
+                                 {"pictures", nlohmann::ordered_json::array()}};
+  for (const Portrait& p : portraits) {
+    json["pictures"].push_back({{"name", printable(p.name)},
+                                {"faces", p.faces},
+                                {"iou", p.iou},
+                                {"iou_filtered", p.filtered_iou},
+                                {"gradient_error", p.gradient_error},
+                                {"gradient_error_filtered", p.filtered_gradient_error}});
+  }
+  write_file(out.path() + "/segmentation.json", json.dump(2) + "\n");
+
+  std::string page = fmt::format(
+      "<h1>Person masks against true ones</h1><p>{} pictures, {} without a face. Mean IoU {:.4f}, {:.4f} after "
+      "edge-aware "
+      "filtering; {:.4f} and {:.4f} where a face was found. Gradient error there {:.6f}, {:.6f} filtered.</p>"
+      "<h2>The worst</h2><p>Orange: too much; blue: lacking.</p><div class=\"plots\">",
+      means.count, means.without_face, means.iou, means.filtered_iou, means.iou_found, means.filtered_iou_found,
+      means.gradient_error, means.filtered_gradient_error);
+  for (const auto& [portrait, uri] : worst) {
+    page +=
+        fmt::format("<figure><img src=\"{}\" alt=\"\"><figcaption><b>{}</b> IoU {:.3f}, faces {}</figcaption></figure>",
+                    uri, escape_html(printable(portrait->name)), portrait->filtered_iou, portrait->faces);
+  }
+  write_file(
+      out.path() + "/segmentation.html",
+      html_page("Person masks", std::string(kReportStyle) + ".plots { display: flex; flex-wrap: wrap; gap: 1rem; }",
+                page + "</div>"));
+  out.commit();
+}
+
+void run(const Command& command) {
+  pipeline::PersonNetwork network(command.weights.empty() ? pipeline::built_in_weights()
+                                                          : pipeline::read_weights(command.weights));
+  std::vector<Portrait> portraits = portraits_of(command);
+  if (!command.output.empty()) const NewFolder writable(command.output, "segmentation.json");  // before the work
+  Progress bar("segmentation");
+  for (std::size_t i = 0; i < portraits.size(); ++i) {
+    score(portraits[i], network);
+    bar(static_cast<double>(i + 1) / static_cast<double>(portraits.size()));
+  }
+  const Means means = means_of(portraits);
+  fmt::print("{:<34}{:>12}{:>12}\n", "", "network", "filtered");
+  fmt::print("{:<34}{:12.4f}{:12.4f}\n", fmt::format("mean IoU, {} pictures", means.count), means.iou,
+             means.filtered_iou);
+  fmt::print("{:<34}{:12.4f}{:12.4f}\n",
+             fmt::format("... where a face was found, {}", means.count - means.without_face), means.iou_found,
+             means.filtered_iou_found);
+  fmt::print("{:<34}{:12.6f}{:12.6f}\n", "gradient error there", means.gradient_error, means.filtered_gradient_error);
+  if (command.output.empty()) return;
+
+  std::vector<Portrait*> order;
+  for (Portrait& portrait : portraits) order.push_back(&portrait);
+  std::stable_sort(order.begin(), order.end(),
+                   [](const Portrait* a, const Portrait* b) { return a->filtered_iou < b->filtered_iou; });
+  order.resize(std::min(order.size(), kWorst));
+  std::vector<std::pair<const Portrait*, std::string>> worst;
+  for (Portrait* portrait : order) worst.emplace_back(portrait, errors_uri(score(*portrait, network)));
+  write_page(portraits, means, worst, command.output);
+}
+
+}  // namespace
+
+void add_experiment_segmentation(CLI::App& experiment) {
+  auto command = std::make_shared<Command>();
+  CLI::App* sub = experiment.add_subcommand(
+      "segmentation", "Find people in pictures and compare with true masks: IoU, gradient error, the worst twenty");
+  sub->add_option("--images", command->images, "Folder of pictures, each of people")->required()->type_name("DIR");
+  sub->add_option("--masks", command->masks, "Folder of their masks, of the same names, white on the people")
+      ->required()
+      ->type_name("DIR");
+  sub->add_option("--weights", command->weights, "Other weights than the built-in ones: person.safetensors of a run")
+      ->type_name("FILE");
+  sub->add_option("-o,--output", command->output, "Folder for segmentation.json and segmentation.html")
+      ->type_name("DIR");
+  add_threads_option(*sub);
+  sub->footer("Example:\n  dualpixel experiment segmentation --images portraits --masks masks -o out/segmentation");
+  sub->callback([command] { run(*command); });
+}
+
+}  // namespace dualpixel::tools
