@@ -173,8 +173,10 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
     result.mask = stage("mask", [&] {
       return filter_mask(person, encode_guide(result.input, guide_gain(result.input)), options.filter_mask);
     });
-    MaskBlurred blurred =
-        stage("blur", [&] { return blur_background(result.input, result.mask, options.mask_blur, bokeh); });
+    MaskBlurred blurred = stage("blur", [&] {
+      const MaskBlurOptions mask_blur = blur_for_face(face_px ? (*face_px)[2] : 0, width, options.mask_blur);
+      return blur_background(result.input, result.mask, mask_blur, bokeh);
+    });
     defocused = std::move(blurred.picture);
     result.blur_radius_px = std::move(blurred.radius_px);
   } else {

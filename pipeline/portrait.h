@@ -64,8 +64,8 @@ struct PortraitOptions {
   /// Set: the blur of a lens with this entrance pupil in place of Eq. 5's (match_lens.h); not in mode seg.
   std::optional<double> match_pupil_mm;
   LayerOptions layers;
-  Bokeh bokeh;  ///< its white level is the capture's own
-  MaskBlurOptions mask_blur;
+  Bokeh bokeh;                ///< its white level is the capture's own
+  MaskBlurOptions mask_blur;  ///< where no face is known; else its radius is blur_for_face's
   NoiseOptions noise;
   bool synthetic_noise = true;  ///< on what the blur has smoothed
   DisplayOptions display;

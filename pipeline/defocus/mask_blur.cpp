@@ -22,6 +22,14 @@ Image recovered(const Image& rgb, const Image& mask, float radius_px, const Boke
 
 }  // namespace
 
+MaskBlurOptions blur_for_face(double face_width_px, int image_width_px, MaskBlurOptions options) {
+  constexpr double kPupilOverFace = 12.3e-3 / 0.15;
+  if (!(face_width_px > 0)) return options;
+  const double at_reference = face_width_px * options.reference_width_px / image_width_px;
+  options.radius_px = std::min(kPupilOverFace / 2 * at_reference, 1.5 * options.radius_px);
+  return options;
+}
+
 MaskBlurred blur_background(const Image& rgb, const Image& mask, const MaskBlurOptions& options, const Bokeh& bokeh) {
   require_valid(bokeh.aperture);
   if (!mask.same_size(rgb)) {

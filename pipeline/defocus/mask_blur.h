@@ -10,6 +10,12 @@ struct MaskBlurOptions {
   double reference_width_px = 2688;  ///< width for which that is meant; the radius grows in proportion
 };
 
+/// The radius that suits a person whose face is so wide, in place of `radius_px`: the nearer a person, the more a lens
+/// blurs what is far behind. Seen in the person's plane, the disc of a point at infinity is as wide as the pupil, so it
+/// is pupil / face of a face's width: 12.3 mm, five times a phone's, over 0.15 m, a detector's box from brow to chin.
+/// At most 1.5 times the default, as r_max is in the depth renderer. 0 and below: the default.
+MaskBlurOptions blur_for_face(double face_width_px, int image_width_px, MaskBlurOptions options = {});
+
 struct MaskBlurred {
   Defocused picture;
   Image radius_px;  ///< full-resolution px: the background's radius, times how much of the blurred picture shows

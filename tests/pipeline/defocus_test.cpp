@@ -348,6 +348,15 @@ TEST(Render, BrokenMapsAreMended) {
   EXPECT_THROW(blur_background(rgb, Image(90, 59)), InputError);
 }
 
+// A face of 0.15 m at 1.2 m, in a picture 2688 px wide of 1.4 um photosites behind 4.4 mm: 4.4e-3 * 0.15 / 1.2 / 1.4e-6
+// = 393 px. A pupil of 12.3 mm focused there blurs infinity to a disc of 12.3e-3 * 4.4e-3 / 1.2 / 1.4e-6 = 32.2 px.
+TEST(MaskBlur, IsThatOfALensAtTheFacesDistance) {
+  EXPECT_NEAR(blur_for_face(393, 2688).radius_px, 32.2 / 2, 0.05);
+  EXPECT_NEAR(blur_for_face(393 / 2.0, 1344).radius_px, 32.2 / 2, 0.05);  // meant for the reference width
+  EXPECT_DOUBLE_EQ(blur_for_face(2000, 2688).radius_px, 30);
+  EXPECT_DOUBLE_EQ(blur_for_face(0, 2688).radius_px, 20);
+}
+
 TEST(MaskBlur, PersonAndBottomStaySharpAndNothingBleeds) {
   Image rgb(160, 120, 3), mask(160, 120);
   for (int y = 0; y < 120; ++y) {
