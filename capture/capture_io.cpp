@@ -500,7 +500,11 @@ Capture read_capture(const std::string& path, bool with_truth) {
   Capture capture;
   capture.camera = read_camera(fields.required("camera").object("camera"));
   capture.exposure = read_exposure(fields.required("exposure").object("exposure"));
-  if (fields.has("face_px")) fields.numbers("face_px", capture.face_px.emplace().data(), 4);
+  if (fields.has("face_px")) {
+    fields.numbers("face_px", capture.face_px.emplace().data(), 4);
+    const auto& [x, y, width, height] = *capture.face_px;
+    check.that(width > 0 && height > 0, "/face_px", "must be x, y, width, height in photosites, the last two above 0");
+  }
   if (fields.has("provenance")) {
     capture.provenance = fields.raw("provenance");
     check.that(capture.provenance.is_object(), "/provenance", "must be an object");

@@ -74,21 +74,33 @@ PixelDisparity reduce(const PixelDisparity& map, int width, int height) {
   return reduced;
 }
 
-/// Median over the rectangle x, y, width, height, in fractions of the picture; none where it covers no pixel.
-std::optional<double> median_inside(const Image& image, const std::array<double, 4>& rectangle) {
+/// Median over a region of a picture of width x height, which `image` is a smaller copy of; none where it covers no
+/// pixel.
+std::optional<double> median_inside(const Image& image, const Face& region, int width, int height) {
   const auto edge = [](double at, int size) {
     return static_cast<int>(std::clamp(std::round(at * size), 0.0, 1.0 * size));
   };
+  const int left = edge(region.x / width, image.width), right = edge((region.x + region.width) / width, image.width);
+  const int top = edge(region.y / height, image.height);
+  const int bottom = edge((region.y + region.height) / height, image.height);
   std::vector<float> values;
-  for (int y = edge(rectangle[1], image.height); y < edge(rectangle[1] + rectangle[3], image.height); ++y) {
-    for (int x = edge(rectangle[0], image.width); x < edge(rectangle[0] + rectangle[2], image.width); ++x) {
-      values.push_back(image.at(x, y));
-    }
+  for (int y = top; y < bottom; ++y) {
+    for (int x = left; x < right; ++x) values.push_back(image.at(x, y));
   }
   if (values.empty()) return {};
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+/// Of the largest face in focus, or else of what was tapped.
+std::optional<double> focus_disparity(const Image& disparity, const std::vector<Face>& faces,
+                                      const PortraitOptions& options, int width, int height) {
+  for (const Face& face : faces) {
+    const std::optional<double> median = median_inside(disparity, face, width, height);
+    if (median && std::abs(*median) <= options.face_in_focus_dp_px) return median;
+  }
+  return options.tap ? median_inside(disparity, *options.tap, width, height) : std::nullopt;
 }
 
 TileDisparity match(const MergedBurst& burst, const Capture& capture, const PortraitOptions& options) {
@@ -130,16 +142,17 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
   // before the work, not after it
   if (options.match_pupil_mm && options.mode != Mode::seg) match_lens(capture.camera, *options.match_pupil_mm, 0);
   std::optional<Correction> correction;
-  if (options.calibration && (options.mode != Mode::seg || find)) {
+  const auto prepare_correction = [&] {
+    if (!options.calibration) return;
     correction = make_correction(*options.calibration, capture.camera);
-    result.warnings = options.calibration->warnings;
+    const std::vector<std::string>& warnings = options.calibration->warnings;
+    result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
     if (!correction->warning.empty()) result.warnings.push_back(correction->warning);
-  }
-  result.mode = options.mode;
-  StageClock stage(result.stages, progress);
-  const auto expect_stages = [&] {
-    stage.expect(stages_of(result.mode) + (correction && result.mode != Mode::seg ? 1 : 0) + (find ? 1 : 0));
   };
+  result.mode = options.mode;
+  if (result.mode != Mode::seg) prepare_correction();
+  StageClock stage(result.stages, progress);
+  const auto expect_stages = [&] { stage.expect(stages_of(result.mode) + (correction ? 1 : 0) + (find ? 1 : 0)); };
   expect_stages();
 
   MergedBurst burst = stage("merge", [&] { return align_and_merge(capture.frames, capture.exposure); });
@@ -151,19 +164,26 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
   const std::array<double, 3>& gains = capture.exposure.white_balance;
   bokeh.white = *std::min_element(gains.begin(), gains.end());
 
-  std::optional<std::array<double, 4>> face_px = capture.face_px;
+  std::vector<Face> faces = options.faces;
+  if (faces.empty() && capture.face_px) {
+    const auto& [x, y, w, h] = *capture.face_px;
+    faces.push_back({x, y, w, h});
+  }
   FoundPeople found;
   if (find) {
     found = stage("people", [&] { return options.find_people(result.input); });
     result.faces = found.faces;
+    if (faces.empty()) faces = found.faces.empty() ? found.detected : found.faces;
     if (found.faces.empty()) {
+      if (result.mode == Mode::seg) prepare_correction();
       result.mode = Mode::dp;
       expect_stages();
-      result.warnings.emplace_back("no face found: blurred in mode dp, by disparity alone");
+      result.warnings.emplace_back(
+          found.detected.empty() ? "no face found: blurred in mode dp, by disparity alone"
+                                 : "no face is large enough to be the subject's: blurred in mode dp, by disparity "
+                                   "alone");
     } else {
       require_mask(found.mask);
-      const Face& largest = found.faces.front();
-      if (!face_px) face_px = {largest.x, largest.y, largest.width, largest.height};
     }
   }
   const Image& person = person_mask ? *person_mask : found.mask;  // not looked at in mode dp
@@ -174,7 +194,7 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
       return filter_mask(person, encode_guide(result.input, guide_gain(result.input)), options.filter_mask);
     });
     MaskBlurred blurred = stage("blur", [&] {
-      const MaskBlurOptions mask_blur = blur_for_face(face_px ? (*face_px)[2] : 0, width, options.mask_blur);
+      const MaskBlurOptions mask_blur = blur_for_face(faces.empty() ? 0 : faces[0].width, width, options.mask_blur);
       return blur_background(result.input, result.mask, mask_blur, bokeh);
     });
     defocused = std::move(blurred.picture);
@@ -200,10 +220,10 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
     if (result.mode == Mode::dp_seg) {
       small = stage("mask", [&] {
         const Image mask = stretched(person, small_width, small_height);
-        if (face_px) {
-          const std::array<double, 4>& face = *face_px;
+        if (!faces.empty()) {
+          const Face& face = faces[0];
           const double x = static_cast<double>(small_width) / width, y = static_cast<double>(small_height) / height;
-          person_dp_px = face_disparity(small, {face[0] * x, face[1] * y, face[2] * x, face[3] * y});
+          person_dp_px = face_disparity(small, {face.x * x, face.y * y, face.width * x, face.height * y});
         } else {
           person_dp_px = interior_disparity(small, mask, options.merge_mask);
         }
@@ -225,13 +245,8 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
     });
     result.confidence = resize_bilinear(small.confidence, width, height);
 
-    result.focus_disparity_dp_px = person_dp_px.value_or(0);
-    if (face_px) {
-      const std::array<double, 4>& face = *face_px;
-      const std::optional<double> median =
-          median_inside(smooth, {face[0] / width, face[1] / height, face[2] / width, face[3] / height});
-      if (median && std::abs(*median) <= options.face_in_focus_dp_px) result.focus_disparity_dp_px = *median;
-    }
+    result.focus_disparity_dp_px =
+        focus_disparity(smooth, faces, options, width, height).value_or(person_dp_px.value_or(0));
     defocused = stage("blur", [&] {
       const BlurMapping mapping =
           options.match_pupil_mm ? match_lens(capture.camera, *options.match_pupil_mm, result.focus_disparity_dp_px)

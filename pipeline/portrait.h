@@ -52,6 +52,9 @@ struct PortraitOptions {
   LikelihoodMatchOptions likelihood_match;  ///< its noise is the capture's own, estimated where that has none
   UpsampleOptions tile_upsample;
   std::optional<Calibration> calibration;  ///< of the capture's camera; matched disparity is corrected by it
+  /// Of people, full-resolution px, largest first; empty: Capture::face_px, or else those that find_people detects.
+  std::vector<Face> faces;
+  std::optional<Face> tap;  ///< a region that the user pointed at, full-resolution px
   /// Finds the people of a linear RGB picture where a mode needs a mask and none is given; usually
   /// pipeline::find_people.
   std::function<FoundPeople(const Image& linear_rgb)> find_people;
@@ -107,8 +110,9 @@ using PortraitProgress = std::function<void(const std::string& stage, double fra
 /// picture. Mask and face that are given are those of the first frame; where the base is the second or third they are
 /// used as they are, a hand's motion of a few pixels aside.
 ///
-/// d_focus is the median disparity over Capture::face_px, or else over the largest face found, where that face is well
-/// focused, in mode dp_seg otherwise the person's disparity, and 0 (trust the autofocus) in mode dp.
+/// d_focus (section 5.1) is the median disparity over the largest face that is well focused; where there is none, over
+/// the region tapped; without either the person's disparity in mode dp_seg, and 0 (trust the autofocus) in mode dp,
+/// which looks for no faces of its own.
 ///
 /// Throws InputError where a mode has neither mask nor find_people, or the mask is not one channel of finite values,
 /// and where the calibration is another camera's. Dense views (1 x 1) must be of one colour: half-photosites under a

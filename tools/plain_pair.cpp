@@ -47,6 +47,8 @@ Metadata read_metadata(const std::string& path) {
   if (fields.has("face_px")) {
     metadata.face_px.emplace();
     fields.numbers("face_px", metadata.face_px->data(), 4);
+    const std::array<double, 4>& face = *metadata.face_px;
+    if (!(face[2] > 0 && face[3] > 0)) fields.fail("face_px", "must be x, y, width, height, the last two above 0");
   }
   fields.done();
   return metadata;

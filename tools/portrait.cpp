@@ -80,13 +80,19 @@ Image read_mask(const std::string& path) {
 /// In the picture with its axes exchanged.
 pipeline::Face exchanged(const pipeline::Face& face) { return {face.y, face.x, face.height, face.width}; }
 
-/// The faces that the user points at, or else the capture's own; in pixels of its pictures, largest first.
-std::vector<pipeline::Face> known_faces(const PortraitCommand& command, const Capture& capture) {
+struct KnownFaces {
+  std::vector<pipeline::Face> faces;  ///< that the user names, or else the capture's own, largest first
+  std::optional<pipeline::Face> tap;  ///< a region around where the user taps
+  std::string source;                 ///< of the faces, for result.json
+};
+
+/// All in pixels of the capture's pictures.
+KnownFaces known_faces(const PortraitCommand& command, const Capture& capture) {
   const bool turned = command.pair.vertical_split;  // the user's are not
   const int width = turned ? capture.camera.height_px : capture.camera.width_px;
   const int height = turned ? capture.camera.width_px : capture.camera.height_px;
   const auto in_picture = [&](double x, double y) { return x >= 0 && x <= width && y >= 0 && y <= height; };
-  std::vector<pipeline::Face> faces;
+  KnownFaces known;
   for (const std::string& text : command.faces) {
     pipeline::Face face;
     int end = 0;
@@ -98,7 +104,8 @@ std::vector<pipeline::Face> known_faces(const PortraitCommand& command, const Ca
           fmt::format("--face {}: must read X,Y,WIDTH,HEIGHT in pixels, its centre in the picture of {} x {}",
                       printable(text), width, height));
     }
-    faces.push_back(turned ? exchanged(face) : face);
+    known.faces.push_back(turned ? exchanged(face) : face);
+    known.source = "given";
   }
   if (!command.tap.empty()) {
     double x = 0, y = 0;
@@ -110,13 +117,28 @@ std::vector<pipeline::Face> known_faces(const PortraitCommand& command, const Ca
     }
     const double side = kTapSize * std::min(width, height);
     const pipeline::Face face = {x - side / 2, y - side / 2, side, side};
-    faces.push_back(turned ? exchanged(face) : face);
+    known.tap = turned ? exchanged(face) : face;
   }
-  if (faces.empty() && capture.face_px) {
+  if (known.faces.empty() && !known.tap && capture.face_px) {
     const auto& [x, y, w, h] = *capture.face_px;
-    faces.push_back({x, y, w, h});
+    if (x + w / 2 >= 0 && x + w / 2 <= capture.camera.width_px && y + h / 2 >= 0 &&
+        y + h / 2 <= capture.camera.height_px) {
+      known.faces.push_back({x, y, w, h});
+      known.source = "capture";
+    } else {
+      std::cerr << "dualpixel: warning: capture: /face_px: its middle lies outside the picture; not used\n";
+    }
   }
-  std::stable_sort(faces.begin(), faces.end(), [](const auto& a, const auto& b) { return a.area() > b.area(); });
+  std::stable_sort(known.faces.begin(), known.faces.end(),
+                   [](const auto& a, const auto& b) { return a.area() > b.area(); });
+  return known;
+}
+
+/// The faces known beforehand, in pixels of the user's pictures.
+std::vector<pipeline::Face> user_faces(const KnownFaces& known, bool turned) {
+  std::vector<pipeline::Face> faces = known.faces;
+  if (known.tap) faces.push_back(*known.tap);
+  for (pipeline::Face& face : faces) face = turned ? exchanged(face) : face;
   return faces;
 }
 
@@ -126,7 +148,9 @@ pipeline::FoundPeople people_in(const Image& picture, std::vector<pipeline::Face
   if (!turned) return pipeline::find_people(picture, faces, network);
   for (pipeline::Face& face : faces) face = exchanged(face);
   pipeline::FoundPeople found = pipeline::find_people(transposed(picture), faces, network);
-  for (pipeline::Face& face : found.faces) face = exchanged(face);
+  for (std::vector<pipeline::Face>* found_faces : {&found.faces, &found.detected}) {
+    for (pipeline::Face& face : *found_faces) face = exchanged(face);
+  }
   found.mask = transposed(found.mask);
   return found;
 }
@@ -174,11 +198,19 @@ void run(const PortraitCommand& command) {
     require_matchable(capture.camera, command.capture, "/camera/dp_downsample_x");
   }
   const bool turned = command.pair.vertical_split;
-  const std::vector<pipeline::Face> faces = known_faces(command, capture);
-  if (!faces.empty()) capture.face_px = {faces[0].x, faces[0].y, faces[0].width, faces[0].height};
+  const KnownFaces known = known_faces(command, capture);
+  capture.face_px.reset();  // known has it, where it is of use
+  options.faces = known.faces;
+  options.tap = known.tap;
   if (find_people) {
-    options.find_people = [&](const Image& picture) {
-      pipeline::FoundPeople found = people_in(picture, faces, turned, *network);
+    std::vector<pipeline::Face> seeds = known.faces;
+    if (known.tap) seeds.push_back(*known.tap);
+    if (seeds.empty() && !pipeline::has_face_detector()) {
+      throw InputError(
+          fmt::format("--mode {}: this build has no face detector (dlib): give --face, --tap or --mask", command.mode));
+    }
+    options.find_people = [&, seeds](const Image& picture) {
+      pipeline::FoundPeople found = people_in(picture, seeds, turned, *network);
       if (found.faces.empty() && !plain) require_matchable(capture.camera, command.capture, "/camera/dp_downsample_x");
       return found;
     };
@@ -212,6 +244,7 @@ void run(const PortraitCommand& command) {
     provenance["capture"] = absolute(command.capture);
   }
   provenance["mode"] = kModeNames.at(result.mode);
+  if (result.mode != options.mode) provenance["mode_asked_for"] = command.mode;
   provenance["matcher"] = command.matcher;
   provenance["seed"] = command.seed;
   if (options.match_pupil_mm) provenance["match_lens"] = command.match_lens;
@@ -221,11 +254,13 @@ void run(const PortraitCommand& command) {
   if (command.no_noise) provenance["synthetic_noise"] = false;
   if (!command.calibration.empty()) provenance["calibration"] = absolute(command.calibration);
   if (!result.warnings.empty()) provenance["warnings"] = result.warnings;
+  const std::vector<pipeline::Face> faces = result.faces.empty() ? user_faces(known, turned) : result.faces;
+  for (const pipeline::Face& face : faces) {
+    provenance["faces_px"].push_back({face.x, face.y, face.width, face.height});
+  }
+  if (!faces.empty()) provenance["faces"] = known.source.empty() ? (known.tap ? "tapped" : "detected") : known.source;
   if (!result.faces.empty()) {
     provenance["mask"] = "found";
-    for (const pipeline::Face& face : result.faces) {
-      provenance["faces_px"].push_back({face.x, face.y, face.width, face.height});
-    }
   } else if (needs_mask && !find_people) {
     provenance["mask"] = command.true_mask ? "truth" : command.mask;
   }

@@ -7,6 +7,8 @@
 asm(R"(
   .pushsection .rodata
   .balign 16
+  .globl dualpixel_person_weights_begin, dualpixel_person_weights_end
+  .hidden dualpixel_person_weights_begin, dualpixel_person_weights_end
 dualpixel_person_weights_begin:
   .incbin ")" DUALPIXEL_PERSON_WEIGHTS R"("
 dualpixel_person_weights_end:

@@ -164,6 +164,7 @@ Image PersonNetwork::operator()(const Image& input) {
   for (int y = 0; y < kNetworkSize_px; ++y) {
     for (int x = 0; x < kNetworkSize_px; ++x) {
       const float logit = logits[(y / 2 * kHalf + x / 2) * kBlock + 2 * (y % 2) + x % 2];
+      if (!std::isfinite(logit)) throw InputError("person network: its weights give results that are not finite");
       mask.at(x, y) = 1 / (1 + std::exp(-logit));
     }
   }

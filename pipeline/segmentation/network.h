@@ -20,17 +20,18 @@ inline constexpr int kNetworkSize_px = 256;
 /// Whether this build has oneDNN; without it, PersonNetwork's constructor throws InputError.
 bool has_person_network();
 
-/// Single precision, and instructions up to AVX2 alone, so that every processor gives the same bytes.
+/// Single precision, and instructions up to AVX2 alone, so that every processor gives the same bytes. That limit is
+/// oneDNN's, for the whole process and for good; a program that has run oneDNN before keeps what it chose itself.
 class PersonNetwork {
  public:
-  /// One thread is best for one face, and costs nothing on a busy machine.
+  /// One thread (22 ms a face) is not slowed down by a busy machine as several are, which wait for each other.
   explicit PersonNetwork(const NetworkWeights& weights = built_in_weights(), int threads = 1);
   ~PersonNetwork();
   PersonNetwork(PersonNetwork&&) noexcept;
   PersonNetwork& operator=(PersonNetwork&&) noexcept;
 
   /// `input`: 256 x 256 of four channels: sRGB in 0..1 minus 0.5, and the face's Gaussian. Returns the mask, 256 x 256,
-  /// 0..1. One call at a time.
+  /// 0..1. One call at a time. Throws InputError where the weights are so large that results are not finite.
   Image operator()(const Image& input);
 
  private:

@@ -32,8 +32,7 @@ Image network_picture(const Image& srgb) {
   return input;
 }
 
-/// Sets the fourth channel; the face is in pixels of a picture whose sides are `width_px` and `height_px`, and `small`
-/// in the network's square.
+/// Sets the fourth channel; the face is in pixels of `linear`, which the network sees as `small`.
 void set_face(Image& input, const Face& face, const Image& linear, const Image& small) {
   const double center_x = face.x + face.width / 2, center_y = face.y + face.height / 2;
   if (!(center_x >= 0 && center_x <= linear.width && center_y >= 0 && center_y <= linear.height)) {
@@ -89,8 +88,11 @@ Image person_mask(const Image& linear_rgb, const std::vector<Face>& faces, Perso
 }
 
 FoundPeople find_people(const Image& linear_rgb, const std::vector<Face>& given, PersonNetwork& network) {
-  FoundPeople found{given, {}};
-  if (given.empty()) found.faces = seed_faces(find_faces(linear_rgb), linear_rgb.width, linear_rgb.height);
+  FoundPeople found;
+  found.detected = given.empty() ? find_faces(linear_rgb) : given;
+  std::stable_sort(found.detected.begin(), found.detected.end(),
+                   [](const Face& a, const Face& b) { return a.area() > b.area(); });
+  found.faces = given.empty() ? seed_faces(found.detected, linear_rgb.width, linear_rgb.height) : found.detected;
   if (!found.faces.empty()) found.mask = person_mask(linear_rgb, found.faces, network);
   return found;
 }

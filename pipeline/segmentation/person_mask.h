@@ -23,12 +23,13 @@ std::vector<Face> seed_faces(const std::vector<Face>& faces, int width_px, int h
 Image network_input(const Image& linear_rgb, const Face& face);
 
 /// The masks of all that `faces` seed, joined by maximum, 0..1: of the picture's shape, its longer side 256 px.
-/// Pictures of up to a pixel's width work. Faces' centres must lie in the picture.
+/// Pictures down to a pixel's width work. Faces' centres must lie in the picture.
 Image person_mask(const Image& linear_rgb, const std::vector<Face>& faces, PersonNetwork& network);
 
 struct FoundPeople {
-  std::vector<Face> faces;  ///< that seeded the mask, largest first; none: nobody was found
-  Image mask;               ///< person_mask's; empty where nobody was found
+  std::vector<Face> faces;     ///< that seeded the mask, largest first; none: nobody was found
+  Image mask;                  ///< person_mask's; empty where nobody was found
+  std::vector<Face> detected;  ///< those given, or all that find_faces found, bystanders' too; largest first
 };
 
 /// With the faces given, or else with those that find_faces and seed_faces leave.

@@ -33,7 +33,7 @@ NetworkWeights parse_weights(std::string_view bytes, const std::string& file);
 
 NetworkWeights read_weights(const std::string& path);
 
-/// Those trained for this release (docs/segmentation.md), which every build carries.
+/// Those trained for this release (docs/segmentation.md). Throws InputError in a build without them.
 const NetworkWeights& built_in_weights();
 
 }  // namespace dualpixel::pipeline

@@ -335,6 +335,7 @@ TEST(CaptureIo, RefusesWhatTheDocumentForbids) {
   EXPECT_NE(refusal([](json& d) { d["files"].erase(0); }).find("is not listed under /files"), std::string::npos);
   EXPECT_NE(refusal([](json& d) { d["files"].push_back(d["files"][0]); }).find("is listed twice"), std::string::npos);
   EXPECT_NE(refusal([](json& d) { d["face_px"] = {1, 2, 3}; }).find("must be 4 finite numbers"), std::string::npos);
+  EXPECT_NE(refusal([](json& d) { d["face_px"] = {1, 2, -3, -4}; }).find("/face_px"), std::string::npos);
   EXPECT_NE(refusal([](json& d) { d["provenance"] = 3; }), "");
   EXPECT_NE(refusal([](json& d) { d["truth"].erase("photograph"); }).find("/truth/photograph: is required"),
             std::string::npos);

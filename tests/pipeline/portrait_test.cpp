@@ -201,6 +201,20 @@ TEST(Portrait, FacesSetTheFocus) {
   EXPECT_EQ(run_portrait(capture, test_options()).focus_disparity_dp_px, 0);
 }
 
+// Section 5.1: the largest face that is in focus; without one, what was tapped, wherever it lies.
+TEST(Portrait, FocusGoesToTheLargestSharpFaceAndThenToTheTap) {
+  const Capture capture = make_capture(1.5);
+  const Face behind{40, 10, 400, 60}, subject{220, 180, 80, 80};
+  PortraitOptions options = test_options();
+  options.faces = {behind, subject};
+  options.tap = behind;
+  EXPECT_NEAR(run_portrait(capture, options).focus_disparity_dp_px, 0, 0.08);
+  options.faces = {behind};
+  EXPECT_NEAR(run_portrait(capture, options).focus_disparity_dp_px, 1.5, 0.15);
+  options.tap.reset();
+  EXPECT_EQ(run_portrait(capture, options).focus_disparity_dp_px, 0);
+}
+
 TEST(Portrait, MaskFlattensThePerson) {
   Capture capture = make_capture();
   const PortraitResult plain = run_portrait(capture, test_options());
@@ -272,16 +286,23 @@ TEST(Portrait, WhereNobodyIsFoundDisparityDoes) {
     EXPECT_EQ(result.portrait.data, plain.portrait.data);
     ASSERT_EQ(result.warnings.size(), 1U);
     EXPECT_NE(result.warnings[0].find("no face found"), std::string::npos);
+    // a face too small to seed a mask
+    options.find_people = [](const Image&) { return FoundPeople{{}, {}, {{200, 120, 20, 20}}}; };
+    const std::vector<std::string> warnings = run_portrait(capture, options).warnings;
+    ASSERT_EQ(warnings.size(), 1U);
+    EXPECT_NE(warnings[0].find("no face is large enough"), std::string::npos);
   }
 }
 
 TEST(Portrait, SameBytesForAnyNumberOfThreads) {
   const Capture capture = make_capture();
-  for (const Mode mode : {Mode::dp, Mode::seg}) {
+  for (const Mode mode : {Mode::dp, Mode::dp_seg, Mode::seg}) {
     std::vector<PortraitResult> results;
     for (const int threads : {1, 2, 8}) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-      results.push_back(run_portrait(capture, test_options(mode), person_mask()));
+      PortraitOptions options = test_options(mode);
+      options.bokeh.aperture = {5, 0.5};
+      results.push_back(run_portrait(capture, options, person_mask()));
     }
     for (const PortraitResult& result : results) {
       EXPECT_EQ(result.portrait.data, results[0].portrait.data);
