@@ -18,13 +18,13 @@ Image noise(int width, int height) {
 void person_network(benchmark::State& state) {
   PersonNetwork network(read_weights(DUALPIXEL_SOURCE_DIR "/pipeline/segmentation/weights/person.safetensors"));
   const Image input = network_input(noise(256, 192), {100, 50, 40, 40});
-  for (auto _ : state) benchmark::DoNotOptimize(network(input));
+  for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(network(input));
 }
 BENCHMARK(person_network)->Unit(benchmark::kMillisecond);
 
 void network_input_of_12_megapixels(benchmark::State& state) {
   const Image picture = noise(4000, 3000);
-  for (auto _ : state) benchmark::DoNotOptimize(network_input(picture, {1000, 500, 400, 400}));
+  for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(network_input(picture, {1000, 500, 400, 400}));
 }
 BENCHMARK(network_input_of_12_megapixels)->Unit(benchmark::kMillisecond);
 
@@ -32,7 +32,7 @@ BENCHMARK(network_input_of_12_megapixels)->Unit(benchmark::kMillisecond);
 void faces_at_both_scales(benchmark::State& state) {
   const Image picture = noise(640, 480);
   find_faces(picture);  // unpacks the detector
-  for (auto _ : state) benchmark::DoNotOptimize(find_faces(picture));
+  for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(find_faces(picture));
 }
 BENCHMARK(faces_at_both_scales)->Unit(benchmark::kMillisecond);
 
