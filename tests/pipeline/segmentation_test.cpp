@@ -51,7 +51,9 @@ TEST(PersonWeights, HalfPrecisionIsExact) {
       {0xc000, -2}, {0x8000, -0.F},  {0x0000, 0}};
   const NetworkWeights weights = empty_network(1);
   std::string header = "{", data;  // the eight values stand in stem_fine's bias
-  for (const auto& [name, conv] : weights.layers) {
+  for (const auto& layer : weights.layers) {
+    const std::string& name = layer.first;
+    const ConvWeights& conv = layer.second;
     const auto add = [&](const std::string& part, const std::string& shape, std::size_t count, bool known_values) {
       const std::size_t begin = data.size();
       for (std::size_t i = 0; i < count; ++i) {
@@ -112,8 +114,9 @@ TEST(PersonWeights, DamageIsOneClearLine) {
       {as_safetensors(extra), "rogue"},
       {as_safetensors(wide), "stage0.lateral2.weight: shape 8 x 8 x 3 x 3: must be 8 x 8 x 1 x 1"},
   };
-  for (const auto& [bytes, said] : cases) {
-    const std::string error = error_of([&] { parse_weights(bytes, "x"); });
+  for (const auto& damaged : cases) {
+    const std::string& said = damaged.second;
+    const std::string error = error_of([&] { parse_weights(damaged.first, "x"); });
     EXPECT_EQ(error.rfind("x: ", 0), 0U) << said << ": " << error;
     EXPECT_NE(error.find(said), std::string::npos) << said << ": " << error;
     EXPECT_EQ(error.find('\n'), std::string::npos) << error;
@@ -256,6 +259,16 @@ TEST(PersonNetwork, RefusesOtherSizes) {
   EXPECT_THROW(network(Image()), InputError);
 }
 
+// A sum beyond the largest float meets its opposite: without a check the mask would be silently empty.
+TEST(PersonNetwork, AbsurdWeightsAreSaidToBe) {
+  NEEDS_NETWORK();
+  NetworkWeights weights = random_network(1, 3);
+  for (float& weight : weights.layers.at("mask0.sub_pixels").weight) weight *= 1e38F;
+  for (float& weight : weights.layers.at("mask0.mix").weight) weight *= 1e30F;
+  PersonNetwork network(weights);
+  EXPECT_THROW(network(random_input(1)), InputError);
+}
+
 TEST(SeedFaces, AThirdOfTheLargestAnd13PerMilleOfThePicture) {
   // a picture of 1000 x 1000: 1.3 % is 13000
   const Face largest{0, 0, 300, 300};                        // 90000
@@ -396,7 +409,10 @@ TEST(Faces, NoneWhereThereIsNone) {
 TEST(Faces, TwentyAndHalfOnes) {
   NEEDS_FACES();
   Image crowd(640, 480, 1, 0.2F);
-  for (int i = 0; i < 20; ++i) draw_face(crowd, 64 + 128 * (i % 5), 70 + 115 * (i / 5), 84);
+  for (int i = 0; i < 20; ++i) {
+    const int column = i % 5, row = i / 5;
+    draw_face(crowd, 64 + 128 * column, 70 + 115 * row, 84);
+  }
   EXPECT_EQ(find_faces(crowd).size(), 20U);
   for (const double x : {0.0, 600.0}) {  // cut by the border: found or not, but never beyond use
     Image picture(640, 480, 1, 0.2F);
