@@ -26,7 +26,6 @@ struct Pair {
     Stage stage;
     FigureOptions options;
     options.metres_per_px = 0.009f;
-    options.seen_below_head_m = 0.8f;
     options.place = {0.22f, 0, 0};
     Figure one = add_figure(stage, Dice(seed, false), options);
     options.place = {-0.22f, 0, -0.1f};

@@ -337,9 +337,9 @@ void add_seat(Stage& stage, const Figure& figure, Dice dice) {
   stage.pieces.push_back(std::move(seat));
 }
 
-Figure add_figure(Stage& stage, Dice dice, const FigureOptions& options) {
+Figure pose_figure(Dice dice, const FigureOptions& options) {
   Figure figure;
-  Dice of_body = dice.of(1), of_pose = dice.of(2), of_looks = dice.of(3);
+  Dice of_body = dice.of(1), of_pose = dice.of(2);
   figure.body = make_body(of_body);
   figure.pose = make_pose(of_pose, figure.body, options.gesture);
   figure.pose.head_yaw = std::clamp(figure.pose.head_yaw + options.head_yaw, -1.25f, 1.25f);
@@ -347,7 +347,13 @@ Figure add_figure(Stage& stage, Dice dice, const FigureOptions& options) {
   figure.person = options.person;
   figure.head_cell_m = std::clamp(1.1f * options.metres_per_px, 0.0038f, 0.014f);
   figure.body_cell_m = std::clamp(2.4f * options.metres_per_px, 0.009f, 0.024f);
-  figure.lowest_m = figure.skeleton.head.origin.y - options.seen_below_head_m;
+  figure.lowest_m = options.lowest_m;
+  return figure;
+}
+
+Figure add_figure(Stage& stage, Dice dice, const FigureOptions& options) {
+  Figure figure = pose_figure(dice, options);
+  Dice of_looks = dice.of(3);
   if (figure.body.child) figure.tags.emplace_back("child");
 
   Look& skin = figure.skin;

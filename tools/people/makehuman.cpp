@@ -746,7 +746,8 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
   figure.body.shoulder_half_m = proportions.shoulder.x;
   figure.body.hip_half_m = proportions.hip.x;
   figure.skeleton = make_skeleton(figure.body, figure.pose, options.place, options.yaw, proportions);
-  figure.lowest_m = figure.skeleton.head.origin.y - options.seen_below_head_m;
+  figure.lowest_m = options.lowest_m;
+  figure.top_cloth_m = figure.legs_cloth_m = 0.04f;  // of the shells below; suits are about as wide
   figure.bare.cones = torso_cones(figure, 0);
   const std::vector<PartMotion> motion = motions_of(morphed, rest, figure.skeleton, figure.pose);
 
