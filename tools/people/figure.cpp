@@ -58,7 +58,7 @@ class PreparedShape {
 
 vec3 mirrored(vec3 p, float x) { return {x * p.x, p.y, p.z}; }
 
-/// A hand in its own frame: palm at the origin facing +z, fingers along +y, thumb towards +x.
+/// A right hand in its own frame: palm at the origin facing +z, fingers along +y, thumb towards +x.
 float hand_shape(vec3 p, float curl) {
   float d = ellipsoid(p, {0, -0.005f, 0}, {0.038f, 0.046f, 0.015f});
   constexpr float kLength[4] = {0.033f, 0.038f, 0.036f, 0.027f};
@@ -264,8 +264,7 @@ void add_body(Stage& stage, Figure& figure) {
     const Frame& hand = k.hand[side];
     if (hand.origin.y < figure.lowest_m - 0.15f) continue;
     const float curl = figure.pose.arm[side].curl;
-    // x of the frame points to the thumb of a left hand with its palm forward; the right one is its mirror image
-    const float mirror = side == 0 ? -1.0f : 1.0f;
+    const float mirror = side == 0 ? -1.0f : 1.0f;  // of hand_shape, a right hand
     const float cell = std::max(figure.head_cell_m / hand_scale, 0.004f);
     Piece piece = mesh_of([&](vec3 p) { return hand_shape(mirrored(p, mirror), curl); }, {-0.09f, -0.1f, -0.04f},
                           {0.09f, 0.13f, 0.09f}, cell);

@@ -17,6 +17,8 @@ namespace dualpixel::tools {
 
 inline constexpr int kPictureSide_px = 256, kKeypoints = 17, kMostPeople = 5;
 inline constexpr int kShardSamples = 512;
+/// Raised whenever the same options give other samples.
+inline constexpr int kPeopleGenerator = 2;
 
 class MakeHumanAssets;
 
