@@ -26,19 +26,18 @@ void run(PeopleArguments arguments) {
     bar(fraction);
   };
   constexpr int kPreviewed = 48, kColumns = 8;
-  if (arguments.folder.empty()) {
-    if (arguments.preview.empty()) throw InputError("people: give -o DIR, --preview FILE, or both");
-    const auto samples =
-        make_people_shard(arguments.options, 0, std::min(arguments.options.count, kShardSamples), progress);
-    write_png8(arguments.preview, contact_sheet(samples, kPreviewed, kColumns));
-    bar(1);
-    return;
-  }
+  if (arguments.folder.empty() && arguments.preview.empty())
+    throw InputError("people: give -o DIR, --preview FILE, or both");
   bool previewed = arguments.preview.empty();
-  write_people_set(arguments.options, arguments.folder, progress, [&](const std::vector<PeopleSample>& samples) {
+  const auto preview = [&](const std::vector<PeopleSample>& samples) {
     if (!previewed) write_png8(arguments.preview, contact_sheet(samples, kPreviewed, kColumns));
     previewed = true;
-  });
+  };
+  if (!arguments.folder.empty()) write_people_set(arguments.options, arguments.folder, progress, preview);
+  // nothing was made: the first are made again, the same
+  if (!previewed)
+    preview(make_people_shard(arguments.options, 0, std::min(arguments.options.count, kPreviewed), progress));
+  bar(1);
 }
 
 }  // namespace
@@ -61,9 +60,9 @@ void add_people(CLI::App& program) {
       ->capture_default_str()
       ->type_name("K");
   command
-      ->add_option(
-          "--preview", arguments->preview,
-          "Contact sheet (PNG) of the first samples that this run makes: masks outlined, faces boxed, keypoints dotted")
+      ->add_option("--preview", arguments->preview,
+                   "Contact sheet (PNG) of the first samples that this run makes (of a whole set: its first): masks "
+                   "outlined, faces boxed, keypoints dotted")
       ->type_name("FILE");
   command
       ->add_option(

@@ -1,9 +1,11 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <set>
 
 #include "capture/error.h"
@@ -26,7 +28,6 @@ struct Pair {
     Stage stage;
     FigureOptions options;
     options.metres_per_px = 0.009f;
-    options.seen_below_head_m = 0.8f;
     options.place = {0.22f, 0, 0};
     Figure one = add_figure(stage, Dice(seed, false), options);
     options.place = {-0.22f, 0, -0.1f};
@@ -50,6 +51,14 @@ const std::vector<PeopleSample>& few_samples() {
   return samples;
 }
 
+/// Everything of a sample as one string.
+std::string all_of(const PeopleSample& s) {
+  std::string bytes(s.picture.begin(), s.picture.end());
+  bytes.append(s.mask.begin(), s.mask.end());
+  for (const auto& k : s.keypoints) bytes += std::to_string(k.x) + std::to_string(k.y) + std::to_string(k.z);
+  return bytes + std::to_string(s.face.x) + std::to_string(s.seed) + std::to_string(s.picture_index);
+}
+
 TEST(People, MasksAreTheShareOfEachPixelThatShowsThem) {
   const Pair pair = Pair::make(3);
   const World world(pair.stage);
@@ -69,7 +78,8 @@ TEST(People, MasksAreTheShareOfEachPixelThatShowsThem) {
             vec3(pair.camera.world_from_camera[3]),
             mat3(pair.camera.world_from_camera) * vec3(pair.camera.lens.chief_slope(at.x, at.y), 1)};
         const auto hit = world.intersector().intersect(ray);
-        if (hit) ++hits[pair.stage.pieces[hit->mesh].person];
+        const int person = hit ? pair.stage.pieces[hit->mesh].person : kNobody;
+        if (person >= 0) ++hits[person];  // a seat is nobody's
       }
       for (int p = 0; p < 2; ++p) {
         counted[p] += hits[p] / 16.0;
@@ -127,24 +137,116 @@ TEST(People, FaceBoxHoldsEyesAndNoseAndLiesOnTheHead) {
   }
 }
 
-TEST(SlowPeople, SeenKeypointsLieInTheMask) {
-  int seen = 0;
-  for (const PeopleSample& sample : few_samples()) {
-    for (const glm::vec3& k : sample.keypoints) {
-      if (k.z != 2) continue;
-      ++seen;
-      int most = 0;
-      for (int dy = -1; dy <= 1; ++dy) {
-        for (int dx = -1; dx <= 1; ++dx) {
-          const int x = std::clamp(static_cast<int>(k.x) + dx, 0, kPictureSide_px - 1);
-          const int y = std::clamp(static_cast<int>(k.y) + dy, 0, kPictureSide_px - 1);
-          most = std::max<int>(most, sample.mask[static_cast<std::size_t>(y) * kPictureSide_px + x]);
-        }
-      }
-      EXPECT_GT(most, 127) << k.x << ' ' << k.y;
-    }
+/// One who stands upright at the origin, 1.7 m tall, facing the camera four metres away, which covers 2 m by 256
+/// pixels: a pixel is 1/128 m at z = 0, and y = 1 m is in row 128.
+struct Upright {
+  Stage stage;
+  Figure figure;
+  simulator::CameraView camera = make_camera({.eye = {0, 1, 4}, .target = {0, 1, 0}, .height_m = 2});
+
+  explicit Upright(const Pose& pose) {
+    figure.pose = pose;
+    figure.skeleton = make_skeleton(figure.body, pose, vec3(0), 0, proportions_of(figure.body));
+    add_body(stage, figure);
+    add_head(stage, figure, Dice(1, false));
   }
-  EXPECT_GE(seen, 3 * 6);  // nose and eyes at the least
+  PeopleSample truth() const {
+    const World world(stage);
+    return truth_of(world, camera, figure, shoot(world, camera, 1, 5));
+  }
+};
+enum Coco { kLeftElbow = 7, kRightElbow, kLeftWrist, kRightWrist, kLeftHip, kRightHip, kLeftAnkle = 15, kRightAnkle };
+
+TEST(People, KeypointsOfAKnownPoseAreWhereHandsComputeThem) {
+  const PeopleSample truth = Upright(Pose{}).truth();
+  // hips at (+-0.085, 0.525 * 1.7, 0) m, ankles at (+-0.06 * 1.7, 0.045 * 1.7, 0): see make_skeleton(). The left is
+  // at the right of the picture.
+  const auto at = [](float x_m, float y_m) { return vec2(96 + 128 * x_m, 128 + 128 * (1 - y_m)); };
+  const std::array<std::pair<int, vec2>, 4> expected = {{{kLeftHip, at(0.085f, 0.8925f)},
+                                                         {kRightHip, at(-0.085f, 0.8925f)},
+                                                         {kLeftAnkle, at(0.102f, 0.0765f)},
+                                                         {kRightAnkle, at(-0.102f, 0.0765f)}}};
+  for (const auto& [i, place] : expected) {
+    EXPECT_NEAR(truth.keypoints[i].x, place.x, 0.01f) << i;  // float sums of terms up to 256
+    EXPECT_NEAR(truth.keypoints[i].y, place.y, 0.01f) << i;
+  }
+  for (int left = 1; left < kKeypoints; left += 2) {
+    EXPECT_GT(truth.keypoints[left].x, truth.keypoints[left + 1].x) << left;
+  }
+  for (const int i : {0, 1, 2, +kLeftElbow, +kRightElbow, +kLeftHip, +kRightHip})
+    EXPECT_EQ(truth.keypoints[i].z, 2) << i;
+}
+
+TEST(People, AHandBehindTheBackIsHidden) {
+  Pose pose;
+  pose.arm[1].wrist = {0.02f, -0.05f, -0.13f};
+  pose.arm[1].elbow = {1, -0.2f, -0.6f};
+  const PeopleSample truth = Upright(pose).truth();
+  EXPECT_EQ(truth.keypoints[kRightWrist].z, 1);
+  EXPECT_EQ(truth.keypoints[kLeftWrist].z, 2);
+}
+
+TEST(People, WhatIsHeldBeforeAnElbowHidesIt) {
+  // 12 cm before an elbow of 4 cm radius
+  Upright upright{Pose{}};
+  EXPECT_EQ(upright.truth().keypoints[kLeftElbow].z, 2);
+  Piece board;
+  add_box(board, upright.figure.skeleton.elbow[0] + vec3(0, 0, 0.12f), mat3(1), {0.06f, 0.06f, 0.002f});
+  add_piece(upright.stage, upright.figure, board, Look{});
+  EXPECT_EQ(upright.truth().keypoints[kLeftElbow].z, 1);
+}
+
+TEST(People, ASurveyFindsWhatStandsBeforePeopleAndBystanders) {
+  Upright upright{Pose{}};
+  const auto found = [&] { return survey(World(upright.stage), upright.camera); };
+  EXPECT_EQ(found().covered, 0);
+  EXPECT_FALSE(found().bystanders);
+  const auto add = [&](float z, int person) {
+    Piece& board = upright.stage.pieces.emplace_back();
+    board.look = upright.stage.add({});
+    board.person = person;
+    add_box(board, {0, 0.4f, z}, mat3(1), {0.5f, 0.4f, 0.01f});
+  };
+  add(-0.5f, kNobody);
+  EXPECT_EQ(found().covered, 0);  // behind
+  add(-0.6f, kBystander);
+  EXPECT_FALSE(found().bystanders);  // behind the wall
+  add(0.5f, kNobody);
+  // it hides legs and hips: above 0.8 m, seen from 1 m at 4 m, lies 0.77 m at the person
+  EXPECT_GT(found().covered, 0.2f);
+  EXPECT_LT(found().covered, 0.6f);
+  add(0.7f, kBystander);
+  EXPECT_TRUE(found().bystanders);
+}
+
+TEST(People, NothingInThePictureIsLowerThanItsLowest) {
+  Dice dice(4, false);
+  for (int i = 0; i < 20; ++i) {
+    CameraPlan plan;
+    plan.eye = {dice.in(-0.5f, 0.5f), dice.in(0.5f, 2), dice.in(0.8f, 3)};
+    plan.target = {0, dice.in(0.8f, 1.6f), 0};
+    plan.height_m = dice.in(0.5f, 2);
+    plan.roll = dice.in(-0.1f, 0.1f);
+    const auto camera = make_camera(plan);
+    const float lowest = lowest_seen_m(camera, 0.6f);
+    float seen = 9;
+    for (int k = 0; k < 20000; ++k) {
+      const vec3 p(dice.in(-2, 2), dice.in(-2, 3), dice.in(-0.6f, 0.6f));
+      const vec3 at = project(camera, p);
+      if (at.z > 0.05f && at.x > 0 && at.y > 0 && at.x < 192 && at.y < 256) seen = std::min(seen, p.y);
+      const vec3 back = vec3(camera.world_from_camera[3]) + glm::distance(p, plan.eye) * direction_of(camera, vec2(at));
+      if (at.z > 0.05f) {
+        EXPECT_LT(glm::distance(back, p), 1e-3f);  // at most 6 m away, in floats
+      }
+    }
+    EXPECT_GE(seen, lowest - 1e-4f);
+  }
+}
+
+TEST(SlowPeople, SamplesDoNotDependOnHowManyThereAre) {
+  const auto two = make_people_shard({.count = 2, .seed = 11, .composites = 2}, 0, 2);
+  ASSERT_EQ(two.size(), 2u);
+  for (std::size_t i = 0; i < two.size(); ++i) EXPECT_EQ(all_of(two[i]), all_of(few_samples()[i])) << i;
 }
 
 TEST(SlowPeople, SamplesOfOnePictureShareItAndNotTheirPeople) {
@@ -173,6 +275,12 @@ TEST(People, HeldOutDrawsNothingThatTrainingDraws) {
   }
   EXPECT_EQ(training_slots, (std::set<int>{0, 1, 2, 3}));
   EXPECT_EQ(held_out_slots, (std::set<int>{4}));
+  for (Dice* dice : {&training, &held_out}) {
+    constexpr int kDraws = 20000;
+    double sum = 0;
+    for (int i = 0; i < kDraws; ++i) sum += dice->normal();
+    EXPECT_NEAR(sum / kDraws, 0, 5 / std::sqrt(kDraws));  // five deviations of the mean
+  }
   for (const auto& [n, reserved] :
        {std::pair{kGestures, kReservedGestures}, {kPlaces, kReservedPlaces}, {kLights, kReservedLights}}) {
     for (int i = 0; i < 200; ++i) {
@@ -187,25 +295,41 @@ TEST(People, HeldOutDrawsNothingThatTrainingDraws) {
   }
 }
 
+TEST(People, HeldOutPeopleHoldThingsThatTrainingNeverHolds) {
+  std::set<Held> training, held_out;
+  Dice dice(3, false);
+  for (int gesture = 0; gesture < kGestures; ++gesture) {
+    for (int i = 0; i < 100; ++i) {
+      const Held held = make_pose(dice, Body{}, static_cast<Gesture>(gesture)).held;
+      if (held == Held::nothing || held == Held::bag) continue;  // bags hang on anybody's shoulder
+      (gesture < kGestures - kReservedGestures ? training : held_out).insert(held);
+    }
+  }
+  EXPECT_GE(training.size(), 9u);
+  EXPECT_GE(held_out.size(), 2u);
+  for (const Held held : held_out) EXPECT_EQ(training.count(held), 0u) << static_cast<int>(held);
+}
+
 TEST(People, JointsKeepHumanLengths) {
-  // Drillis & Contini 1966: upper arm .186, forearm .146, thigh .245, shank .246 of stature; and every pose is within
-  // reach, so that no bone is stretched.
+  // Drillis & Contini 1966: upper arm .186 and forearm .146 (.332 in all), thigh .245, shank .246 of stature; every
+  // pose moves hands and feet within reach, so no bone is stretched.
   Dice dice(9, false);
   for (int i = 0; i < 60; ++i) {
     const Body body = make_body(dice);
     const Pose pose = make_pose(dice, body, static_cast<Gesture>(i % kGestures));
     const Skeleton k = make_skeleton(body, pose, vec3(0), 0.3f, proportions_of(body));
     const float h = body.stature_m;
+    constexpr float kRounding = 1e-4f;
     for (int side = 0; side < 2; ++side) {
-      EXPECT_NEAR(glm::distance(k.shoulder[side], k.elbow[side]) / h, 0.186f, 0.012f);
-      EXPECT_NEAR(glm::distance(k.elbow[side], k.wrist[side]) / h, 0.146f, 0.012f);
-      EXPECT_NEAR(glm::distance(k.hip[side], k.knee[side]) / h, 0.245f, 0.002f);
+      const float arm = glm::distance(k.shoulder[side], k.elbow[side]) + glm::distance(k.elbow[side], k.wrist[side]);
+      EXPECT_NEAR(arm / h, 0.332f * (body.child ? 0.96f : 1.0f), kRounding);
+      EXPECT_NEAR(glm::distance(k.hip[side], k.knee[side]) / h, 0.245f, kRounding);
+      EXPECT_NEAR(glm::distance(k.knee[side], k.ankle[side]) / h, 0.246f, kRounding);
     }
-    const float crown = k.head.origin.y + 0.137f * body.head_scale;
-    // children's heads are larger, bowed ones lower
-    if (!pose.sitting) {
-      EXPECT_NEAR(crown / h, 1, 0.09f);
-    }
+    if (body.child) continue;  // their heads are larger, their necks not shorter than a neck
+    const Skeleton upright = make_skeleton(body, Pose{}, vec3(0), 0, proportions_of(body));
+    // the neck, .1 of stature at the most, leans by .12 radians: .1 (1 - cos .12) + .004 sin .12 = .0012
+    EXPECT_NEAR((upright.head.origin.y + 0.137f * body.head_scale) / h, 1, 0.0013f);
   }
 }
 
@@ -226,14 +350,6 @@ TEST(People, BadOptionsAreRefused) {
     EXPECT_THROW(check_people_options({.count = count, .composites = composites}), InputError);
   }
   expect_one_line_refusal(run_program("people -o /dev/null/x --count 1"));
-}
-
-/// Everything of a sample as one string.
-std::string all_of(const PeopleSample& s) {
-  std::string bytes(s.picture.begin(), s.picture.end());
-  bytes.append(s.mask.begin(), s.mask.end());
-  for (const auto& k : s.keypoints) bytes += std::to_string(k.x) + std::to_string(k.y) + std::to_string(k.z);
-  return bytes + std::to_string(s.face.x) + std::to_string(s.seed) + std::to_string(s.picture_index);
 }
 
 TEST(SlowPeople, SameSeedSameBytesForOneThreadAndTwo) {
@@ -260,19 +376,48 @@ TEST(SlowPeople, AnEndedRunGoesOnWhereItWas) {
   EXPECT_EQ(made, 1);
   write_people_set({.count = 2, .seed = 5, .composites = 0}, folder / "set", {}, count);
   EXPECT_EQ(made, 2);
+  // a changed file, and one of another length, are noticed
+  const std::string faces = folder / "set/shard_00000/faces.npy", whole = read_bytes(faces);
+  std::string broken = whole;
+  broken.back() ^= 1;
+  for (const std::string& bytes : {broken, whole.substr(0, 10)}) {
+    folder.write("set/shard_00000/faces.npy", bytes);
+    bool was_there = true;
+    write_people_set({.count = 2, .seed = 5, .composites = 0}, folder / "set",
+                     [&](double) { was_there = was_there && std::filesystem::exists(folder / "set/people.json"); });
+    EXPECT_FALSE(was_there);  // while a shard was made
+    EXPECT_EQ(read_bytes(faces), whole);
+  }
+  folder.write("set/shard_00001/shard.json", "{}");
+  EXPECT_THROW(write_people_set({.count = 2, .seed = 5, .composites = 0}, folder / "set"), InputError);
   EXPECT_NE(read_bytes(folder / "set/shard_00000/masks.npy"), masks);
   EXPECT_EQ(folder.names().size(), 1u);  // nothing temporary is left
 }
 
-/// The smallest body there is to load: one triangle.
+/// A body of one triangle with every joint: hands and feet are where the belly is, but they are there.
+std::string smallest_body(const std::string& tall = "17") {
+  std::string obj = "v 0 0 0\nv 1 0 0\nv 0 " + tall + " 0\nv 0.6 0 0\ng body\nf 1 2 3\n";
+  const auto joint = [&](const std::string& name, const char* corners) {
+    obj += "g joint-" + name + "\nf " + corners + "\n";
+  };
+  joint("neck", "1 2 3");
+  joint("jaw", "1 2 3");
+  for (const std::string side : {"l-", "r-"}) {
+    joint(side + "eye", side == "l-" ? "1 1 1" : "4 4 4");
+    for (const char* name : {"shoulder", "elbow", "hand", "upper-leg", "knee", "ankle"}) joint(side + name, "1 2 3");
+    for (int i = 0; i < 12; ++i)
+      joint(side + "finger-" + std::to_string(i / 3 + 2) + "-" + std::to_string(i % 3 + 1), "1 2 3");
+  }
+  return obj;
+}
+
 void write_makehuman(const TemporaryFolder& folder, const std::string& obj, const std::string& weights) {
   folder.write("3dobjs/base.obj", obj);
   folder.write("rigs/default_weights.mhw", weights);
 }
 
 TEST(People, BrokenMakeHumanAssetsAreRefusedByFileAndLine) {
-  const std::string good = "v 0 0 0\nv 1 0 0\nv 0 1 0\ng body\nf 1 2 3\n",
-                    weights = R"({"weights": {"head": [[0, 1.0]]}})";
+  const std::string good = smallest_body(), weights = R"({"weights": {"head": [[0, 1.0]]}})";
   const auto message = [](const std::string& obj, const std::string& rig, const std::string& clothes) -> std::string {
     const TemporaryFolder folder;
     write_makehuman(folder, obj, rig);
@@ -286,15 +431,25 @@ TEST(People, BrokenMakeHumanAssetsAreRefusedByFileAndLine) {
   };
   EXPECT_EQ(message(good, weights, ""), "");
   EXPECT_NE(message("v 0 0 zero\n", weights, "").find("base.obj:1: 'zero' is no number"), std::string::npos);
-  EXPECT_NE(message(good + "f 1 2 4\n", weights, "").find("base.obj:6: '4' is no index from 0 to 3"),
+  EXPECT_NE(message("v 0 0 0\nf 1 2 1\n", weights, "").find("base.obj:2: '2' is no index from 0 to 1"),
             std::string::npos);
   EXPECT_NE(message(good + "f 0 1 2\n", weights, "").find("counted from 1"), std::string::npos);
+  EXPECT_NE(message(good.substr(0, good.find("g joint-r-knee")), weights, "").find("'joint-r-knee'"),
+            std::string::npos);
+  EXPECT_NE(message(smallest_body("9.9"), weights, "").find("0.99 m high; 1 to 2.5 m"), std::string::npos);
+  EXPECT_NE(message(smallest_body("26"), weights, "").find("2.60 m high"), std::string::npos);
+  for (const char* weight : {"-0.1", "1.5", "1e300"}) {
+    EXPECT_NE(message(good, fmt::format(R"({{"weights": {{"head": [[0, {}]]}}}})", weight), "").find("0 to 1"),
+              std::string::npos);
+  }
+  EXPECT_NE(message(good, weights, "obj_file a.obj\nverts 0\n0 1 2 0.5 0.5\n").find("a.mhclo:3: a row is"),
+            std::string::npos);
   EXPECT_NE(message("v 0 0 0\n", weights, "").find("no group 'body'"), std::string::npos);
   EXPECT_NE(message(good, "{", "").find("default_weights.mhw"), std::string::npos);
-  EXPECT_NE(message(good, R"({"weights": {"head": [[3, 1.0]]}})", "").find("'head'"), std::string::npos);
+  EXPECT_NE(message(good, R"({"weights": {"head": [[4, 1.0]]}})", "").find("'head'"), std::string::npos);
   EXPECT_EQ(message(good, weights, "obj_file a.obj\nverts 0\n0\n"), "");
   EXPECT_NE(message(good, weights, "obj_file ../a.obj\nverts 0\n0\n").find("obj_file must name"), std::string::npos);
-  EXPECT_NE(message(good, weights, "obj_file a.obj\nverts 0\n3\n").find("a.mhclo:3"), std::string::npos);
+  EXPECT_NE(message(good, weights, "obj_file a.obj\nverts 0\n4\n").find("a.mhclo:3"), std::string::npos);
   EXPECT_NE(message(good, weights, "obj_file a.obj\nverts 0\n").find("0 vertices are fitted"), std::string::npos);
 }
 

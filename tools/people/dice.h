@@ -5,10 +5,11 @@
 
 #include "simulator/sampling/hash.h"
 
-/// The draws of one recipe, in order, from a key alone. What a held-out set draws, training never does: of each
-/// fifth of a sixteenth of the unit interval the last belongs to the held-out set, the other four to training, so no
-/// number (an angle, a length, a colour) is shared; and pools of whole things (rooms, gestures, ...) are split by
-/// choose(). Seeds of noise differ because the key's last bit says which set it is.
+/// The draws of one recipe, in order, from a key alone, of a training or a held-out set. Of each sixteenth of the unit
+/// interval the last fifth belongs to the held-out set and the rest to training, so a number that is drawn uniformly (a
+/// length, a colour, ...) is never the same in both. Numbers that are drawn about a middle (angles, ...) are sums of
+/// such, and cover the same values in both. Pools of whole things (rooms, gestures, ...) are split by choose(). Seeds
+/// of noise differ because the key's last bit says which set it is.
 namespace dualpixel::tools {
 
 class Dice {
@@ -22,18 +23,15 @@ class Dice {
 
   /// Uniform over this set's share of [0, 1).
   float unit() {
-    constexpr int kBlocks = 16, kSlots = 5;
     const std::uint64_t bits = next();
-    const auto block = static_cast<float>(bits & (kBlocks - 1));
-    const float within = static_cast<float>(bits >> 40) * 0x1p-24f;
-    const float slot = held_out() ? kSlots - 1 + within : (kSlots - 1) * within;
-    return (block + slot / kSlots) / kBlocks;
+    return share(static_cast<float>(bits & (kBlocks - 1)), static_cast<float>(bits >> 40) * 0x1p-24f);
   }
   float in(float low, float high) { return low + (high - low) * unit(); }
-  /// Bell-shaped about 0, deviation 1, within +-2.5 or so: the sum of four uniform numbers, not all of one block.
+  /// Bell-shaped, mean 0, deviation 1, within +-3.5: the sum of four uniform numbers, less the mean of this set's.
   float normal() {
+    const float mean = share(0.5f * (kBlocks - 1), 0.5f);
     const float sum = unit() + unit() + unit() + unit();
-    return (sum - 2) * 1.7320508f;
+    return (sum - 4 * mean) * 1.7320508f;
   }
   glm::vec3 in3(float low, float high) {
     const float x = in(low, high), y = in(low, high);
@@ -49,6 +47,11 @@ class Dice {
   int choose(int n, int reserved) { return held_out() ? n - reserved + below(reserved) : below(n - reserved); }
 
  private:
+  static constexpr int kBlocks = 16, kSlots = 5;
+  float share(float block, float within) const {
+    const float slot = held_out() ? kSlots - 1 + within : (kSlots - 1) * within;
+    return (block + slot / kSlots) / kBlocks;
+  }
   std::uint64_t next() { return simulator::hash(key_, count_++); }
   std::uint64_t key_;
   std::uint64_t count_ = 0;

@@ -58,7 +58,7 @@ class PreparedShape {
 
 vec3 mirrored(vec3 p, float x) { return {x * p.x, p.y, p.z}; }
 
-/// A hand in its own frame: palm at the origin facing +z, fingers along +y, thumb towards +x.
+/// A right hand in its own frame: palm at the origin facing +z, fingers along +y, thumb towards +x.
 float hand_shape(vec3 p, float curl) {
   float d = ellipsoid(p, {0, -0.005f, 0}, {0.038f, 0.046f, 0.015f});
   constexpr float kLength[4] = {0.033f, 0.038f, 0.036f, 0.027f};
@@ -264,8 +264,7 @@ void add_body(Stage& stage, Figure& figure) {
     const Frame& hand = k.hand[side];
     if (hand.origin.y < figure.lowest_m - 0.15f) continue;
     const float curl = figure.pose.arm[side].curl;
-    // x of the frame points to the thumb of a left hand with its palm forward; the right one is its mirror image
-    const float mirror = side == 0 ? -1.0f : 1.0f;
+    const float mirror = side == 0 ? -1.0f : 1.0f;  // of hand_shape, a right hand
     const float cell = std::max(figure.head_cell_m / hand_scale, 0.004f);
     Piece piece = mesh_of([&](vec3 p) { return hand_shape(mirrored(p, mirror), curl); }, {-0.09f, -0.1f, -0.04f},
                           {0.09f, 0.13f, 0.09f}, cell);
@@ -337,9 +336,9 @@ void add_seat(Stage& stage, const Figure& figure, Dice dice) {
   stage.pieces.push_back(std::move(seat));
 }
 
-Figure add_figure(Stage& stage, Dice dice, const FigureOptions& options) {
+Figure pose_figure(Dice dice, const FigureOptions& options) {
   Figure figure;
-  Dice of_body = dice.of(1), of_pose = dice.of(2), of_looks = dice.of(3);
+  Dice of_body = dice.of(1), of_pose = dice.of(2);
   figure.body = make_body(of_body);
   figure.pose = make_pose(of_pose, figure.body, options.gesture);
   figure.pose.head_yaw = std::clamp(figure.pose.head_yaw + options.head_yaw, -1.25f, 1.25f);
@@ -347,7 +346,13 @@ Figure add_figure(Stage& stage, Dice dice, const FigureOptions& options) {
   figure.person = options.person;
   figure.head_cell_m = std::clamp(1.1f * options.metres_per_px, 0.0038f, 0.014f);
   figure.body_cell_m = std::clamp(2.4f * options.metres_per_px, 0.009f, 0.024f);
-  figure.lowest_m = figure.skeleton.head.origin.y - options.seen_below_head_m;
+  figure.lowest_m = options.lowest_m;
+  return figure;
+}
+
+Figure add_figure(Stage& stage, Dice dice, const FigureOptions& options) {
+  Figure figure = pose_figure(dice, options);
+  Dice of_looks = dice.of(3);
   if (figure.body.child) figure.tags.emplace_back("child");
 
   Look& skin = figure.skin;

@@ -32,7 +32,8 @@ struct Figure {
   Skeleton skeleton;
   int person = 0;
   float head_cell_m = 0.005f, body_cell_m = 0.012f;
-  float lowest_m = 0;  ///< nothing below this height is seen
+  float lowest_m = -1;                      ///< nothing below this height is seen
+  float top_cloth_m = 0, legs_cloth_m = 0;  ///< how far clothes stand off the body, at the most
   Look skin, face, hair;
   /// World places: nose, left and right eye, left and right ear; and of brow, chin, cheeks and jaw.
   std::array<vec3, 5> face_points{};
@@ -46,11 +47,13 @@ struct FigureOptions {
   float yaw = 0;       ///< of the body, to its left; 0: towards +z
   float head_yaw = 0;  ///< added to the pose's
   float metres_per_px = 0.004f;
-  float seen_below_head_m = 2;  ///< how far below the head the picture ends
+  float lowest_m = -1;  ///< nothing below this height is seen: it need not be made
   int person = 0;
   Gesture gesture = Gesture::hanging;
 };
 
+/// Body, pose and joints alone, the same that add_figure() draws from these dice.
+Figure pose_figure(Dice dice, const FigureOptions& options);
 /// Draws a person and adds it to the stage.
 Figure add_figure(Stage& stage, Dice dice, const FigureOptions& options);
 

@@ -3,8 +3,8 @@
 namespace dualpixel::tools {
 namespace {
 
-constexpr const char* kHeldNames[] = {"nothing", "phone", "cup",    "bottle", "book",       "bag",
-                                      "bouquet", "ball",  "animal", "tablet", "microphone", "umbrella"};
+constexpr const char* kHeldNames[] = {"nothing", "phone",  "cup",    "bottle",     "book",     "bag",   "bouquet",
+                                      "ball",    "animal", "tablet", "microphone", "umbrella", "glass", "parcel"};
 
 Look glossy(Dice& dice, float gloss) {
   Look look;
@@ -170,6 +170,24 @@ void add_held_thing(Stage& stage, Figure& figure, Dice dice) {
                {0, 0.25f * r, 0.6f * r, 0.88f * r, r}, 16);
       look.kind = dice.chance(0.4f) ? Look::Kind::stripes_along : Look::Kind::plain;
       look.scale_m = 0.4f;
+      break;
+    }
+    case Held::glass: {  // with a stem
+      const float r = dice.in(0.026f, 0.04f), tall = dice.in(0.16f, 0.22f);
+      const vec3 base = grip - up * (0.3f * tall);
+      add_tube(piece,
+               {base, base, base + up * 0.005f, base + up * (0.45f * tall), base + up * (0.65f * tall),
+                base + up * tall, base + up * tall},
+               {0, 0.9f * r, 0.004f, 0.004f, r, 0.85f * r, 0}, 14);
+      look.gloss = 0.7f;
+      break;
+    }
+    case Held::parcel: {
+      const vec3 half(dice.in(0.12f, 0.18f), dice.in(0.06f, 0.13f), dice.in(0.08f, 0.14f));
+      add_box(piece, grip + vec3(0, half.y, 0) + 0.3f * half.z * forward, axes_along(up, forward), half);
+      look.kind = dice.chance(0.5f) ? Look::Kind::print : Look::Kind::plain;
+      look.scale_m = dice.in(0.05f, 0.1f);
+      look.gloss = 0.05f;
       break;
     }
     case Held::nothing:

@@ -12,6 +12,7 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/image_io.h"
+#include "capture/json_fields.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -204,7 +205,8 @@ FittedAsset read_fitted(const std::string& path, int base_vertices) {
       }
     } else if (section == Section::vertices) {
       FittedAsset::Hold hold;
-      if (words.size() >= 9) {
+      if (words.size() != 1 && words.size() != 9) lines.fail("a row is a vertex, or three with weights and an offset");
+      if (words.size() == 9) {
         for (int i = 0; i < 3; ++i) {
           hold.vertex[i] = lines.index(words[i], base_vertices);
           hold.weight[i] = lines.number(words[3 + i]);
@@ -238,19 +240,19 @@ FittedAsset read_fitted(const std::string& path, int base_vertices) {
   return asset;
 }
 
-/// Files with this ending below a folder, sorted; none where there is no such folder.
+/// Files with this ending ("": all) below a folder, sorted; none where there is no such folder.
 std::vector<std::string> files_below(const fs::path& folder, const std::string& ending) {
   std::vector<std::string> found;
   std::error_code error;
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    if (it->is_regular_file(error) && it->path().extension() == ending) found.push_back(it->path().string());
+    if (it->is_regular_file(error) && (ending.empty() || it->path().extension() == ending))
+      found.push_back(it->path().string());
   }
   std::sort(found.begin(), found.end());
   return found;
 }
 
-// ---- the parts of the body that move as one
-// --------------------------------------------------------------------------
+// ---- the parts of the body that move as one ------------------------------------------------------------------------
 
 enum Part : std::uint8_t { kPelvis, kChest, kNeck, kHead, kFirstOfSide };
 enum SidePart : std::uint8_t { kUpperArm, kForeArm, kTwist, kHand, kThigh, kShin, kFoot, kFirstFinger };
@@ -287,7 +289,7 @@ std::vector<std::pair<int, float>> parts_of_bone(const std::string& bone) {
 PartWeights read_weights(const std::string& path, int base_vertices) {
   PartWeights weights;
   weights.of_vertex.resize(static_cast<std::size_t>(base_vertices));
-  const nlohmann::json json = nlohmann::json::parse(read_file(path, std::size_t{64} << 20), nullptr, false);
+  const nlohmann::json json = read_json_file(path);
   if (!json.is_object() || !json.contains("weights") || !json["weights"].is_object()) {
     throw InputError(fmt::format("{}: no JSON object with 'weights'", printable(path)));
   }
@@ -300,8 +302,13 @@ PartWeights read_weights(const std::string& path, int base_vertices) {
         throw InputError(fmt::format("{}: weights of '{}' are not pairs of a vertex and a number", printable(path),
                                      printable(bone)));
       }
+      const auto weight = entry[1].get<float>();
+      if (!(weight >= 0 && weight <= 1)) {
+        throw InputError(fmt::format("{}: weights of '{}': {}: 0 to 1 is allowed", printable(path), printable(bone),
+                                     entry[1].dump()));
+      }
       for (const auto& [part, share] : parts_of_bone(bone)) {
-        weights.of_vertex[entry[0].get<std::size_t>()].emplace_back(part, share * entry[1].get<float>());
+        weights.of_vertex[entry[0].get<std::size_t>()].emplace_back(part, share * weight);
       }
     }
   }
@@ -343,14 +350,43 @@ struct Morphed {
   const MakeHumanAssets* assets;
 
   vec3 joint(const std::string& name) const {
-    const auto it = assets->joints.find("joint-" + name);
-    if (it == assets->joints.end()) throw InputError(fmt::format("base.obj: no group 'joint-{}'", name));
+    const std::vector<int>& about = assets->joints.at("joint-" + name);  // the constructor saw to it
     vec3 sum(0);
-    for (const int v : it->second) sum += rest[static_cast<std::size_t>(v)];
-    return sum / static_cast<float>(it->second.size());
+    for (const int v : about) sum += rest[static_cast<std::size_t>(v)];
+    return sum / static_cast<float>(about.size());
   }
   vec3 joint(int side, const std::string& name) const { return joint((side == 0 ? "l-" : "r-") + name); }
 };
+
+void require_a_body(const MakeHumanAssets& assets, const std::string& path) {
+  std::vector<std::string> names = {"neck", "jaw"};
+  for (const char* side : {"l-", "r-"}) {
+    for (const char* joint : {"eye", "shoulder", "elbow", "hand", "upper-leg", "knee", "ankle"})
+      names.push_back(std::string(side) + joint);
+    for (int finger = 0; finger < kFingers; ++finger) {
+      for (int bone = 0; bone < kPhalanges; ++bone)
+        names.push_back(fmt::format("{}finger-{}-{}", side, finger + 2, bone + 1));
+    }
+  }
+  for (const std::string& name : names) {
+    if (assets.joints.count("joint-" + name) == 0)
+      throw InputError(fmt::format("{}: no group 'joint-{}'", printable(path), name));
+  }
+  float low = 1e9f, high = -1e9f;
+  for (const int v : assets.body.vertex) {
+    low = std::min(low, assets.base[static_cast<std::size_t>(v)].y);
+    high = std::max(high, assets.base[static_cast<std::size_t>(v)].y);
+  }
+  if (high - low < 1 || high - low > 2.5f) {
+    throw InputError(fmt::format("{}: the body is {:.2f} m high; 1 to 2.5 m is allowed (a unit is 10 cm)",
+                                 printable(path), high - low));
+  }
+  const Morphed plain{assets.base, &assets};
+  const float eyes_m = glm::distance(plain.joint("l-eye"), plain.joint("r-eye"));
+  if (eyes_m < 0.02f || eyes_m > 0.2f) {
+    throw InputError(fmt::format("{}: the eyes are {:.3f} m apart; 0.02 to 0.2 m is allowed", printable(path), eyes_m));
+  }
+}
 
 struct RestFrames {
   vec3 pelvis, chest, neck, head;
@@ -372,7 +408,7 @@ std::vector<PartMotion> motions_of(const Morphed& morphed, const RestFrames& res
   std::vector<PartMotion> motion(kParts);
   motion[kPelvis] = {k.pelvis.axes, rest.pelvis, k.pelvis.origin};
   motion[kChest] = {k.chest.axes, rest.chest, k.chest.origin};
-  motion[kNeck] = {k.bones[2].axes, rest.neck, k.neck_base};
+  motion[kNeck] = {k.bones[Skeleton::kNeckBone].axes, rest.neck, k.neck_base};
   motion[kHead] = {k.head.axes, rest.head, k.head.origin};
   for (int side = 0; side < 2; ++side) {
     const vec3 shoulder = morphed.joint(side, "shoulder"), elbow = morphed.joint(side, "elbow"),
@@ -387,7 +423,8 @@ std::vector<PartMotion> motions_of(const Morphed& morphed, const RestFrames& res
     };
     const mat3 upper = limb(k.chest.axes, elbow - shoulder, k.elbow[side] - k.shoulder[side]);
     const mat3 fore = limb(upper, wrist - elbow, k.wrist[side] - k.elbow[side]);
-    // the hand's own frame at rest: fingers along y, palm towards z, the thumb on the side that skeleton.h says
+    // the hand's own frame at rest: fingers along y, palm towards z, x towards the thumb of a right hand and away from
+    // a left one's
     const vec3 along = glm::normalize(morphed.joint(side, "finger-3-1") - wrist);
     vec3 across = morphed.joint(side, "finger-2-1") - morphed.joint(side, "finger-5-1");
     across = glm::normalize(across - along * glm::dot(across, along)) * (side == 0 ? -1.0f : 1.0f);
@@ -452,6 +489,13 @@ Piece piece_of(const TexturedMesh& mesh, const std::vector<vec3>& posed, const s
     piece.triangles.push_back(mesh.triangles[i]);
   }
   return piece;
+}
+
+/// One of a list; of two or more the last fifth, and one at least, is for held-out sets only.
+template <typename T>
+const T& one_of(Dice& dice, const std::vector<T>& list) {
+  const int n = static_cast<int>(list.size());
+  return list[n > 1 ? static_cast<std::size_t>(dice.choose(n, std::max(n / 5, 1))) : 0];
 }
 
 /// A figure under way.
@@ -585,6 +629,11 @@ void add_shell_clothes(Dressing& dressing, Dice& dice) {
 }  // namespace
 
 MakeHumanAssets::MakeHumanAssets(const std::string& folder) : folder_(folder) {
+  for (const char* part : {"3dobjs", "targets", "rigs", "skins", "hair", "clothes", "eyes", "eyebrows", "eyelashes"}) {
+    for (const std::string& path : files_below(fs::path(folder) / part, ""))
+      hash += fs::relative(path, folder).string() + " " + file_hash(path) + "\n";
+  }
+  hash = hash_of(hash);
   const auto in_folder = [&](const std::string& name) { return (fs::path(folder) / name).string(); };
   const std::string base_path = in_folder("3dobjs/base.obj");
   Obj obj = read_obj(base_path, "body");
@@ -599,6 +648,7 @@ MakeHumanAssets::MakeHumanAssets(const std::string& folder) : folder_(folder) {
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
     joints[group] = vertices;
   }
+  require_a_body(*this, base_path);
   const int count = static_cast<int>(base.size());
   weights = read_weights(in_folder("rigs/default_weights.mhw"), count);
   vec3 ignored(0);
@@ -676,17 +726,14 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
       morphed.rest[static_cast<std::size_t>(target.vertex[i])] += weight * target.offset[i];
   };
   constexpr const char* kOrigins[] = {"african", "asian", "caucasian"};
-  const MakeHumanAssets::Skin* skin =
-      assets.skins.empty()
-          ? nullptr
-          : &assets.skins[static_cast<std::size_t>(of_looks.below(static_cast<int>(assets.skins.size())))];
-  for (int tries = 0; skin && tries < 60; ++tries) {
-    const bool right = skin->name.ends_with("female") != man || (man && skin->name.find("female") == std::string::npos);
-    const bool fits =
-        (skin->name.find("female") == std::string::npos) == man && (skin->name.rfind("old", 0) == 0) == figure.body.old;
-    if (right && fits) break;
-    skin = &assets.skins[static_cast<std::size_t>(of_looks.below(static_cast<int>(assets.skins.size())))];
+  std::vector<const MakeHumanAssets::Skin*> fitting, any;
+  for (const MakeHumanAssets::Skin& one : assets.skins) {
+    any.push_back(&one);
+    const bool of_a_woman = one.name.find("female") != std::string::npos, of_the_old = one.name.starts_with("old");
+    if (of_a_woman != man && of_the_old == figure.body.old) fitting.push_back(&one);
   }
+  if (fitting.empty()) fitting = any;
+  const MakeHumanAssets::Skin* skin = fitting.empty() ? nullptr : one_of(of_looks, fitting);
   int origin = of_body.below(3);
   for (int i = 0; i < 3; ++i) {
     if (skin && skin->name.find(kOrigins[i]) != std::string::npos) origin = i;
@@ -746,7 +793,8 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
   figure.body.shoulder_half_m = proportions.shoulder.x;
   figure.body.hip_half_m = proportions.hip.x;
   figure.skeleton = make_skeleton(figure.body, figure.pose, options.place, options.yaw, proportions);
-  figure.lowest_m = figure.skeleton.head.origin.y - options.seen_below_head_m;
+  figure.lowest_m = options.lowest_m;
+  figure.top_cloth_m = figure.legs_cloth_m = 0.04f;  // of the shells below; suits are about as wide
   figure.bare.cones = torso_cones(figure, 0);
   const std::vector<PartMotion> motion = motions_of(morphed, rest, figure.skeleton, figure.pose);
 
@@ -806,7 +854,7 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
     if (for_women != man) suits.push_back(&asset);
   }
   if (!suits.empty() && of_clothes.chance(0.5f)) {
-    const FittedAsset& suit = *suits[static_cast<std::size_t>(of_clothes.below(static_cast<int>(suits.size())))];
+    const FittedAsset& suit = *one_of(of_clothes, suits);
     Look look = dyed(suit, any_color(of_clothes), false);
     if (suit.texture && of_clothes.chance(0.5f)) look.a = vec3(of_clothes.in(0.6f, 1.3f));
     if (!suit.texture) look = cloth_look(of_clothes);
@@ -829,7 +877,7 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
   // eyes, brows, lashes
   Dice of_head = dice.of(6);
   const auto any_of = [&](const std::vector<FittedAsset>& list) -> const FittedAsset* {
-    return list.empty() ? nullptr : &list[static_cast<std::size_t>(of_head.below(static_cast<int>(list.size())))];
+    return list.empty() ? nullptr : &one_of(of_head, list);
   };
   if (const FittedAsset* eye = any_of(assets.eyes)) {
     Look look;
@@ -838,7 +886,7 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
     look.gloss_power = 200;
     if (!assets.irises.empty()) {
       look.kind = Look::Kind::textured;
-      look.texture = assets.irises[static_cast<std::size_t>(of_head.below(static_cast<int>(assets.irises.size())))];
+      look.texture = one_of(of_head, assets.irises);
     }
     add_fitted(dressing, *eye, look);
   }

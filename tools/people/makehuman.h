@@ -11,7 +11,8 @@
 /// targets and skinning weights, and hair, clothes, eyes, brows and lashes that are fitted to it. Nothing of theirs is
 /// in the program: the folder is the user's, and must hold 3dobjs/base.obj, targets/, rigs/default_weights.mhw, and may
 /// hold skins/, hair/, clothes/, eyes/, eyebrows/, eyelashes/ (what lacks its texture is dyed plain, hair left out).
-/// All throws InputError with the file, the line and what is wrong with it.
+/// Of each kind of thing that there are two or more of, the last fifth by name (one at least) is for held-out sets
+/// only. All throws InputError with the file, the line and what is wrong with it.
 namespace dualpixel::tools {
 
 /// Faces with corners that have a place and a texture coordinate: corners are split where texture coordinates differ.
@@ -56,6 +57,8 @@ class MakeHumanAssets {
  public:
   /// Reads all but targets, which are read when they are first wanted.
   explicit MakeHumanAssets(const std::string& folder);
+
+  std::string hash;  ///< of all files that may be read
 
   const MorphTarget& target(const std::string& name) const;  ///< "macrodetails/asian-female-young"
 

@@ -119,7 +119,7 @@ void add_scarf(Stage& stage, Figure& figure, Dice& dice) {
   figure.tags.emplace_back("scarf");
 }
 
-void add_lower(Stage& stage, const Figure& figure, Dice& dice) {
+void add_lower(Stage& stage, Figure& figure, Dice& dice) {
   const Skeleton& k = figure.skeleton;
   const float h = figure.body.stature_m;
   if (std::max(k.hip[0].y, k.knee[0].y) + 0.15f * h < figure.lowest_m) return;
@@ -148,7 +148,9 @@ void add_lower(Stage& stage, const Figure& figure, Dice& dice) {
     look.a = vec3(0.02f, 0.035f, 0.07f) * dice.in(0.5f, 2);
     look.b = vec3(0.15f, 0.22f, 0.33f) * dice.in(0.5f, 1.5f);
   }
-  add_piece(stage, figure, cloth_piece(figure, shape, 0.012f, dice.seed()), look);
+  constexpr float kFolds_m = 0.012f;
+  figure.legs_cloth_m = room + kFolds_m;
+  add_piece(stage, figure, cloth_piece(figure, shape, kFolds_m, dice.seed()), look);
   Piece shoes;
   for (int side = 0; side < 2; ++side) {
     const vec3 along = k.toe[side] - k.ankle[side];
@@ -182,6 +184,7 @@ void add_clothes(Stage& stage, Figure& figure, Dice dice) {
   const float short_sleeve = dice.in(0.28f, 0.5f), long_sleeve = dice.chance(0.25f) ? dice.in(0.6f, 0.9f) : 1.0f;
   const auto layer = [&](float room, float sleeves, float layer_hem, float flare, const std::vector<Cone>& cuts,
                          const Look& cloth) {
+    figure.top_cloth_m = std::max(figure.top_cloth_m, 1.1f * room + folds);
     add_piece(stage, figure,
               cloth_piece(figure, upper_garment(figure, room, sleeves, layer_hem, flare), folds, seed, cuts), cloth);
   };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <mutex>
 
 #include "tools/people/develop.h"
 #include "tools/people/makehuman.h"
@@ -28,11 +29,17 @@ Size any_size(Dice& dice) {
   return kSizes[dice.below(10)];
 }
 
+/// One of the people in a picture.
+struct Sitter {
+  PeopleSample truth;  ///< without picture and mask, in the photograph's own pixels
+  int person = 0;      ///< channel of the exposure's coverage
+};
+
 /// What a rendered picture still is before it is developed.
 struct Sitting {
   Exposure exposure;
-  std::vector<PeopleSample> samples;  ///< without pictures, in the photograph's own pixels
-  bool clear = true;                  ///< nothing stands before the people: they can be cut out
+  std::vector<Sitter> sitters;
+  bool clear = true;  ///< nothing stands before the people, and no seat is left without its sitter: they can be cut out
   std::vector<std::string> tags;
 };
 
@@ -44,25 +51,16 @@ bool sees(const World& world, vec3 eye, vec3 joint, int person, float within_m) 
   return hit && world.stage().pieces[hit->mesh].person == person && hit->t > distance - within_m;
 }
 
-PeopleSample truth_of(const World& world, const simulator::CameraView& camera, const Figure& figure,
-                      const Exposure& exposure) {
-  PeopleSample sample;
-  const vec3 eye(camera.world_from_camera[3]);
-  const auto joints = keypoints_of(figure);
-  const Image& coverage = exposure.coverage;
-  for (int i = 0; i < kKeypoints; ++i) {
-    const vec3 at = project(camera, joints[i]);
-    const bool inside = at.z > 0.05f && at.x >= 0 && at.y >= 0 && at.x < static_cast<float>(coverage.width) &&
-                        at.y < static_cast<float>(coverage.height);
-    // eyes and nose lie on the surface, other joints within it
-    const float within = i < 5 ? 0.06f : (i == 11 || i == 12 ? 0.2f : 0.13f) * figure.body.stature_m / 1.7f;
-    const bool seen = inside && sees(world, eye, joints[i], figure.person, within) &&
-                      coverage.at(static_cast<int>(at.x), static_cast<int>(at.y), figure.person) > 0.5f;
-    sample.keypoints[i] = {at.x, at.y, inside ? (seen ? 2.0f : 1.0f) : 0.0f};
-  }
-  sample.face = face_box(figure, camera);
-  sample.tags = figure.tags;
-  return sample;
+/// How far before a joint the surface of its own part of the body lies, clothes and all: what is met nearer to the
+/// camera is something else, be it of the same person.
+float joint_depth_m(const Figure& figure, int keypoint) {
+  // on the skin but for the shapes of noses and lids, and glasses; ears are met at a slant
+  if (keypoint < 5) return 0.025f * figure.body.head_scale;
+  // shoulder, elbow, wrist, hip, knee, ankle: the radii of figure.cpp's cones
+  constexpr float kRadius[] = {0.0315f, 0.0235f, 0.016f, 0.072f, 0.034f, 0.022f};
+  const float radius = kRadius[(keypoint - 5) / 2] * figure.body.stature_m * (1 + 0.25f * figure.body.girth);
+  constexpr float kSlant = 1.4f;  // limbs up to 45 degrees from across the line of sight
+  return kSlant * (radius + (keypoint < 11 ? figure.top_cloth_m : figure.legs_cloth_m));
 }
 
 /// Whether a detector would find this face.
@@ -103,10 +101,20 @@ void match_background(Stage& stage, Dice& dice) {
   }
 }
 
-Figure add_any_figure(Stage& stage, Dice dice, const FigureOptions& options, const MakeHumanAssets* makehuman) {
-  Dice which = dice.of(99);
-  if (makehuman && which.chance(0.5f)) return add_makehuman_figure(stage, *makehuman, dice, options);
-  return add_figure(stage, dice, options);
+bool is_makehuman(const Dice& dice, const MakeHumanAssets* makehuman) { return makehuman && dice.of(99).chance(0.5f); }
+
+Figure add_any_figure(Stage& stage, const Dice& dice, const FigureOptions& options, const MakeHumanAssets* makehuman) {
+  return is_makehuman(dice, makehuman) ? add_makehuman_figure(stage, *makehuman, dice, options)
+                                       : add_figure(stage, dice, options);
+}
+
+/// What the camera aims at: the head, or of several the middle.
+vec3 middle_of(const std::vector<Figure>& figures) {
+  if (figures.size() == 1) return figures[0].skeleton.head.origin;
+  const auto [lowest, tallest] = std::minmax_element(figures.begin(), figures.end(), [](const auto& a, const auto& b) {
+    return a.skeleton.head.origin.y < b.skeleton.head.origin.y;
+  });
+  return {0, 0.5f * (lowest->skeleton.head.origin.y + tallest->skeleton.head.origin.y), 0};
 }
 
 Sitting take_sitting(Dice dice, const MakeHumanAssets* makehuman) {
@@ -130,14 +138,34 @@ Sitting take_sitting(Dice dice, const MakeHumanAssets* makehuman) {
 
   Stage stage;
   sitting.tags.push_back(set_light(stage, dice.of(2)));
-  const float around = 0.5f * plan.normal();  // the camera walks about the person by so much
-  std::vector<Figure> figures;
-  FigureOptions options;
-  options.metres_per_px = height_m / static_cast<float>(size.height);
-  options.seen_below_head_m = (1 - head_y) * height_m * 1.25f + 0.1f;
+  // the camera stands before the people, a little aside, at about the height of their eyes
+  const float rise = std::clamp(0.13f * plan.normal(), -0.35f, 0.45f), aside = 0.06f * plan.normal();
+  const float roll = 0.035f * plan.normal(), focus_error_m = 0.02f * plan.normal();
+  // from a phone's pupil of 2 mm to a portrait lens's of 50 mm
+  const float aperture_m =
+      plan.chance(0.55f) ? plan.in(0.001f, 0.004f) : plan.in(0.006f, 0.05f) * std::min(distance, 1.0f);
+  const auto camera_before = [&](vec3 head) {
+    CameraPlan camera;
+    camera.eye =
+        head + distance * vec3(std::sin(aside) * std::cos(rise), std::sin(rise), std::cos(aside) * std::cos(rise));
+    camera.eye.y = std::max(camera.eye.y, 0.15f);
+    camera.target = head + vec3((0.5f - head_x) * height_m * aspect, (head_y - 0.5f) * height_m, 0);
+    camera.roll = roll;
+    camera.height_m = height_m;
+    camera.width_px = size.width;
+    camera.height_px = size.height;
+    camera.aperture_m = aperture_m;
+    camera.focus_m = glm::distance(camera.eye, head) - 0.08f + focus_error_m;
+    return camera;
+  };
+
+  std::vector<FigureOptions> planned;
+  std::vector<Figure> figures;  // their poses at first
+  bool any_makehuman = false;
   const float spacing = plan.in(0.4f, 0.62f);
-  float tallest = 0, lowest = 9;
   for (int i = 0; i < people; ++i) {
+    FigureOptions& options = planned.emplace_back();
+    options.metres_per_px = height_m / static_cast<float>(size.height);
     options.person = i;
     const float x = (static_cast<float>(i) - 0.5f * static_cast<float>(people - 1)) * spacing;
     options.place = vec3(x, 0, people > 1 ? 0.12f * plan.normal() : 0);
@@ -145,66 +173,65 @@ Sitting take_sitting(Dice dice, const MakeHumanAssets* makehuman) {
     options.head_yaw = -0.75f * options.yaw + 0.16f * plan.normal();
     Dice gesture = dice.of(10 + i);
     options.gesture = any_gesture(gesture);
-    figures.push_back(add_any_figure(stage, dice.of(20 + i), options, makehuman));
-    tallest = std::max(tallest, figures.back().skeleton.head.origin.y);
-    lowest = std::min(lowest, figures.back().skeleton.head.origin.y);
+    figures.push_back(pose_figure(dice.of(20 + i), options));
+    any_makehuman = any_makehuman || is_makehuman(dice.of(20 + i), makehuman);
   }
-  // the camera stands before the person, a little aside, at about the height of the eyes; then all else turns with it
-  const vec3 head = people == 1 ? figures[0].skeleton.head.origin : vec3(0, 0.5f * (tallest + lowest), 0);
-  const float rise = std::clamp(0.13f * plan.normal(), -0.35f, 0.45f), aside = 0.12f * around;
-  CameraPlan camera_plan;
-  camera_plan.eye =
-      head + distance * vec3(std::sin(aside) * std::cos(rise), std::sin(rise), std::cos(aside) * std::cos(rise));
-  camera_plan.eye.y = std::max(camera_plan.eye.y, 0.15f);
-  camera_plan.target = head + vec3((0.5f - head_x) * height_m * aspect, (head_y - 0.5f) * height_m, 0);
-  camera_plan.roll = 0.035f * plan.normal();
-  camera_plan.height_m = height_m;
-  camera_plan.width_px = size.width;
-  camera_plan.height_px = size.height;
-  // from a phone's pupil of 2 mm to a portrait lens's of 50 mm
-  camera_plan.aperture_m =
-      plan.chance(0.55f) ? plan.in(0.001f, 0.004f) : plan.in(0.006f, 0.05f) * std::min(distance, 1.0f);
-  camera_plan.focus_m = glm::distance(camera_plan.eye, head) - 0.08f + 0.02f * plan.normal();
+  // what lies below the picture is not made; how tall MakeHuman's people are is known only when they are whole
+  constexpr float kPeopleReach_m = 0.6f, kBlur_m = 0.05f;
+  const simulator::CameraView before = make_camera(camera_before(middle_of(figures)));
+  const float lowest_m = any_makehuman ? -1 : lowest_seen_m(before, kPeopleReach_m) - kBlur_m;
+  for (int i = 0; i < people; ++i) {
+    planned[i].lowest_m = lowest_m;
+    figures[i] = add_any_figure(stage, dice.of(20 + i), planned[i], makehuman);
+  }
+  const vec3 head = middle_of(figures);
+  const CameraPlan camera_plan = camera_before(head);
 
   const float back = plan.chance(0.3f) ? plan.in(0.8f, 1.6f) : plan.in(1.5f, 6);
   sitting.tags.push_back(add_surroundings(stage, dice.of(3), back));
   Dice extras = dice.of(4);
   if (extras.chance(0.15f)) match_background(stage, extras);
-  if (extras.chance(0.18f)) {  // bystanders
+  constexpr float kNearestBystander_m = 0.8f;
+  const float room = back - 0.4f;  // most places have a wall at `back`
+  if (extras.chance(0.25f) && room > kNearestBystander_m) {
     const int bystanders = 1 + extras.below(3);
     for (int i = 0; i < bystanders; ++i) {
       FigureOptions other;
-      const float behind = extras.in(1.5f, 6);
+      const float behind = extras.in(kNearestBystander_m, room);
       other.place = {extras.sign() * extras.in(0.15f, 0.45f) * (behind + distance) * height_m / distance, 0, -behind};
       other.yaw = 6.2831853f * extras.unit();
-      other.metres_per_px = options.metres_per_px * (behind + distance) / distance;
-      other.person = -1;
+      other.metres_per_px = planned[0].metres_per_px * (behind + distance) / distance;
+      other.person = kBystander;
       other.gesture = any_gesture(extras);
       add_any_figure(stage, extras.of(i), other, makehuman);
     }
-    sitting.tags.emplace_back("bystanders");
   }
   if (extras.chance(0.12f)) {
     const float bottom = head.y - (1 - head_y) * height_m;
     add_clutter(stage, dice.of(5), camera_plan.eye, bottom + extras.in(0.05f, 0.3f) * height_m);
-    sitting.clear = false;
     sitting.tags.emplace_back("clutter");
   }
   const World world(stage);
   const simulator::CameraView camera = make_camera(camera_plan);
+  const Survey way = survey(world, camera);
+  if (way.bystanders) sitting.tags.emplace_back("bystanders");
+  constexpr float kMostCovered = 0.002f;  // soles may lie in a floor
+  sitting.clear = way.covered < kMostCovered;
+  for (const Figure& figure : figures) {
+    const bool seat_seen = figure.pose.sitting && project(camera, figure.skeleton.pelvis.origin).y < size.height;
+    sitting.clear = sitting.clear && !seat_seen;
+  }
   Dice grain = dice.of(6);
   sitting.exposure = shoot(world, camera, people, grain.seed());
   float largest = 0;
   for (const Figure& figure : figures) {
-    PeopleSample sample = truth_of(world, camera, figure, sitting.exposure);
-    if (!is_frontal_and_seen(figure, camera, sample, sitting.exposure.coverage)) continue;
-    largest = std::max(largest, sample.face.z * sample.face.w);
-    sitting.samples.push_back(std::move(sample));
-    sitting.samples.back().people = people;
-    // which person: for the mask
-    sitting.samples.back().picture_index = figure.person;
+    PeopleSample truth = truth_of(world, camera, figure, sitting.exposure);
+    if (!is_frontal_and_seen(figure, camera, truth, sitting.exposure.coverage)) continue;
+    truth.people = people;
+    largest = std::max(largest, truth.face.z * truth.face.w);
+    sitting.sitters.push_back({std::move(truth), figure.person});
   }
-  std::erase_if(sitting.samples, [&](const PeopleSample& s) { return s.face.z * s.face.w < largest / 3; });
+  std::erase_if(sitting.sitters, [&](const Sitter& s) { return s.truth.face.z * s.truth.face.w < largest / 3; });
   return sitting;
 }
 
@@ -260,7 +287,7 @@ Image composite_of(const Exposure& exposure, Image background, Dice dice) {
 }
 
 /// Develops a picture, centres it in the square and gives each of `people` a sample.
-void finish(const Sitting& sitting, const std::vector<PeopleSample>& people, Image light, Dice dice,
+void finish(const Sitting& sitting, const std::vector<Sitter>& people, Image light, Dice dice,
             std::vector<PeopleSample>& out) {
   const Image& coverage = sitting.exposure.coverage;
   // as much for the people as for the whole picture, with an automatic exposure's errors
@@ -273,8 +300,8 @@ void finish(const Sitting& sitting, const std::vector<PeopleSample>& people, Ima
   expose_to(light, weight, 0.19f * std::exp2(0.6f * dice.normal()));
   const std::vector<std::uint8_t> photograph = develop(std::move(light), dice.of(1));
   const int left = (kPictureSide_px - coverage.width) / 2, top = (kPictureSide_px - coverage.height) / 2;
-  for (const PeopleSample& seen : people) {
-    PeopleSample sample = seen;
+  for (const auto& [truth, person] : people) {
+    PeopleSample sample = truth;
     sample.picture.assign(static_cast<std::size_t>(kPictureSide_px) * kPictureSide_px * 3, 0);
     sample.mask.assign(static_cast<std::size_t>(kPictureSide_px) * kPictureSide_px, 0);
     for (int y = 0; y < coverage.height; ++y) {
@@ -282,7 +309,7 @@ void finish(const Sitting& sitting, const std::vector<PeopleSample>& people, Ima
       std::copy_n(photograph.begin() + static_cast<std::ptrdiff_t>(y) * coverage.width * 3, coverage.width * 3,
                   sample.picture.begin() + static_cast<std::ptrdiff_t>(to) * 3);
       for (int x = 0; x < coverage.width; ++x) {
-        sample.mask[to + x] = static_cast<std::uint8_t>(std::lround(coverage.at(x, y, seen.picture_index) * 255));
+        sample.mask[to + x] = static_cast<std::uint8_t>(std::lround(coverage.at(x, y, person) * 255));
       }
     }
     for (vec3& k : sample.keypoints) k += vec3(left, top, 0);
@@ -291,7 +318,45 @@ void finish(const Sitting& sitting, const std::vector<PeopleSample>& people, Ima
   }
 }
 
+/// The backgrounds of a shard's composites, made when they are first wanted: a sample does not depend on how many
+/// there are.
+class Backgrounds {
+ public:
+  explicit Backgrounds(const Dice& dice) : dice_(dice) {}
+
+  const Image& any(Dice& dice) {
+    const auto i = static_cast<std::size_t>(dice.below(kCount));
+    std::call_once(made_[i], [&] { images_[i] = take_background(dice_.of(1'000'000 + i)); });
+    return images_[i];
+  }
+
+ private:
+  static constexpr int kCount = 32;
+  Dice dice_;
+  std::array<std::once_flag, kCount> made_;
+  std::array<Image, kCount> images_;
+};
+
 }  // namespace
+
+PeopleSample truth_of(const World& world, const simulator::CameraView& camera, const Figure& figure,
+                      const Exposure& exposure) {
+  PeopleSample sample;
+  const vec3 eye(camera.world_from_camera[3]);
+  const auto joints = keypoints_of(figure);
+  const Image& coverage = exposure.coverage;
+  for (int i = 0; i < kKeypoints; ++i) {
+    const vec3 at = project(camera, joints[i]);
+    const bool inside = at.z > 0.05f && at.x >= 0 && at.y >= 0 && at.x < static_cast<float>(coverage.width) &&
+                        at.y < static_cast<float>(coverage.height);
+    const bool seen = inside && sees(world, eye, joints[i], figure.person, joint_depth_m(figure, i)) &&
+                      coverage.at(static_cast<int>(at.x), static_cast<int>(at.y), figure.person) > 0.5f;
+    sample.keypoints[i] = {at.x, at.y, inside ? (seen ? 2.0f : 1.0f) : 0.0f};
+  }
+  sample.face = face_box(figure, camera);
+  sample.tags = figure.tags;
+  return sample;
+}
 
 std::array<vec3, kKeypoints> keypoints_of(const Figure& figure) {
   const Skeleton& k = figure.skeleton;
@@ -319,16 +384,9 @@ glm::vec4 face_box(const Figure& figure, const simulator::CameraView& camera) {
 std::vector<PeopleSample> make_people_shard(const PeopleOptions& options, int shard, int count,
                                             const std::function<void(double)>& progress) {
   const Dice dice = Dice(options.seed, options.held_out).of(static_cast<std::uint64_t>(shard));
-  std::vector<Image> backgrounds(options.composites > 0 ? std::clamp(count / 16, 3, 32) : 0);
+  Backgrounds backgrounds(dice);
   std::atomic<int> done = 0;
-  const int in_all = static_cast<int>(backgrounds.size()) + count / (1 + options.composites);
-  const auto one_done = [&] {
-    if (progress) progress(std::min(0.99, static_cast<double>(++done) / in_all));
-  };
-  tbb::parallel_for(std::size_t{0}, backgrounds.size(), [&](std::size_t i) {
-    backgrounds[i] = take_background(dice.of(1'000'000 + i));
-    one_done();
-  });
+  const int in_all = std::max(count / (1 + options.composites), 1);
   std::vector<PeopleSample> samples;
   int first = 0;
   while (static_cast<int>(samples.size()) < count) {
@@ -339,17 +397,16 @@ std::vector<PeopleSample> make_people_shard(const PeopleOptions& options, int sh
       const int index = first + i;
       const Dice picture = dice.of(static_cast<std::uint64_t>(index));
       const Sitting sitting = take_sitting(picture, options.makehuman.get());
-      one_done();
-      if (sitting.samples.empty()) return;
+      if (progress) progress(std::min(0.99, static_cast<double>(++done) / in_all));
+      if (sitting.sitters.empty()) return;
       std::vector<PeopleSample>& out = made[i];
-      finish(sitting, sitting.samples, sitting.exposure.light, picture.of(50), out);
+      finish(sitting, sitting.sitters, sitting.exposure.light, picture.of(50), out);
       const int whole = static_cast<int>(out.size());
       for (int k = 0; k < options.composites && sitting.clear; ++k) {
         Dice mix = picture.of(100 + k);
-        const Image& background =
-            backgrounds[static_cast<std::size_t>(mix.below(static_cast<int>(backgrounds.size())))];
+        const Image& background = backgrounds.any(mix);
         // of several people one: the others are in the next
-        const PeopleSample& one = sitting.samples[static_cast<std::size_t>(k) % sitting.samples.size()];
+        const Sitter& one = sitting.sitters[static_cast<std::size_t>(k) % sitting.sitters.size()];
         finish(sitting, {one}, composite_of(sitting.exposure, background, mix.of(1)), mix.of(2), out);
       }
       for (std::size_t k = 0; k < out.size(); ++k) {

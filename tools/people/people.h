@@ -12,11 +12,13 @@
 
 /// Pictures of people with their truth, for training and judging a segmentation network (Wadhwa et al. 2018, section
 /// 3.1): procedural figures in procedural surroundings, and composites of them over other backgrounds. A sample depends
-/// on (seed, held_out, composites, shard, place in the shard) alone.
+/// on (seed, held_out, composites, makehuman, shard, place in the shard) alone, not on how many there are.
 namespace dualpixel::tools {
 
 inline constexpr int kPictureSide_px = 256, kKeypoints = 17, kMostPeople = 5;
 inline constexpr int kShardSamples = 512;
+/// Raised whenever the same options give other samples.
+inline constexpr int kPeopleGenerator = 2;
 
 class MakeHumanAssets;
 
@@ -48,6 +50,10 @@ std::vector<PeopleSample> make_people_shard(const PeopleOptions& options, int sh
 
 /// The 17 keypoints in the world, metres.
 std::array<vec3, kKeypoints> keypoints_of(const Figure& figure);
+/// Keypoints, face box and tags of one in the picture, in the camera's pixels. A keypoint is seen where the first thing
+/// on the way to it is its own part of the person; else it is hidden.
+PeopleSample truth_of(const World& world, const simulator::CameraView& camera, const Figure& figure,
+                      const Exposure& exposure);
 /// The square that a frontal face detector would draw, in the camera's pixels: x, y, width, height.
 glm::vec4 face_box(const Figure& figure, const simulator::CameraView& camera);
 

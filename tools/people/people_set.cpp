@@ -3,42 +3,63 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "capture/error.h"
 #include "capture/files.h"
+#include "tools/people/makehuman.h"
 
 namespace dualpixel::tools {
 namespace {
 
 namespace fs = std::filesystem;
 constexpr const char* kShardFile = "shard.json";
+constexpr const char* kShardArrays[] = {"pictures.npy", "masks.npy", "keypoints.npy", "faces.npy", "samples.json"};
+
+std::string shard_name(int shard) { return fmt::format("shard_{:05}", shard); }
 
 int samples_of_shard(const PeopleOptions& options, int shard) {
   return std::min(kShardSamples, options.count - shard * kShardSamples);
 }
 
 /// What a shard was made from, and so whether it need not be made again.
-std::string shard_recipe(const PeopleOptions& options, int shard) {
-  const nlohmann::ordered_json json = {{"format", "dualpixel people shard"},
-                                       {"version", 1},
-                                       {"shard", shard},
-                                       {"count", samples_of_shard(options, shard)},
-                                       {"seed", options.seed},
-                                       {"held_out", options.held_out},
-                                       {"composites", options.composites},
-                                       {"makehuman", options.makehuman != nullptr}};
-  return json.dump(2) + "\n";
+nlohmann::ordered_json shard_recipe(const PeopleOptions& options, int shard) {
+  return {{"format", "dualpixel people shard"},
+          {"version", 1},
+          {"generator", kPeopleGenerator},
+          {"shard", shard},
+          {"count", samples_of_shard(options, shard)},
+          {"seed", options.seed},
+          {"held_out", options.held_out},
+          {"composites", options.composites},
+          {"makehuman", options.makehuman ? options.makehuman->hash : ""}};
 }
 
-bool is_there(const std::string& folder, const std::string& recipe) {
+/// Whether a shard of this recipe is there with all its files as they were written.
+bool is_there(const std::string& folder, const nlohmann::ordered_json& recipe) {
   const std::string path = folder + "/" + kShardFile;
   std::error_code ignored;
-  return fs::is_regular_file(path, ignored) && fs::file_size(path, ignored) == recipe.size() &&
-         read_file(path) == recipe;
+  if (!fs::is_regular_file(path, ignored)) return false;
+  auto written = nlohmann::ordered_json::parse(read_file(path), nullptr, false);
+  if (!written.is_object() || !written.contains("files") || !written["files"].is_object()) return false;
+  const nlohmann::ordered_json files = written["files"];
+  written.erase("files");
+  return written == recipe && std::all_of(std::begin(kShardArrays), std::end(kShardArrays), [&](const char* name) {
+           const std::string array = folder + "/" + name;
+           return files.contains(name) && fs::is_regular_file(array, ignored) && files[name] == file_hash(array);
+         });
+}
+
+/// Shards of a larger set in the same folder would be taken for a part of this one.
+void refuse_shards_beyond(const std::string& folder, int shards) {
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("shard_") && name >= shard_name(shards)) {
+      throw InputError(fmt::format("{}/{}: from a set of more than {} shards: remove it, or choose another folder",
+                                   printable(folder), printable(name), shards));
+    }
+  }
 }
 
 template <typename T>
@@ -46,7 +67,7 @@ std::string_view bytes_of(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
-void write_shard(const std::vector<PeopleSample>& samples, const std::string& path, const std::string& recipe) {
+void write_shard(const std::vector<PeopleSample>& samples, const std::string& path, nlohmann::ordered_json recipe) {
   NewFolder out(path, kShardFile);
   const std::size_t n = samples.size(), side = kPictureSide_px;
   std::vector<std::uint8_t> pictures, masks;
@@ -63,12 +84,15 @@ void write_shard(const std::vector<PeopleSample>& samples, const std::string& pa
                     {"composite", s.composite},
                     {"tags", s.tags}});
   }
-  write_file(out.path() + "/pictures.npy", npy_bytes("|u1", {n, side, side, 3}, bytes_of(pictures)));
-  write_file(out.path() + "/masks.npy", npy_bytes("|u1", {n, side, side}, bytes_of(masks)));
-  write_file(out.path() + "/keypoints.npy", npy_bytes("<f4", {n, kKeypoints, 3}, bytes_of(keypoints)));
-  write_file(out.path() + "/faces.npy", npy_bytes("<f4", {n, 4}, bytes_of(faces)));
-  write_file(out.path() + "/samples.json", list.dump() + "\n");
-  write_file(out.path() + "/" + kShardFile, recipe);
+  const std::string contents[] = {npy_bytes("|u1", {n, side, side, 3}, bytes_of(pictures)),
+                                  npy_bytes("|u1", {n, side, side}, bytes_of(masks)),
+                                  npy_bytes("<f4", {n, kKeypoints, 3}, bytes_of(keypoints)),
+                                  npy_bytes("<f4", {n, 4}, bytes_of(faces)), list.dump() + "\n"};
+  for (std::size_t i = 0; i < std::size(contents); ++i) {
+    write_file(out.path() + "/" + kShardArrays[i], contents[i]);
+    recipe["files"][kShardArrays[i]] = hash_of(contents[i]);
+  }
+  write_file(out.path() + "/" + kShardFile, recipe.dump(2) + "\n");
   out.commit();
 }
 
@@ -117,9 +141,12 @@ void write_people_set(const PeopleOptions& options, const std::string& folder,
   fs::create_directories(folder, error);
   if (!fs::is_directory(folder)) throw InputError(fmt::format("{}: cannot be made a folder", printable(folder)));
   const int shards = (options.count + kShardSamples - 1) / kShardSamples;
+  refuse_shards_beyond(folder, shards);
   for (int shard = 0; shard < shards; ++shard) {
-    const std::string path = fmt::format("{}/shard_{:05}", folder, shard), recipe = shard_recipe(options, shard);
+    const std::string path = folder + "/" + shard_name(shard);
+    const nlohmann::ordered_json recipe = shard_recipe(options, shard);
     if (!is_there(path, recipe)) {
+      fs::remove(folder + "/people.json", error);  // until it is written anew, the set is not whole
       const auto samples = make_people_shard(options, shard, samples_of_shard(options, shard), [&](double fraction) {
         if (progress) progress((shard + fraction) / shards);
       });

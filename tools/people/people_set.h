@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "capture/image.h"
@@ -14,8 +15,9 @@ inline constexpr int kMostSamples = 10'000'000, kMostComposites = 100;
 /// Throws InputError where an option lies outside its range.
 void check_people_options(const PeopleOptions& options);
 
-/// Writes shards and then people.json under `folder`. A shard that is there whole, from the same options, is kept: a
-/// run that was ended goes on where it was. Each shard appears under its name in one step. `each` gets the samples of
+/// Writes shards and then people.json under `folder`. A shard that is there whole, from the same options, generator and
+/// assets, is kept: a run that was ended goes on where it was; people.json is gone while any is made. Shards beyond the
+/// count are refused (InputError). Each shard appears under its name in one step. `each` gets the samples of
 /// every shard that is made.
 void write_people_set(const PeopleOptions& options, const std::string& folder,
                       const std::function<void(double)>& progress = {},

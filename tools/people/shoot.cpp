@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "simulator/render/camera_rays.h"
@@ -157,6 +158,54 @@ vec3 project(const simulator::CameraView& camera, vec3 point) {
   const float z = std::max(local.z, 1e-3f);
   return {static_cast<float>(sensor.principal_point_px.x) + scale * local.x / z,
           static_cast<float>(sensor.principal_point_px.y) + scale * local.y / z, local.z};
+}
+
+vec3 direction_of(const simulator::CameraView& camera, vec2 at) {
+  const auto& sensor = camera.lens.sensor();
+  const auto scale = static_cast<float>(sensor.pixel_pitch_m / camera.lens.lens().thin.image_distance_m());
+  const vec2 middle(sensor.principal_point_px.x, sensor.principal_point_px.y);
+  return glm::normalize(mat3(camera.world_from_camera) * vec3(scale * (at - middle), 1));
+}
+
+float lowest_seen_m(const simulator::CameraView& camera, float reach_m) {
+  const auto& sensor = camera.lens.sensor();
+  const vec3 eye(camera.world_from_camera[3]);
+  float lowest = eye.y;
+  for (const int x : {0, sensor.width_px}) {
+    const vec3 d = direction_of(camera, vec2(x, sensor.height_px));
+    for (const float z : {-reach_m, reach_m}) {
+      if (d.z > -1e-3f) return std::numeric_limits<float>::lowest();  // straight down, or back
+      lowest = std::min(lowest, eye.y + d.y * std::max((z - eye.z) / d.z, 0.0f));
+    }
+  }
+  return lowest;
+}
+
+Survey survey(const World& world, const simulator::CameraView& camera) {
+  constexpr int kStep_px = 4, kMostLayers = 32;
+  const auto& sensor = camera.lens.sensor();
+  Survey found;
+  int towards_people = 0, covered = 0;
+  for (int y = kStep_px / 2; y < sensor.height_px; y += kStep_px) {
+    for (int x = kStep_px / 2; x < sensor.width_px; x += kStep_px) {
+      vec3 from(camera.world_from_camera[3]);
+      const vec3 d = direction_of(camera, vec2(x, y));
+      for (int layer = 0; layer < kMostLayers; ++layer) {
+        const auto hit = world.intersector().intersect({from, d});
+        if (!hit) break;
+        const int person = world.stage().pieces[hit->mesh].person;
+        if (layer == 0 && person == kBystander) found.bystanders = true;
+        if (person >= 0) {
+          ++towards_people;
+          covered += layer > 0 ? 1 : 0;
+          break;
+        }
+        from += (static_cast<float>(hit->t) + 1e-3f) * d;
+      }
+    }
+  }
+  if (towards_people > 0) found.covered = static_cast<float>(covered) / static_cast<float>(towards_people);
+  return found;
 }
 
 Exposure shoot(const World& world, const simulator::CameraView& camera, int people, std::uint64_t seed) {

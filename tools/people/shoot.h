@@ -35,6 +35,10 @@ simulator::CameraView make_camera(const CameraPlan& plan);
 
 /// Where a point of the world appears (pixel centres at .5) and how far it is, metres along the axis.
 vec3 project(const simulator::CameraView& camera, vec3 point);
+/// The way from the middle of the pupil to what appears at `at`, unit: the inverse of project().
+vec3 direction_of(const simulator::CameraView& camera, vec2 at);
+/// The lowest height in the picture between the planes z = -reach_m and z = reach_m, metres.
+float lowest_seen_m(const simulator::CameraView& camera, float reach_m);
 
 struct Exposure {
   Image light;         ///< linear RGB
@@ -42,5 +46,12 @@ struct Exposure {
   Image coverage;      ///< one channel a person: the share of the pixel's samples that met them
 };
 Exposure shoot(const World& world, const simulator::CameraView& camera, int people, std::uint64_t seed);
+
+/// What stands in the way, from rays from the middle of the pupil through every fourth pixel.
+struct Survey {
+  float covered = 0;        ///< of the rays on whose way somebody is, the share that meets something nobody's first
+  bool bystanders = false;  ///< one was met
+};
+Survey survey(const World& world, const simulator::CameraView& camera);
 
 }  // namespace dualpixel::tools

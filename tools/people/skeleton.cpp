@@ -46,6 +46,8 @@ const ArmPose kRaised = arm({0.17f, 0.42f, 0.03f}, {1, 0, 0.2f}, {0.1f, 1, 0.1f}
 const ArmPose kWave = arm({0.2f, 0.29f, 0.09f}, {0.8f, -1, -0.1f}, {0.1f, 1, 0}, {0, 0.1f, 1}, 0.1f);
 const ArmPose kChin = arm({0.035f, 0.175f, 0.12f}, {0.5f, -1, 0}, {-0.3f, 0.9f, -0.3f}, {-0.3f, 0.3f, -1}, 0.75f);
 const ArmPose kPoint = arm({0.13f, 0.2f, 0.2f}, {0.6f, -1, 0}, {0.3f, 0.5f, 0.6f}, {-1, 0, 0.2f}, 0.6f);
+const ArmPose kToast = arm({0.12f, 0.17f, 0.17f}, {0.7f, -1, -0.1f}, {-0.3f, 0.7f, 0.4f}, {-0.8f, 0, 0.2f}, 0.7f);
+const ArmPose kCarry = arm({0.085f, 0.01f, 0.16f}, {0.5f, -0.6f, -1}, {-0.2f, 0.1f, 1}, {-0.6f, 0.8f, 0}, 0.2f);
 const ArmPose kCrossedOver =
     arm({-0.05f, 0.105f, 0.115f}, {0.9f, -0.9f, 0.1f}, {-0.9f, 0.25f, -0.15f}, {-0.1f, -0.5f, -1}, 0.3f);
 const ArmPose kCrossedUnder =
@@ -163,6 +165,19 @@ Pose make_pose(Dice& dice, const Body& body, Gesture gesture) {
     case Gesture::pointing:
       one = kPoint;
       break;
+    case Gesture::toasting:
+      one = kToast;
+      one.wrist += vec3(dice.in(-0.03f, 0.04f), dice.in(-0.05f, 0.05f), dice.in(-0.03f, 0.03f));
+      pose.held = Held::glass;
+      break;
+    case Gesture::carrying: {
+      one = other = kCarry;
+      const float higher = dice.in(-0.03f, 0.07f);
+      one.wrist.y += higher, other.wrist.y += higher;
+      pose.held = Held::parcel;
+      pose.both_hands = true;
+      break;
+    }
   }
   if (pose.held == Held::nothing && dice.chance(0.12f)) pose.held = Held::bag;  // over a shoulder
   const float spread = gesture == Gesture::crossed || pose.both_hands ? 0.006f : 0.014f;

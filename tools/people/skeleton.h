@@ -33,7 +33,10 @@ enum class Held : std::uint8_t {
   animal,
   tablet,
   microphone,
-  umbrella
+  umbrella,
+  // held-out
+  glass,
+  parcel
 };
 
 /// Where one hand is: the wrist in the chest's frame as shares of stature (x away from the body's middle), the way the
@@ -59,7 +62,7 @@ struct Pose {
   bool both_hands = false;
 };
 
-/// What people do with their arms. The last `kReservedGestures` are drawn for held-out sets only.
+/// What people do with their arms. The last `kReservedGestures`, and what they hold, are drawn for held-out sets only.
 enum class Gesture : std::uint8_t {
   hanging,
   bent,
@@ -77,9 +80,11 @@ enum class Gesture : std::uint8_t {
   // held-out
   waving,
   at_chin,
-  pointing
+  pointing,
+  toasting,
+  carrying
 };
-inline constexpr int kGestures = 16, kReservedGestures = 3;
+inline constexpr int kGestures = 18, kReservedGestures = 5;
 
 Pose make_pose(Dice& dice, const Body& body, Gesture gesture);
 Gesture any_gesture(Dice& dice);
@@ -104,7 +109,8 @@ struct Skeleton {
   vec3 neck_base;
   std::array<vec3, 2> shoulder, elbow, wrist, hip, knee, ankle, toe;
   std::array<Frame, 2> hand;  ///< y along the fingers, z out of the palm; origin in the palm
-  std::vector<Bone> bones;
+  std::vector<Bone> bones;    ///< pelvis, chest, neck; upper arm, forearm, thigh, shin of each side
+  static constexpr std::size_t kNeckBone = 2;
 
   /// Where a place on the posed body lies on the body at rest.
   vec3 rest_of(vec3 p) const;

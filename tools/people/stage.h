@@ -8,6 +8,9 @@
 /// stand about the origin and face +z, where the camera is.
 namespace dualpixel::tools {
 
+/// Piece::person of the surroundings, and of people who are in nobody's mask.
+inline constexpr int kNobody = -1, kBystander = -2;
+
 /// One thing of one look. `rest` is where each vertex lies in its texture's own space, metres: for a body, unposed;
 /// for a wall, along it; for a head, relative to the middle between the ears.
 struct Piece {
@@ -15,8 +18,8 @@ struct Piece {
   std::vector<vec3> rest;
   std::vector<vec3> normals;  ///< unit
   std::vector<glm::uvec3> triangles;
-  int look = 0;     ///< index into Stage::looks
-  int person = -1;  ///< who wears, holds or is it; -1: part of the surroundings
+  int look = 0;          ///< index into Stage::looks
+  int person = kNobody;  ///< who wears, holds or is it
 };
 
 /// Light that comes from all around, by direction: a gradient from the ground over the horizon to straight up, and a

@@ -315,12 +315,15 @@ void add_painted(Builder& build, Dice& dice, float back) {
   build.quad({-12, 0, 5}, {24, 0, 0}, {0, 0, -back - 5}, wall_look(dice));
   const int things = dice.below(7);
   for (int i = 0; i < things; ++i) {
-    const float z = -dice.in(0.35f, 1) * back;
+    const bool box = dice.chance(0.5f);
+    const vec3 half = box ? dice.in3(0.05f, 0.5f) : vec3(dice.in(0.05f, 0.4f));
+    // behind the people, however it is turned
+    const float z = -std::max(dice.in(0.35f, 1) * back, 0.5f + (box ? std::hypot(half.x, half.z) : half.x));
     const vec3 at(dice.in(-1.5f, 1.5f) * (1 - 0.3f * z), dice.in(0.2f, 2), z);
-    if (dice.chance(0.5f)) {
-      build.box(at, dice.in3(0.05f, 0.5f), wall_look(dice), dice.in(-1, 1));
+    if (box) {
+      build.box(at, half, wall_look(dice), dice.in(-1, 1));
     } else {
-      add_ball(build.piece(wall_look(dice)), at, vec3(dice.in(0.05f, 0.4f)), mat3(1), 10);
+      add_ball(build.piece(wall_look(dice)), at, half, mat3(1), 10);
     }
   }
 }
