@@ -23,7 +23,7 @@ namespace {
 struct ExperimentDefocusOptions {
   std::string folder;
   std::vector<std::string> scenes = {"scenes/portrait.json", "scenes/slanted_planes.json",
-                                     "scenes/occlusion_edges.json", "scenes/calibration_target.json"};
+                                     "scenes/occlusion_edges.json"};
 };
 
 constexpr float kHaloRadii[] = {3, 6, 10, 15, 20, 30};
@@ -191,7 +191,7 @@ void add_experiment_defocus(CLI::App& experiment) {
   auto options = std::make_shared<ExperimentDefocusOptions>();
   CLI::App* command = experiment.add_subcommand(
       "defocus", "Synthetic defocus against the wide lens's photograph: loss by cause, order of methods, halos");
-  command->add_option("scene", options->scenes, "Scene JSON files (default: the shipped ones)")
+  command->add_option("scene", options->scenes, "Scene JSON files (default: the shipped ones that have depth)")
       ->type_name("SCENE.json");
   command->add_option("-o,--output", options->folder, "Folder to write defocus.json and defocus.html into")
       ->required()
