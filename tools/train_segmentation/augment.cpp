@@ -57,6 +57,8 @@ Planes relit(const PersonSample& sample, const Augmentation& a) {
   const auto saturation = static_cast<float>(a.saturation);
   const Frame frame = frame_of(sample.picture);
   Planes planes(kSize * kSize * kPlanes);
+  // the mask of every pixel: a photograph's own border may be black, too
+  for (int i = 0; i < kSize * kSize; ++i) planes[kPlanes * i + 3] = static_cast<float>(sample.mask[i]) / 255;
   for (int y = frame.top; y < frame.bottom; ++y) {
     for (int x = frame.left; x < frame.right; ++x) {
       const int i = y * kSize + x;
@@ -67,7 +69,6 @@ Planes relit(const PersonSample& sample, const Augmentation& a) {
       out[0] = std::clamp(grey + saturation * (r - grey), 0.F, 1.F);
       out[1] = std::clamp(grey + saturation * (g - grey), 0.F, 1.F);
       out[2] = std::clamp(grey + saturation * (b - grey), 0.F, 1.F);
-      out[3] = static_cast<float>(sample.mask[i]) / 255;
       out[4] = 1;
     }
   }
