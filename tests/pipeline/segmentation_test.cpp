@@ -406,7 +406,7 @@ TEST(Faces, NoneWhereThereIsNone) {
   }
 }
 
-TEST(Faces, TwentyAndHalfOnes) {
+TEST(SlowFaces, TwentyAndHalfOnes) {
   NEEDS_FACES();
   Image crowd(640, 480, 1, 0.2F);
   for (int i = 0; i < 20; ++i) {

@@ -113,7 +113,7 @@ std::string write_pair(const TemporaryFolder& folder, bool with_face) {
          "' ";
 }
 
-TEST(PortraitPeople, FacesOutsideThePictureAreRefused) {
+TEST(SlowPortraitPeople, FacesOutsideThePictureAreRefused) {
   const TemporaryFolder folder;
   const std::string portrait = write_pair(folder, false);
   for (const char* bad : {"--face 1,2,3", "--face 400,10,20,20", "--face nan,1,2,3", "--tap -1,2"}) {
@@ -121,7 +121,7 @@ TEST(PortraitPeople, FacesOutsideThePictureAreRefused) {
   }
 }
 
-TEST(PortraitPeople, AreFoundWithoutAMask) {
+TEST(SlowPortraitPeople, AreFoundWithoutAMask) {
   if (!pipeline::has_person_network() || !pipeline::has_face_detector()) GTEST_SKIP() << "built without";
   try {
     pipeline::built_in_weights();
