@@ -39,9 +39,9 @@ void write_picture(const std::string& path, Image picture) {
   write_png8(path, picture);
 }
 
-class SegmentationExperiment : public testing::Test {
+class SlowSegmentationExperiment : public testing::Test {
  protected:
-  SegmentationExperiment() {
+  SlowSegmentationExperiment() {
     std::filesystem::create_directory(folder / "images");
     std::filesystem::create_directory(folder / "masks");
     write_bytes(folder / "toy.safetensors", pipeline::as_safetensors(pipeline::face_follower()));
@@ -53,7 +53,7 @@ class SegmentationExperiment : public testing::Test {
   TemporaryFolder folder;
 };
 
-TEST_F(SegmentationExperiment, ScoresWhatItFinds) {
+TEST_F(SlowSegmentationExperiment, ScoresWhatItFinds) {
   if (!pipeline::has_person_network() || !pipeline::has_face_detector()) GTEST_SKIP() << "built without";
   Image picture(640, 480, 3, 0.2F), truth(640, 480);
   pipeline::draw_face(picture, 300, 220, 160);
@@ -83,7 +83,7 @@ TEST_F(SegmentationExperiment, ScoresWhatItFinds) {
   EXPECT_NE(read_bytes(folder / "out/segmentation.html").find("wall"), std::string::npos);
 }
 
-TEST_F(SegmentationExperiment, UnusableFoldersAreOneClearLine) {
+TEST_F(SlowSegmentationExperiment, UnusableFoldersAreOneClearLine) {
   if (!pipeline::has_person_network()) GTEST_SKIP() << "built without oneDNN";
   expect_one_line_refusal(run());  // no pictures
   write_picture(folder / "images/a.png", Image(64, 48, 3, 0.2F));
