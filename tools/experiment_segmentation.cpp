@@ -16,6 +16,7 @@
 #include "tools/commands.h"
 #include "tools/mask_metrics.h"
 #include "tools/plain_pair.h"
+#include "tools/read_mask.h"
 #include "tools/report_assets.h"
 #include "tools/report_images.h"
 #include "tools/report_page.h"
@@ -86,13 +87,7 @@ Image read_linear(const std::string& path) {
 }
 
 Image read_true_mask(const std::string& path, const Image& picture) {
-  const Image stored = read_image(path);
-  Image mask(stored.width, stored.height);
-  for (std::size_t i = 0; i < mask.data.size(); ++i) {
-    mask.data[i] = stored.data[i * stored.channels];
-    if (!(mask.data[i] >= 0 && mask.data[i] <= 1))
-      throw InputError(printable(path) + ": mask values must lie in [0, 1]");
-  }
+  Image mask = read_mask(path);
   if (!mask.same_size(picture)) {
     throw InputError(fmt::format("{}: {} x {} pixels; its picture has {} x {}", printable(path), mask.width,
                                  mask.height, picture.width, picture.height));

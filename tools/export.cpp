@@ -16,6 +16,7 @@
 #include "pipeline/resample.h"
 #include "tools/commands.h"
 #include "tools/dng.h"
+#include "tools/npy.h"
 #include "tools/report_images.h"
 
 namespace dualpixel::tools {
@@ -99,21 +100,12 @@ ImageOf<T> turned(const ImageOf<T>& image) {
   return result;
 }
 
-/// NumPy's format, version 1.0: little-endian float32, rows first; (height, width) or (height, width, channels).
+/// Of shape (height, width), or (height, width, channels).
 void write_npy(const std::string& path, const Image& image) {
-  std::string shape = fmt::format("({}, {}", image.height, image.width);
-  if (image.channels > 1) shape += fmt::format(", {}", image.channels);
-  std::string header = fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': {}), }}", shape);
-  header.resize((10 + header.size() + 1 + 63) / 64 * 64 - 10 - 1, ' ');
-  header += '\n';
-  std::string bytes = "\x93NUMPY";
-  bytes += '\1';
-  bytes += '\0';
-  bytes += static_cast<char>(header.size() & 0xff);
-  bytes += static_cast<char>(header.size() >> 8);
-  bytes += header;
-  bytes.append(reinterpret_cast<const char*>(image.data.data()), image.data.size() * sizeof(float));
-  write_file(path, bytes);
+  std::vector<std::size_t> shape = {static_cast<std::size_t>(image.height), static_cast<std::size_t>(image.width)};
+  if (image.channels > 1) shape.push_back(static_cast<std::size_t>(image.channels));
+  const auto* values = reinterpret_cast<const char*>(image.data.data());
+  write_file(path, npy_bytes("<f4", shape, {values, image.data.size() * sizeof(float)}));
 }
 
 /// visit(file name without its ending, raw, whether raw is a mosaic) for the pictures of every frame.

@@ -14,11 +14,11 @@
 #include "capture/capture.h"
 #include "capture/error.h"
 #include "capture/files.h"
-#include "capture/image_io.h"
 #include "tools/calibration_page.h"
 #include "tools/commands.h"
 #include "tools/matchable.h"
 #include "tools/plain_pair.h"
+#include "tools/read_mask.h"
 #include "tools/result_io.h"
 
 namespace dualpixel::tools {
@@ -62,19 +62,6 @@ double pupil_mm_of(const std::string& lens) {
                      ": must read like f/1.4@50mm-equivalent, f-number 0.5 to 64, focal length 1 to 2000 mm");
   }
   return focal_length_mm / f_number;
-}
-
-/// The first channel of a picture, as a mask.
-Image read_mask(const std::string& path) {
-  const Image picture = read_image(path);
-  Image mask(picture.width, picture.height);
-  for (std::size_t i = 0; i < mask.data.size(); ++i) {
-    mask.data[i] = picture.data[i * picture.channels];
-    if (mask.data[i] >= 0 && mask.data[i] <= 1) continue;
-    throw InputError(fmt::format("{}: pixel ({}, {}): {}: a mask's values must lie in [0, 1]", printable(path),
-                                 i % mask.width, i / mask.width, mask.data[i]));
-  }
-  return mask;
 }
 
 /// In the picture with its axes exchanged.
@@ -317,7 +304,9 @@ void add_portrait(CLI::App& program) {
       ->take_all()
       ->expected(1)
       ->allow_extra_args(false);
-  sub->add_option("--tap", command->tap, "A point on a person's face, in pixels, in place of the face's box")
+  sub->add_option(
+         "--tap", command->tap,
+         "A point to focus on where no face is sharp, in pixels; without --face it also says whose mask to find")
       ->type_name("X,Y");
   sub->add_option("--calibration", command->calibration,
                   "Calibration folder of this camera, as `dualpixel calibrate` writes it: corrects disparity")

@@ -11,6 +11,7 @@
 #include "capture/error.h"
 #include "simulator/render/camera_rays.h"
 #include "tests/tools/run_program.h"
+#include "tools/npy.h"
 #include "tools/people/makehuman.h"
 #include "tools/people/people_set.h"
 #include "tools/people/surroundings.h"

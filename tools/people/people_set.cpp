@@ -8,6 +8,7 @@
 
 #include "capture/error.h"
 #include "capture/files.h"
+#include "tools/npy.h"
 #include "tools/people/makehuman.h"
 
 namespace dualpixel::tools {
@@ -115,22 +116,6 @@ void check_people_options(const PeopleOptions& options) {
     throw InputError(
         fmt::format("--composites {}: 0 to {} of each picture can be made", options.composites, kMostComposites));
   }
-}
-
-std::string npy_bytes(const std::string& type, const std::vector<std::size_t>& shape, std::string_view bytes) {
-  std::string sizes;
-  for (const std::size_t size : shape) sizes += fmt::format("{}, ", size);
-  if (shape.size() > 1) sizes.resize(sizes.size() - 2);
-  std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", type, sizes);
-  constexpr std::size_t kBefore = 10;  // magic, version, length
-  header.append(63 - (kBefore + header.size()) % 64, ' ');
-  header += '\n';
-  std::string out("\x93NUMPY\x01\x00", 8);
-  out += static_cast<char>(header.size() & 255);
-  out += static_cast<char>(header.size() >> 8);
-  out += header;
-  out.append(bytes);
-  return out;
 }
 
 void write_people_set(const PeopleOptions& options, const std::string& folder,

@@ -1,7 +1,6 @@
 #pragma once
 #include <functional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "capture/image.h"
@@ -22,9 +21,6 @@ void check_people_options(const PeopleOptions& options);
 void write_people_set(const PeopleOptions& options, const std::string& folder,
                       const std::function<void(double)>& progress = {},
                       const std::function<void(const std::vector<PeopleSample>&)>& each = {});
-
-/// NumPy's .npy, version 1, C order; `type`: "|u1" or "<f4"; `bytes`: the numbers.
-std::string npy_bytes(const std::string& type, const std::vector<std::size_t>& shape, std::string_view bytes);
 
 /// The first samples, at most `most`, side by side: mask outlined, face boxed, keypoints as dots (seen: full, hidden:
 /// hollow). sRGB, 0..1.
