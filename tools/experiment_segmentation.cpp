@@ -1,10 +1,12 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "capture/error.h"
 #include "capture/files.h"
@@ -20,6 +22,7 @@
 #include "tools/report_assets.h"
 #include "tools/report_images.h"
 #include "tools/report_page.h"
+#include "tools/score_people.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -30,7 +33,7 @@ constexpr std::size_t kWorst = 20;
 constexpr int kThumbnail_px = 360;
 
 struct Command {
-  std::string images, masks, weights, output;
+  std::string images, masks, people, weights, output;
 };
 
 struct Portrait {
@@ -45,10 +48,10 @@ struct Portrait {
 
 /// The regular files of a folder, by name.
 std::vector<fs::path> files_of(const std::string& folder) {
-  std::error_code error;
+  std::error_code error, unreadable;
   std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (entry.is_regular_file(error)) files.push_back(entry.path());
+  for (fs::directory_iterator entry(folder, error), end; entry != end; entry.increment(error)) {
+    if (entry->is_regular_file(unreadable)) files.push_back(entry->path());  // a link to nowhere is none
   }
   if (error) throw InputError(printable(folder) + ": cannot be read as a folder: " + error.message());
   std::sort(files.begin(), files.end());
@@ -118,7 +121,10 @@ Scored score(Portrait& portrait, pipeline::PersonNetwork& network) {
     for (std::size_t i = 0; i < rgb.data.size(); ++i) rgb.data[i] = scored.picture.data[i / 3];
   }
   scored.filtered = pipeline::filter_mask(found.mask, pipeline::encode_guide(rgb, pipeline::guide_gain(rgb)));
-  portrait.iou = mask_iou(pipeline::resize_bilinear(found.mask, width, height), scored.truth);
+  const bool smaller = width < found.mask.width;
+  portrait.iou = mask_iou(
+      smaller ? pipeline::resize_area(found.mask, width, height) : pipeline::resize_bilinear(found.mask, width, height),
+      scored.truth);
   portrait.filtered_iou = mask_iou(scored.filtered, scored.truth);
   const Image small_truth = pipeline::resize_area(scored.truth, found.mask.width, found.mask.height);
   portrait.gradient_error = mask_gradient_error(found.mask, small_truth);
@@ -145,6 +151,35 @@ std::string errors_uri(const Scored& scored) {
     }
   }
   return jpeg_data_uri(shown);
+}
+
+constexpr const char* kPageStyle = ".plots { display: flex; flex-wrap: wrap; gap: 1rem; } td { text-align: right; }";
+
+/// The indices of the twenty lowest values, lowest first.
+std::vector<std::size_t> worst_of(const std::vector<double>& iou) {
+  std::vector<std::size_t> order(iou.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return iou[a] < iou[b]; });
+  order.resize(std::min(order.size(), kWorst));
+  return order;
+}
+
+std::string figure(const Scored& scored, const std::string& name, const std::string& caption) {
+  return fmt::format("<figure><img src=\"{}\" alt=\"\"><figcaption><b>{}</b> {}</figcaption></figure>",
+                     errors_uri(scored), escape_html(printable(name)), escape_html(caption));
+}
+
+/// segmentation.json and segmentation.html; `body` comes before the worst.
+void write_results(const std::string& output, const nlohmann::ordered_json& json, const std::string& body,
+                   const std::string& worst) {
+  NewFolder out(output, "segmentation.json");
+  write_file(out.path() + "/segmentation.json", json.dump(2) + "\n");
+  write_file(out.path() + "/segmentation.html",
+             html_page("Person masks", std::string(kReportStyle) + kPageStyle,
+                       "<h1>Person masks against true ones</h1>" + body +
+                           "<h2>The worst</h2><p>Orange: too much; blue: lacking.</p><div class=\"plots\">" + worst +
+                           "</div>"));
+  out.commit();
 }
 
 struct Means {
@@ -177,54 +212,8 @@ Means means_of(const std::vector<Portrait>& portraits) {
   return means;
 }
 
-void write_page(const std::vector<Portrait>& portraits, const Means& means,
-                const std::vector<std::pair<const Portrait*, std::string>>& worst, const std::string& output) {
-  NewFolder out(output, "segmentation.json");
-  nlohmann::ordered_json json = {{"format", "dualpixel-experiment-segmentation"},
-                                 {"version", 1},
-                                 {"count", means.count},
-                                 {"without_face", means.without_face},
-                                 {"mean_iou", means.iou},
-                                 {"mean_iou_filtered", means.filtered_iou},
-                                 {"mean_iou_where_found", means.iou_found},
-                                 {"mean_iou_filtered_where_found", means.filtered_iou_found},
-                                 {"gradient_error", means.gradient_error},
-                                 {"gradient_error_filtered", means.filtered_gradient_error},
-                                 {"pictures", nlohmann::ordered_json::array()}};
-  for (const Portrait& p : portraits) {
-    json["pictures"].push_back({{"name", printable(p.name)},
-                                {"faces", p.faces},
-                                {"iou", p.iou},
-                                {"iou_filtered", p.filtered_iou},
-                                {"gradient_error", p.gradient_error},
-                                {"gradient_error_filtered", p.filtered_gradient_error}});
-  }
-  write_file(out.path() + "/segmentation.json", json.dump(2) + "\n");
-
-  std::string page = fmt::format(
-      "<h1>Person masks against true ones</h1><p>{} pictures, {} without a face. Mean IoU {:.4f}, {:.4f} after "
-      "edge-aware "
-      "filtering; {:.4f} and {:.4f} where a face was found. Gradient error there {:.6f}, {:.6f} filtered.</p>"
-      "<h2>The worst</h2><p>Orange: too much; blue: lacking.</p><div class=\"plots\">",
-      means.count, means.without_face, means.iou, means.filtered_iou, means.iou_found, means.filtered_iou_found,
-      means.gradient_error, means.filtered_gradient_error);
-  for (const auto& [portrait, uri] : worst) {
-    page +=
-        fmt::format("<figure><img src=\"{}\" alt=\"\"><figcaption><b>{}</b> IoU {:.3f}, faces {}</figcaption></figure>",
-                    uri, escape_html(printable(portrait->name)), portrait->filtered_iou, portrait->faces);
-  }
-  write_file(
-      out.path() + "/segmentation.html",
-      html_page("Person masks", std::string(kReportStyle) + ".plots { display: flex; flex-wrap: wrap; gap: 1rem; }",
-                page + "</div>"));
-  out.commit();
-}
-
-void run(const Command& command) {
-  pipeline::PersonNetwork network(command.weights.empty() ? pipeline::built_in_weights()
-                                                          : pipeline::read_weights(command.weights));
+void run_pictures(const Command& command, pipeline::PersonNetwork& network) {
   std::vector<Portrait> portraits = portraits_of(command);
-  if (!command.output.empty()) const NewFolder writable(command.output, "segmentation.json");  // before the work
   Progress bar("segmentation");
   for (std::size_t i = 0; i < portraits.size(); ++i) {
     score(portraits[i], network);
@@ -240,14 +229,103 @@ void run(const Command& command) {
   fmt::print("{:<34}{:12.6f}{:12.6f}\n", "gradient error there", means.gradient_error, means.filtered_gradient_error);
   if (command.output.empty()) return;
 
-  std::vector<Portrait*> order;
-  for (Portrait& portrait : portraits) order.push_back(&portrait);
-  std::stable_sort(order.begin(), order.end(),
-                   [](const Portrait* a, const Portrait* b) { return a->filtered_iou < b->filtered_iou; });
-  order.resize(std::min(order.size(), kWorst));
-  std::vector<std::pair<const Portrait*, std::string>> worst;
-  for (Portrait* portrait : order) worst.emplace_back(portrait, errors_uri(score(*portrait, network)));
-  write_page(portraits, means, worst, command.output);
+  nlohmann::ordered_json json = {{"format", "dualpixel-experiment-segmentation"},
+                                 {"version", 1},
+                                 {"count", means.count},
+                                 {"without_face", means.without_face},
+                                 {"mean_iou", means.iou},
+                                 {"mean_iou_filtered", means.filtered_iou},
+                                 {"mean_iou_where_found", means.iou_found},
+                                 {"mean_iou_filtered_where_found", means.filtered_iou_found},
+                                 {"gradient_error", means.gradient_error},
+                                 {"gradient_error_filtered", means.filtered_gradient_error},
+                                 {"pictures", nlohmann::ordered_json::array()}};
+  std::vector<double> iou;
+  for (const Portrait& p : portraits) {
+    iou.push_back(p.filtered_iou);
+    json["pictures"].push_back({{"name", printable(p.name)},
+                                {"faces", p.faces},
+                                {"iou", p.iou},
+                                {"iou_filtered", p.filtered_iou},
+                                {"gradient_error", p.gradient_error},
+                                {"gradient_error_filtered", p.filtered_gradient_error}});
+  }
+  const std::string body = fmt::format(
+      "<p>{} pictures, {} without a face. Mean IoU {:.4f}, {:.4f} after edge-aware filtering; {:.4f} and {:.4f} where "
+      "a "
+      "face was found. Gradient error there {:.6f}, {:.6f} filtered.</p>",
+      means.count, means.without_face, means.iou, means.filtered_iou, means.iou_found, means.filtered_iou_found,
+      means.gradient_error, means.filtered_gradient_error);
+  std::string worst;
+  for (const std::size_t i : worst_of(iou)) {
+    Portrait& p = portraits[i];
+    worst += figure(score(p, network), p.name, fmt::format("IoU {:.3f}, faces {}", p.filtered_iou, p.faces));
+  }
+  write_results(command.output, json, body, worst);
+}
+
+void run_people(const Command& command, pipeline::PersonNetwork& network) {
+  const PeopleSet set({command.people}, true);
+  Progress bar("segmentation");
+  const PeopleScores scores = score_people(set, network, [&](double done) { bar(done); });
+  nlohmann::ordered_json json = {{"format", "dualpixel-experiment-segmentation"},
+                                 {"version", 1},
+                                 {"people_hash", set.hash()},
+                                 {"samples", nlohmann::ordered_json::array()},
+                                 {"regions", nlohmann::ordered_json::array()}};
+  std::string table =
+      "<table><tr><th></th><th>samples</th><th>IoU</th><th>filtered</th><th>no face channel</th>"
+      "<th>gradient error</th><th>filtered</th></tr>";
+  fmt::print("{:<20}{:>8}{:>9}{:>10}{:>10}{:>12}{:>12}\n", "", "samples", "IoU", "filtered", "no face", "grad. err.",
+             "filtered");
+  for (const PeopleRow& row : scores.samples) {
+    fmt::print("{:<20}{:8}{:9.4f}{:10.4f}{:10.4f}{:12.6f}{:12.6f}\n", row.name, row.samples, row.iou, row.filtered_iou,
+               row.iou_without_face, row.gradient_error, row.filtered_gradient_error);
+    table += fmt::format(
+        "<tr><th>{}</th><td>{}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.6f}</td><td>{:.6f}</td></tr>",
+        escape_html(printable(row.name)), row.samples, row.iou, row.filtered_iou, row.iou_without_face,
+        row.gradient_error, row.filtered_gradient_error);
+    json["samples"].push_back({{"name", printable(row.name)},
+                               {"samples", row.samples},
+                               {"iou", row.iou},
+                               {"iou_filtered", row.filtered_iou},
+                               {"iou_without_face_channel", row.iou_without_face},
+                               {"gradient_error", row.gradient_error},
+                               {"gradient_error_filtered", row.filtered_gradient_error}});
+  }
+  for (const PeopleRow& row : scores.regions) {
+    fmt::print("{:<20}{:8}{:>29}{:12.6f}{:12.6f}\n", "near " + row.name, row.samples, "", row.gradient_error,
+               row.filtered_gradient_error);
+    table +=
+        fmt::format("<tr><th>near {}</th><td>{}</td><td></td><td></td><td></td><td>{:.6f}</td><td>{:.6f}</td></tr>",
+                    row.name, row.samples, row.gradient_error, row.filtered_gradient_error);
+    json["regions"].push_back({{"name", row.name},
+                               {"samples", row.samples},
+                               {"gradient_error", row.gradient_error},
+                               {"gradient_error_filtered", row.filtered_gradient_error}});
+  }
+  if (command.output.empty()) return;
+  std::string worst;
+  for (const std::size_t i : worst_of(scores.filtered_iou)) {
+    const Scored scored{picture_of(set[i]), mask_of(set[i]), filtered_mask_of(set[i], network)};
+    worst += figure(scored, std::to_string(i),
+                    fmt::format("IoU {:.3f}; {}", scores.filtered_iou[i], fmt::join(set[i].tags, ", ")));
+  }
+  write_results(command.output, json, table + "</table>", worst);
+}
+
+void run(const Command& command) {
+  if (command.people.empty() == (command.images.empty() || command.masks.empty())) {
+    throw InputError("experiment segmentation: needs --images and --masks, or --people");
+  }
+  pipeline::PersonNetwork network(command.weights.empty() ? pipeline::built_in_weights()
+                                                          : pipeline::read_weights(command.weights));
+  if (!command.output.empty()) const NewFolder writable(command.output, "segmentation.json");  // before the work
+  if (command.people.empty()) {
+    run_pictures(command, network);
+  } else {
+    run_people(command, network);
+  }
 }
 
 }  // namespace
@@ -256,16 +334,23 @@ void add_experiment_segmentation(CLI::App& experiment) {
   auto command = std::make_shared<Command>();
   CLI::App* sub = experiment.add_subcommand(
       "segmentation", "Find people in pictures and compare with true masks: IoU, gradient error, the worst twenty");
-  sub->add_option("--images", command->images, "Folder of pictures, each of people")->required()->type_name("DIR");
+  CLI::Option* const images =
+      sub->add_option("--images", command->images, "Folder of pictures, each of people")->type_name("DIR");
   sub->add_option("--masks", command->masks, "Folder of their masks, of the same names, white on the people")
-      ->required()
+      ->needs(images)
+      ->type_name("DIR");
+  sub->add_option("--people", command->people,
+                  "In place of both: a held-out set of `dualpixel people`; its faces are the seeds")
+      ->excludes(images)
       ->type_name("DIR");
   sub->add_option("--weights", command->weights, "Other weights than the built-in ones: person.safetensors of a run")
       ->type_name("FILE");
   sub->add_option("-o,--output", command->output, "Folder for segmentation.json and segmentation.html")
       ->type_name("DIR");
   add_threads_option(*sub);
-  sub->footer("Example:\n  dualpixel experiment segmentation --images portraits --masks masks -o out/segmentation");
+  sub->footer(
+      "Example:\n  dualpixel experiment segmentation --images portraits --masks masks -o out/segmentation\n"
+      "  dualpixel experiment segmentation --people out/people_held_out -o out/segmentation");
   sub->callback([command] { run(*command); });
 }
 

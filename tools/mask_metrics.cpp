@@ -1,6 +1,6 @@
 #include "tools/mask_metrics.h"
 
-#include <cmath>
+#include <numeric>
 
 namespace dualpixel::tools {
 
@@ -14,16 +14,22 @@ double mask_iou(const Image& estimate, const Image& truth) {
   return either == 0 ? 1 : static_cast<double>(both) / static_cast<double>(either);
 }
 
-double mask_gradient_error(const Image& estimate, const Image& truth) {
-  const auto error = [&](int x, int y) { return static_cast<double>(estimate.at(x, y)) - truth.at(x, y); };
-  double sum = 0;
+Image mask_gradient_errors(const Image& estimate, const Image& truth) {
+  const auto error = [&](int x, int y) { return estimate.at(x, y) - truth.at(x, y); };
+  Image errors(truth.width, truth.height);
   for (int y = 0; y < truth.height; ++y) {
     for (int x = 0; x < truth.width; ++x) {
-      if (x + 1 < truth.width) sum += std::pow(error(x + 1, y) - error(x, y), 2);
-      if (y + 1 < truth.height) sum += std::pow(error(x, y + 1) - error(x, y), 2);
+      const float dx = x + 1 < truth.width ? error(x + 1, y) - error(x, y) : 0;
+      const float dy = y + 1 < truth.height ? error(x, y + 1) - error(x, y) : 0;
+      errors.at(x, y) = dx * dx + dy * dy;
     }
   }
-  return sum / static_cast<double>(truth.pixel_count());
+  return errors;
+}
+
+double mask_gradient_error(const Image& estimate, const Image& truth) {
+  const Image errors = mask_gradient_errors(estimate, truth);
+  return std::accumulate(errors.data.begin(), errors.data.end(), 0.0) / static_cast<double>(errors.pixel_count());
 }
 
 }  // namespace dualpixel::tools

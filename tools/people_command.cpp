@@ -5,7 +5,7 @@
 #include "capture/image_io.h"
 #include "tools/commands.h"
 #include "tools/people/makehuman.h"
-#include "tools/people/people_set.h"
+#include "tools/people/write_people_set.h"
 
 namespace dualpixel::tools {
 namespace {

@@ -13,8 +13,9 @@
 #include "tests/tools/run_program.h"
 #include "tools/npy.h"
 #include "tools/people/makehuman.h"
-#include "tools/people/people_set.h"
+#include "tools/people/read_people_set.h"
 #include "tools/people/surroundings.h"
+#include "tools/people/write_people_set.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -364,6 +365,29 @@ TEST(SlowPeople, SameSeedSameBytesForOneThreadAndTwo) {
   for (std::size_t i = 0; i < alone.size(); ++i) EXPECT_EQ(all_of(alone[i]), all_of(few_samples()[i])) << i;
   const auto other = make_people_shard({.count = 6, .seed = 12, .composites = 2}, 0, 1);
   EXPECT_NE(all_of(other[0]), all_of(alone[0]));
+}
+
+TEST(SlowPeople, SetsAreReadAsTheyWereMade) {
+  const TemporaryFolder folder;
+  const PeopleOptions options{.count = 3, .seed = 4, .held_out = true, .composites = 1};
+  write_people_set(options, folder / "set");
+  const PeopleSet set({folder / "set"}, true);
+  const std::vector<PeopleSample> made = make_people_shard(options, 0, 3);
+  ASSERT_EQ(set.size(), made.size());
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    EXPECT_TRUE(std::equal(made[i].picture.begin(), made[i].picture.end(), set[i].picture));
+    EXPECT_TRUE(std::equal(made[i].mask.begin(), made[i].mask.end(), set[i].mask));
+    for (int k = 0; k < kKeypoints; ++k) {
+      for (int c = 0; c < 3; ++c) EXPECT_EQ(made[i].keypoints[k][c], set[i].keypoints[3 * k + c]);
+    }
+    for (int c = 0; c < 4; ++c) EXPECT_EQ(made[i].face[c], set[i].face[c]);
+    EXPECT_EQ(made[i].tags, set[i].tags);
+    EXPECT_EQ(made[i].people, set[i].people);
+    EXPECT_EQ(made[i].composite, set[i].composite);
+  }
+  EXPECT_THROW(PeopleSet({folder / "set"}, false), InputError);
+  folder.write("set/shard_00000/samples.json", "[]");
+  EXPECT_THROW(PeopleSet({folder / "set"}, true), InputError);
 }
 
 TEST(SlowPeople, AnEndedRunGoesOnWhereItWas) {

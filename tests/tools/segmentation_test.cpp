@@ -12,6 +12,8 @@
 #include "tests/pipeline/toy_network.h"
 #include "tests/tools/run_program.h"
 #include "tools/mask_metrics.h"
+#include "tools/npy.h"
+#include "tools/score_people.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -31,6 +33,89 @@ TEST(MaskMetrics, AreTheirFormulas) {
   EXPECT_EQ(mask_gradient_error(a, Image(8, 4)), 1.0 / 8);  // one step of 1 in each row of 8
   EXPECT_EQ(mask_gradient_error(a, b), 3.0 / 8);            // and two more
   EXPECT_EQ(mask_gradient_error(Image(8, 4, 1, 0.7F), Image(8, 4)), 0);
+}
+
+/// A held-out set of two: grey pictures whose masks are what the toy network draws, but for a square of 10 x 10 beside
+/// the second one's right wrist. The second is a composite with another person, and holds something.
+void write_followed(const std::string& folder) {
+  constexpr std::size_t kSide = kPictureSide_px, n = 2;
+  const float faces[n][4] = {{100, 60, 30, 30}, {50, 90, 40, 40}};
+  std::string masks(n * kSide * kSide, '\0'), pictures(n * kSide * kSide * 3, '\x80');
+  std::vector<float> keypoints(n * kKeypoints * 3);
+  pipeline::PersonNetwork network(pipeline::face_follower());
+  for (std::size_t i = 0; i < n; ++i) {
+    const Image drawn = network(
+        pipeline::network_input(Image(kSide, kSide, 3, 0.2F), {faces[i][0], faces[i][1], faces[i][2], faces[i][3]}));
+    for (std::size_t p = 0; p < drawn.data.size(); ++p) {
+      masks[i * kSide * kSide + p] = static_cast<char>(std::lround(255 * drawn.data[p]));
+    }
+  }
+  for (int y = 200; y < 210; ++y) {
+    for (int x = 200; x < 210; ++x) masks[(kSide + y) * kSide + x] = '\xff';
+  }
+  const float wrist[3] = {205, 205, 2};
+  std::copy_n(wrist, 3, keypoints.begin() + (kKeypoints + 10) * 3);
+  const std::string shard = folder + "/shard_00000";
+  std::filesystem::create_directories(shard);
+  const auto bytes = [](const float* values, std::size_t count) {
+    return std::string_view(reinterpret_cast<const char*>(values), 4 * count);
+  };
+  write_bytes(shard + "/pictures.npy", npy_bytes("|u1", {n, kSide, kSide, 3}, pictures));
+  write_bytes(shard + "/masks.npy", npy_bytes("|u1", {n, kSide, kSide}, masks));
+  write_bytes(shard + "/keypoints.npy",
+              npy_bytes("<f4", {n, kKeypoints, 3}, bytes(keypoints.data(), keypoints.size())));
+  write_bytes(shard + "/faces.npy", npy_bytes("<f4", {n, 4}, bytes(faces[0], 4 * n)));
+  write_bytes(shard + "/samples.json", R"([{"people": 1, "composite": false, "tags": ["hair:long"]},)"
+                                       R"( {"people": 2, "composite": true, "tags": ["hair:long", "held:cup"]}])");
+  write_bytes(shard + "/shard.json", "{}");
+  write_bytes(folder + "/people.json",
+              R"({"format": "dualpixel people", "version": 1, "size_px": 256, "count": 2, "held_out": true})");
+}
+
+TEST(PeopleScores, AreTheirFormulas) {
+  if (!pipeline::has_person_network()) GTEST_SKIP() << "built without oneDNN";
+  const TemporaryFolder folder;
+  write_followed(folder / "set");
+  const PeopleSet set({folder / "set"}, true);
+  pipeline::PersonNetwork network(pipeline::face_follower());
+  const PeopleScores scores = score_people(set, network);
+  const auto row = [&](const std::string& name) {
+    for (const auto* rows : {&scores.samples, &scores.regions}) {
+      for (const PeopleRow& r : *rows) {
+        if (r.name == name) return r;
+      }
+    }
+    ADD_FAILURE() << name;
+    return PeopleRow();
+  };
+  int drawn = 0;
+  for (int i = 0; i < 256 * 256; ++i) drawn += set[1].mask[i] > 127 ? 1 : 0;
+  const double second = (drawn - 100.0) / drawn;
+  // The square's outline is 40 steps of 1. What else there is comes of masks in 255ths: at most half a one, squared,
+  // in both directions.
+  constexpr double kStep = 2 * 1.0 / (255 * 255), kArea = 256 * 256;
+  EXPECT_DOUBLE_EQ(row("rendered").iou, 1);
+  EXPECT_DOUBLE_EQ(row("one person").iou, 1);
+  EXPECT_NEAR(row("rendered").gradient_error, 0, kStep);
+  for (const char* name : {"composites", "groups", "held:cup"}) {
+    EXPECT_EQ(row(name).samples, 1U);
+    EXPECT_DOUBLE_EQ(row(name).iou, second);
+    EXPECT_NEAR(row(name).gradient_error, 40 / kArea, kStep);
+  }
+  for (const char* name : {"all", "hair:long"}) {
+    EXPECT_EQ(row(name).samples, 2U);
+    EXPECT_DOUBLE_EQ(row(name).iou, (1 + second) / 2);
+    EXPECT_EQ(row(name).iou_without_face, 0);  // the toy looks at nothing else
+    EXPECT_NEAR(row(name).gradient_error, 20 / kArea, kStep);
+  }
+  EXPECT_NEAR(row("hair").gradient_error, 0, kStep);
+  // A hand is a disc of 0.75 * 40 px: its area in pixels within its outline's length of the exact one.
+  const double disc = M_PI * 30 * 30;
+  for (const char* name : {"hands", "hands that hold"}) {
+    EXPECT_EQ(row(name).samples, 1U);
+    EXPECT_NEAR(row(name).gradient_error, 40 / disc, 40 / disc * (2 * M_PI * 30 / disc) + kStep);
+  }
+  EXPECT_EQ(scores.filtered_iou.size(), 2U);
 }
 
 /// A linear picture as an 8-bit file.
@@ -81,6 +166,24 @@ TEST_F(SlowSegmentationExperiment, ScoresWhatItFinds) {
   EXPECT_GT(json["mean_iou_where_found"], 0.92);
   EXPECT_NEAR(json["mean_iou"].get<double>(), json["mean_iou_where_found"].get<double>() / 2, 1e-9);
   EXPECT_NE(read_bytes(folder / "out/segmentation.html").find("wall"), std::string::npos);
+}
+
+TEST_F(SlowSegmentationExperiment, ScoresPeopleSets) {
+  if (!pipeline::has_person_network()) GTEST_SKIP() << "built without oneDNN";
+  write_followed(folder / "set");
+  const std::string command = "experiment segmentation --weights '" + (folder / "toy.safetensors") + "' ";
+  const Outcome outcome = run_program(command + "--people '" + (folder / "set") + "' -o '" + (folder / "out") + "'");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("near hands that hold"), std::string::npos);
+  const nlohmann::json json = nlohmann::json::parse(read_bytes(folder / "out/segmentation.json"));
+  EXPECT_EQ(json["samples"][0]["name"], "all");
+  EXPECT_EQ(json["samples"][0]["samples"], 2);
+  EXPECT_NE(read_bytes(folder / "out/segmentation.html").find("held:cup"), std::string::npos);
+  for (const std::string& bad :
+       {std::string(), "--images '" + (folder / "images") + "'",
+        "--people '" + (folder / "set") + "' --images x --masks x", "--people '" + (folder / "images") + "'"}) {
+    expect_one_line_refusal(run_program(command + bad));
+  }
 }
 
 TEST_F(SlowSegmentationExperiment, UnusableFoldersAreOneClearLine) {

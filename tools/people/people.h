@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tools/people/figure.h"
+#include "tools/people/people_format.h"
 #include "tools/people/shoot.h"
 
 /// Pictures of people with their truth, for training and judging a segmentation network (Wadhwa et al. 2018, section
@@ -15,8 +16,7 @@
 /// on (seed, held_out, composites, makehuman, shard, place in the shard) alone, not on how many there are.
 namespace dualpixel::tools {
 
-inline constexpr int kPictureSide_px = 256, kKeypoints = 17, kMostPeople = 5;
-inline constexpr int kShardSamples = 512;
+inline constexpr int kMostPeople = 5, kShardSamples = 512;
 /// Raised whenever the same options give other samples.
 inline constexpr int kPeopleGenerator = 2;
 

@@ -9,7 +9,7 @@
 namespace dualpixel::tools {
 namespace {
 
-constexpr int kSize = 256, kHeat = 64, kKeypoints = 17;
+constexpr int kSize = kPictureSide_px, kHeat = kSize / 4;
 constexpr double kFaceSigma_px = 21;      // paper section 3.2
 constexpr double kHeatSigma_px = 1.5;     // of the 64 x 64 map
 constexpr double kHalveBelowScale = 0.6;  // scaled down further, a picture is halved first: bilinear reading aliases

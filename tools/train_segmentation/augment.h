@@ -2,7 +2,7 @@
 #include <array>
 #include <cstdint>
 
-#include "tools/train_segmentation/people_set.h"
+#include "tools/people/read_people_set.h"
 
 /// What the network is fed: samples as they are, or varied as Wadhwa et al. 2018, section 3.2, has it.
 namespace dualpixel::tools {
@@ -30,7 +30,8 @@ struct Augmentation {
 Augmentation draw_augmentation(std::uint64_t key);
 
 /// Writes one example, channels last:
-///   input     256 x 256 x 4: sRGB - 0.5 (so padding is -0.5), and the face's Gaussian (sigma 21 px, peak 1)
+///   input     256 x 256 x 4: sRGB - 0.5 (padding is -0.5 but where a blur reaches), and the face's Gaussian (sigma
+///             21 px, peak 1)
 ///   mask      256 x 256, 0..1
 ///   heatmaps  64 x 64 x 17, 0..1: a Gaussian of sigma 1.5 px and peak 1 (Tompson et al. 2014) at each keypoint in the
 ///             picture, hidden or seen; null: not wanted

@@ -31,6 +31,11 @@ struct Buffers {
 
 }  // namespace
 
+Batch halved(const Batch& batch) {
+  return {torch::avg_pool2d(batch.input, 2), torch::avg_pool2d(batch.mask, 2),
+          batch.heatmaps.defined() ? torch::avg_pool2d(batch.heatmaps, 2) : batch.heatmaps};
+}
+
 Batch plain_batch(const PeopleSet& set, const std::vector<std::size_t>& indices, bool heatmaps) {
   Buffers buffers(static_cast<std::int64_t>(indices.size()), heatmaps);
   for (std::size_t i = 0; i < indices.size(); ++i) buffers.fill(static_cast<std::int64_t>(i), set[indices[i]], {});

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "tools/train_segmentation/people_set.h"
+#include "tools/people/read_people_set.h"
 
 /// Batches for the network.
 namespace dualpixel::tools {
@@ -19,6 +19,9 @@ struct Batch {
   torch::Tensor input, mask;
   torch::Tensor heatmaps;  ///< undefined where not asked for
 };
+
+/// At half the size: means of 2 x 2.
+Batch halved(const Batch& batch);
 
 /// The given samples as they are.
 Batch plain_batch(const PeopleSet& set, const std::vector<std::size_t>& indices, bool heatmaps);

@@ -15,12 +15,13 @@ constexpr int kInnerDistance_px = static_cast<int>(0.05 * kNetworkSize_px + 0.5)
 /// Calls `visit(first, predicted mask, true mask)` for batch after batch of `indices`.
 template <typename Visit>
 void for_each_batch(Network& network, const PeopleSet& set, const std::vector<std::size_t>& indices,
-                    const std::function<void(double)>& progress, const Visit& visit) {
+                    const std::function<void(double)>& progress, bool half_size, const Visit& visit) {
   const torch::NoGradGuard no_gradients;
   network->eval();
   for (std::size_t first = 0; first < indices.size(); first += kBatch) {
     const std::size_t end = std::min(first + kBatch, indices.size());
-    const Batch batch = plain_batch(set, {indices.begin() + first, indices.begin() + end}, false);
+    Batch batch = plain_batch(set, {indices.begin() + first, indices.begin() + end}, false);
+    if (half_size) batch = halved(batch);
     visit(first, network->forward(batch.input, true).back().mask.sigmoid(), batch.mask);
     if (progress) progress(static_cast<double>(end) / indices.size());
   }
@@ -29,9 +30,9 @@ void for_each_batch(Network& network, const PeopleSet& set, const std::vector<st
 }  // namespace
 
 MaskScore evaluate(Network& network, const PeopleSet& set, const std::vector<std::size_t>& indices,
-                   const std::function<void(double fraction)>& progress) {
+                   const std::function<void(double fraction)>& progress, bool half_size) {
   MaskScore sum;
-  for_each_batch(network, set, indices, progress,
+  for_each_batch(network, set, indices, progress, half_size,
                  [&](std::size_t, const torch::Tensor& predicted, const torch::Tensor& truth) {
                    const torch::Tensor p = predicted > 0.5, t = truth > 0.5;
                    const torch::Tensor both = (p & t).sum({1, 2, 3}).to(torch::kFloat64);
@@ -39,8 +40,8 @@ MaskScore evaluate(Network& network, const PeopleSet& set, const std::vector<std
                    sum.iou += torch::where(either > 0, both / either, torch::ones_like(both)).sum().item<double>();
                    const torch::Tensor error = predicted - truth;
                    const torch::Tensor dx = error.diff(1, 3), dy = error.diff(1, 2);
-                   sum.gradient_error +=
-                       (dx.square().sum() + dy.square().sum()).item<double>() / (kNetworkSize_px * kNetworkSize_px);
+                   sum.gradient_error += (dx.square().sum() + dy.square().sum()).item<double>() /
+                                         static_cast<double>(truth.size(2) * truth.size(3));
                  });
   const auto count = static_cast<double>(std::max<std::size_t>(1, indices.size()));
   return {sum.iou / count, sum.gradient_error / count};
@@ -54,7 +55,7 @@ std::vector<float> inner_errors(Network& network, const PeopleSet& set,
   // A square of side 2 d + 1 for the disc of radius d: near an oblique outline it asks for a little more distance.
   const auto options =
       torch::nn::functional::MaxPool2dFuncOptions(2 * kInnerDistance_px + 1).stride(1).padding(kInnerDistance_px);
-  for_each_batch(network, set, all, progress,
+  for_each_batch(network, set, all, progress, false,
                  [&](std::size_t first, const torch::Tensor& predicted, const torch::Tensor& truth) {
                    const torch::Tensor outside = (truth <= 0.5).to(torch::kFloat32);
                    const torch::Tensor inner = 1 - torch::nn::functional::max_pool2d(outside, options);

@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
+#include "tools/people/read_people_set.h"
 #include "tools/train_segmentation/network.h"
-#include "tools/train_segmentation/people_set.h"
 
 /// How good a network's masks are.
 namespace dualpixel::tools {
@@ -17,9 +17,9 @@ struct MaskScore {
                               ///< over pixels and samples
 };
 
-/// On samples as they are. `network` is left in evaluation mode.
+/// On samples as they are, or at half their size. `network` is left in evaluation mode.
 MaskScore evaluate(Network& network, const PeopleSet& set, const std::vector<std::size_t>& indices,
-                   const std::function<void(double fraction)>& progress = {});
+                   const std::function<void(double fraction)>& progress = {}, bool half_size = false);
 
 /// Each sample's mean |M^ - M| inside the mask: over pixels in the person and at least 0.05 of the picture's side away
 /// from its outline (the distance is in the source of Wadhwa et al. 2018, section 3.2); 0 where there are none.

@@ -42,14 +42,25 @@ int main(int argc, char** argv) {
                                  ->excludes(samples)
                                  ->type_name("H");
   program.add_flag("--resume", options.resume, "Go on from the folder's checkpoint; scores again where it is finished");
-  program.add_option("--stages", options.shape.stages, "Stacked U-Nets")
-      ->check(CLI::Range(1, 3))
-      ->capture_default_str();
-  program.add_flag("--no-pose", no_pose, "Learn no keypoints");
+  CLI::Option* const stages = program.add_option("--stages", options.shape.stages, "Stacked U-Nets")
+                                  ->check(CLI::Range(1, 3))
+                                  ->capture_default_str();
+  program.add_flag("--composites,!--no-composites", options.composites, "Learn from composites, too (default), or not");
+  CLI::Option* const half_size =
+      program
+          .add_option("--half-size", options.half_size,
+                      "Share of the training's time, its beginning, for pictures of half the side")
+          ->check(CLI::Range(0.0, 1.0))
+          ->capture_default_str();
+  CLI::Option* const pose = program.add_flag("--no-pose", no_pose, "Learn no keypoints");
+  CLI::Option* const fcn =
+      program.add_flag("--fcn", options.shape.fcn, "In place of the U-Nets, a baseline: FCN-8 (Long et al. 2015)")
+          ->excludes(stages, pose);
   CLI::Option* const fine_tune =
       program
           .add_option("--fine-tune", options.fine_tune,
                       "Second phase: start from this run, without pose loss and without the samples it is worst at")
+          ->excludes(stages, pose, fcn, half_size)
           ->type_name("RUN");
   program.add_option("--prune", options.prune, "Share of the samples that the second phase leaves out")
       ->check(CLI::Range(0.0, 0.9))
@@ -65,10 +76,11 @@ int main(int argc, char** argv) {
   try {
     program.parse(argc, argv);
     if (samples->empty() && hours->empty()) throw CLI::RequiredError("--samples or --hours");
-    options.shape.pose = !no_pose;
+    options.shape.pose = !no_pose && !options.shape.fcn;
+    if (options.shape.fcn) options.shape.stages = 1;
     signal(SIGINT, end_after_checkpoint);
     signal(SIGTERM, end_after_checkpoint);
-    dualpixel::tools::train(options, stop);
+    dualpixel::tools::train(options, [](std::uint64_t) { return stop.load(); });
     return stopped_by == 0 ? 0 : 128 + stopped_by;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);

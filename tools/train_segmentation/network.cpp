@@ -62,7 +62,39 @@ torch::Tensor MaskHeadImpl::forward(const torch::Tensor& features, const torch::
   return torch::pixel_shuffle(sub_pixels(mix(x)), 2);
 }
 
+FcnImpl::FcnImpl() {
+  constexpr std::array<int, 6> kChannels = {4, 16, 48, 96, 160, 256};
+  for (int level = 1; level < static_cast<int>(kChannels.size()); ++level) {
+    const std::string n = std::to_string(level);
+    const int in = kChannels[level - 1], out = kChannels[level];
+    down.push_back(register_module("down" + n, Conv(in, out, 3, 2, true)));
+    across.push_back(register_module("across" + n, Conv(out, out, 3, 1, true)));
+    if (level < 3) continue;  // finer than 1/8
+    votes.push_back(register_module("vote" + n, torch::nn::Conv2d(torch::nn::Conv2dOptions(out, 1, 1))));
+  }
+}
+
+torch::Tensor FcnImpl::forward(torch::Tensor x) {
+  namespace F = torch::nn::functional;
+  const auto enlarged = [](const torch::Tensor& map, double by) {
+    return F::interpolate(map, F::InterpolateFuncOptions()
+                                   .scale_factor(std::vector<double>{by, by})
+                                   .mode(torch::kBilinear)
+                                   .align_corners(false));
+  };
+  std::vector<torch::Tensor> scores;
+  for (std::size_t level = 0; level < down.size(); ++level) {
+    x = across[level](down[level](x));
+    if (level >= 2) scores.push_back(votes[level - 2](x));
+  }
+  return enlarged(scores[0] + enlarged(scores[1] + enlarged(scores[2], 2), 2), 8);
+}
+
 NetworkImpl::NetworkImpl(const NetworkShape& shape_) : shape(shape_) {
+  if (shape.fcn) {
+    fcn = register_module("fcn", Fcn());
+    return;
+  }
   const int fine = shape.fine_channels, wide = shape.channels[0];
   stem_half = register_module("stem_half", Conv(4, fine, 3, 2, true));
   stem_fine = register_module("stem_fine", Conv(fine, fine, 3, 1, true));
@@ -80,6 +112,7 @@ NetworkImpl::NetworkImpl(const NetworkShape& shape_) : shape(shape_) {
 }
 
 std::vector<StageOutput> NetworkImpl::forward(const torch::Tensor& input, bool last_only) {
+  if (shape.fcn) return {{fcn(input), {}}};
   const torch::Tensor fine = stem_fine(stem_half(input));
   torch::Tensor x = stem_quarter(fine);
   std::vector<StageOutput> outputs;

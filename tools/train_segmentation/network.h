@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/people/people_format.h"
+
 /// The person segmentation network of Wadhwa et al. 2018, section 3.2, as LibTorch trains it: three stacked U-Nets
 /// with a mask and 17 keypoint heatmaps after each.
 ///
@@ -18,11 +20,13 @@
 /// Every convolution but the heads' last is followed by batch normalisation, which export folds into its kernel.
 namespace dualpixel::tools {
 
-inline constexpr int kNetworkSize_px = 256;
-inline constexpr int kHeatmapSize_px = 64;
-inline constexpr int kKeypoints = 17;
+inline constexpr int kNetworkSize_px = kPictureSide_px;
+inline constexpr int kHeatmapSize_px = kNetworkSize_px / 4;
 
 struct NetworkShape {
+  /// A baseline in place of the U-Nets, of one stage and without pose: layers to 1/32 of the size, of which those at
+  /// 1/8, 1/16 and 1/32 vote on the mask (FCN-8 of Long et al. 2015, as the portraits of Shen et al. 2016 had it).
+  bool fcn = false;
   int stages = 3;
   bool pose = true;  ///< heatmaps after each stage; they cost nothing at inference
   int fine_channels = 16;
@@ -63,12 +67,22 @@ struct StageOutput {
   torch::Tensor heatmaps;  ///< (batch, 17, 64, 64); undefined where the network has no pose
 };
 
+struct FcnImpl : torch::nn::Module {
+  FcnImpl();
+  torch::Tensor forward(torch::Tensor x);
+
+  std::vector<Conv> down, across;
+  std::vector<torch::nn::Conv2d> votes;
+};
+TORCH_MODULE(Fcn);
+
 struct NetworkImpl : torch::nn::Module {
   explicit NetworkImpl(const NetworkShape& shape);
   /// One output a stage; the last alone where `last_only`.
   std::vector<StageOutput> forward(const torch::Tensor& input, bool last_only = false);
 
   NetworkShape shape;
+  Fcn fcn{nullptr};  ///< where the shape asks for it; then there is nothing else
   Conv stem_half{nullptr}, stem_fine{nullptr}, stem_quarter{nullptr};
   std::vector<UNet> stages;
   std::vector<Conv> between;

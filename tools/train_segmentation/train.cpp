@@ -8,21 +8,19 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
-#include <sstream>
 #include <thread>
 
 #include "capture/error.h"
 #include "capture/files.h"
-#include "capture/json_fields.h"
+#include "tools/people/read_people_set.h"
 #include "tools/report_page.h"
 #include "tools/svg_plot.h"
 #include "tools/train_segmentation/batches.h"
+#include "tools/train_segmentation/checkpoint.h"
 #include "tools/train_segmentation/evaluate.h"
 #include "tools/train_segmentation/export.h"
-#include "tools/train_segmentation/people_set.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -32,7 +30,6 @@ using Json = nlohmann::ordered_json;
 constexpr int kBatch = 16;         // as the paper
 constexpr double kPoseWeight = 5;  // as the paper
 constexpr double kPeakRate = 3e-3, kFineTuneRate = 3e-4, kLastRate = 1e-6, kWarmUp = 0.05;
-constexpr double kWeightDecay = 1e-4;
 constexpr double kCheckpointEvery_s = 300;
 constexpr std::size_t kWatchedHeldOut = 320;  // of the held-out samples, at each checkpoint; the end takes them all
 
@@ -41,6 +38,14 @@ double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock:
 double learning_rate(double done, double peak) {
   if (done < kWarmUp) return peak * done / kWarmUp;
   return kLastRate + (peak - kLastRate) * 0.5 * (1 + std::cos(M_PI * (done - kWarmUp) / (1 - kWarmUp)));
+}
+
+/// Of `samples` among `total`, how much of the work is done where its first part, `half_size` of it, is of pictures of
+/// half the side: a quarter of the work each.
+double work_done(double samples, double total, double half_size) {
+  const double work = total / (1 + 3 * half_size), halves = 4 * half_size * work;
+  if (samples >= total) return 1;
+  return samples < halves ? samples / (4 * work) : half_size + (samples - halves) / work;
 }
 
 struct Losses {
@@ -60,73 +65,19 @@ Losses losses_of(const std::vector<StageOutput>& outputs, const Batch& batch) {
   return losses;
 }
 
-/// What a run goes on from.
-struct State {
-  Network network;
-  std::unique_ptr<torch::optim::AdamW> optimiser;
-  std::uint64_t samples = 0;
-  double seconds = 0;
-};
-
-State new_state(const NetworkShape& shape, std::uint64_t seed) {
-  torch::manual_seed(seed);
-  State state{Network(shape), nullptr};
-  for (torch::Tensor& parameter : state.network->parameters()) {
-    if (parameter.dim() == 4) parameter.set_data(parameter.data().contiguous(torch::MemoryFormat::ChannelsLast));
-  }
-  state.optimiser = std::make_unique<torch::optim::AdamW>(
-      state.network->parameters(), torch::optim::AdamWOptions(kPeakRate).weight_decay(kWeightDecay));
-  return state;
-}
-
-void write_checkpoint(const State& state, const std::string& path) {
-  torch::serialize::OutputArchive archive, network, optimiser;
-  state.network->save(network);
-  archive.write("network", network);
-  state.optimiser->save(optimiser);
-  archive.write("optimiser", optimiser);
-  archive.write("samples", torch::tensor(static_cast<std::int64_t>(state.samples)), true);
-  archive.write("seconds", torch::tensor(state.seconds, torch::kFloat64), true);
-  std::ostringstream bytes;
-  archive.save_to(bytes);
-  replace_file(path, bytes.str());
-}
-
-/// With the optimiser's state where that is wanted.
-void read_checkpoint(const std::string& path, State& state, bool all) {
-  require_regular_file(path);
-  try {
-    torch::serialize::InputArchive archive, network, optimiser;
-    archive.load_from(path);
-    archive.read("network", network);
-    state.network->load(network);
-    if (!all) return;
-    archive.read("optimiser", optimiser);
-    state.optimiser->load(optimiser);
-    torch::Tensor samples, seconds;
-    archive.read("samples", samples, true);
-    archive.read("seconds", seconds, true);
-    state.samples = static_cast<std::uint64_t>(samples.item<std::int64_t>());
-    state.seconds = seconds.item<double>();
-  } catch (const c10::Error&) {
-    throw InputError(printable(path) + ": is no checkpoint of a network of this many stages, with or without pose");
-  }
-}
-
-/// The samples to train on in phase two: all but those with the largest inner errors.
-std::vector<std::size_t> kept_samples(Network& network, const PeopleSet& set, double prune) {
+/// The samples to train on in phase two: all but those with the largest inner errors, in their order.
+std::vector<std::size_t> kept_samples(Network& network, const PeopleSet& set, std::vector<std::size_t> from,
+                                      double prune) {
   const std::vector<float> errors = inner_errors(network, set, [](double done) {
     if (isatty(STDERR_FILENO) != 0) fmt::print(stderr, "\rpruning: {:3.0f} %{}", 100 * done, done < 1 ? "" : "\n");
   });
-  std::vector<std::size_t> order(set.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return errors[a] < errors[b]; });
-  const auto kept = static_cast<std::size_t>(std::ceil((1 - prune) * static_cast<double>(set.size())));
-  fmt::print(stderr, "pruning: {} of {} samples kept, inner error up to {:.3f}\n", kept, set.size(),
-             errors[order[kept - 1]]);
-  order.resize(kept);
-  std::sort(order.begin(), order.end());
-  return order;
+  std::stable_sort(from.begin(), from.end(), [&](std::size_t a, std::size_t b) { return errors[a] < errors[b]; });
+  const auto kept = static_cast<std::size_t>(std::ceil((1 - prune) * static_cast<double>(from.size())));
+  fmt::print(stderr, "pruning: {} of {} samples kept, inner error up to {:.3f}\n", kept, from.size(),
+             errors[from[kept - 1]]);
+  from.resize(kept);
+  std::sort(from.begin(), from.end());
+  return from;
 }
 
 std::string chart_page(const Json& points) {
@@ -161,65 +112,98 @@ struct Tally {
   int batches = 0;
 };
 
-}  // namespace
+/// What the weights depend on, but for `samples` or `hours`, which may grow.
+Json recipe_of(const TrainOptions& options, const NetworkShape& shape, const PeopleSet& set) {
+  Json recipe = {{"version", DUALPIXEL_VERSION}, {"fcn", shape.fcn},   {"composites", options.composites},
+                 {"stages", shape.stages},       {"pose", shape.pose}, {"seed", options.seed},
+                 {"data_hash", set.hash()}};
+  if (options.fine_tune.empty()) {
+    recipe["half_size"] = options.half_size;
+  } else {
+    recipe["fine_tune_hash"] = file_hash(options.fine_tune + "/checkpoint.pt");
+    recipe["prune"] = options.prune;
+  }
+  return recipe;
+}
 
-void train(const TrainOptions& options, const std::atomic<bool>& stop) {
-  const PeopleSet set(options.data), held_out(options.held_out);
-  std::filesystem::create_directories(options.output);
-  const std::string checkpoint = options.output + "/checkpoint.pt", log_path = options.output + "/log.json";
-  if (!options.resume && std::filesystem::exists(checkpoint)) {
+/// Where the run starts: with the seed's weights, another run's, or its own.
+Checkpoint start_of(const TrainOptions& options, const std::string& path, const PeopleSet& set) {
+  if (options.resume) {
+    Checkpoint state = read_checkpoint(path);
+    const bool fine_tunes = !options.fine_tune.empty();
+    const Json wanted = recipe_of(options, fine_tunes ? state.network->shape : options.shape, set);
+    if (state.recipe == wanted) return state;
+    throw InputError(fmt::format("{}: is of another run: {}: must be {} to go on with it", printable(path),
+                                 printable(state.recipe.dump()), wanted.dump()));
+  }
+  if (std::filesystem::exists(path)) {
     throw InputError(printable(options.output) + ": holds a run; go on with it by --resume, or name another folder");
   }
-  torch::set_num_threads(options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency()));
+  Checkpoint state;
+  if (options.fine_tune.empty()) {
+    state = new_checkpoint(options.shape, options.seed);
+  } else {
+    state.network = read_checkpoint(options.fine_tune + "/checkpoint.pt").network;
+    forget_optimiser(state);
+  }
+  state.recipe = recipe_of(options, state.network->shape, set);
+  return state;
+}
 
-  State state = new_state(options.shape, options.seed);
+}  // namespace
+
+void train(const TrainOptions& options, const std::function<bool(std::uint64_t samples)>& stop) {
+  const PeopleSet set(options.data, false), held_out(options.held_out, true);
+  std::error_code error;
+  std::filesystem::create_directories(options.output, error);
+  if (!std::filesystem::is_directory(options.output)) {
+    throw InputError(printable(options.output) + ": cannot be made a folder");
+  }
+  const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
+  torch::set_num_threads(threads);
+
+  const std::string checkpoint = options.output + "/checkpoint.pt";
+  Checkpoint state = start_of(options, checkpoint, set);
   const bool fine_tune = !options.fine_tune.empty();
-  std::vector<std::size_t> kept(set.size());
-  std::iota(kept.begin(), kept.end(), std::size_t{0});
-  if (fine_tune) {
-    read_checkpoint(options.fine_tune + "/checkpoint.pt", state, false);
-    if (options.prune > 0) kept = kept_samples(state.network, set, options.prune);
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    if (options.composites || !set[i].composite) kept.push_back(i);
+  }
+  if (kept.empty()) throw InputError(printable(options.data[0]) + ": holds composites alone");
+  if (fine_tune && options.prune > 0) {
+    // by the first phase's network, also where the second is gone on with
+    Network judge = options.resume ? read_checkpoint(options.fine_tune + "/checkpoint.pt").network : state.network;
+    kept = kept_samples(judge, set, kept, options.prune);
   }
   Json log = {{"data", options.data},
               {"held_out", options.held_out},
+              {"held_out_hash", held_out.hash()},
+              {"recipe", state.recipe},
               {"training_samples", kept.size()},
               {"samples", options.samples},
               {"hours", options.hours},
-              {"stages", options.shape.stages},
-              {"pose", options.shape.pose && !fine_tune},
-              {"seed", options.seed}};
-  if (fine_tune) {
-    log["fine_tune"] = options.fine_tune;
-    log["prune"] = options.prune;
-  }
-  log["points"] = Json::array();
-  if (options.resume) {
-    read_checkpoint(checkpoint, state, true);
-    const Json before = Json::parse(read_json_file(log_path).dump());
-    for (const Json& point : before.value("points", Json::array())) {
-      if (point.value("samples", std::uint64_t{0}) <= state.samples) log["points"].push_back(point);
-    }
-  }
+              {"threads", threads}};
+  if (fine_tune) log["fine_tune"] = options.fine_tune;
 
-  const bool pose = options.shape.pose && !fine_tune;
+  const bool pose = state.network->shape.pose && !fine_tune;
   const double peak = fine_tune ? kFineTuneRate : kPeakRate;
+  const double half_size = fine_tune ? 0 : options.half_size;
   AugmentedBatches batches(set, kept, kBatch, pose, options.seed, state.samples);
   const double started_s = now_s() - state.seconds;
   const auto fraction = [&] {
-    return options.samples > 0 ? static_cast<double>(state.samples) / static_cast<double>(options.samples)
-                               : state.seconds / (3600 * options.hours);
+    if (options.samples == 0) return state.seconds / (3600 * options.hours);
+    return work_done(static_cast<double>(state.samples), static_cast<double>(options.samples), half_size);
   };
   const bool terminal = isatty(STDERR_FILENO) != 0;
   double saved_s = now_s(), shown_s = saved_s, rate_from_s = saved_s;
   std::uint64_t rate_from = state.samples;
-  double iou = log["points"].empty() ? 0 : log["points"].back()["held_out_iou"].get<double>();
+  double iou = state.points.empty() ? 0 : state.points.back()["held_out_iou"].get<double>();
   Tally tally;
 
   const auto progress_line = [&] {
     const double now = now_s(), done = fraction();
     const double per_s = static_cast<double>(state.samples - rate_from) / std::max(1e-9, now - rate_from_s);
-    const double left_s = options.samples > 0 ? static_cast<double>(options.samples - state.samples) / per_s
-                                              : 3600 * options.hours - state.seconds;
+    const double left_s = done > 0 ? (1 - done) / done * state.seconds : 0;
     return fmt::format(
         "{} samples ({:.1f} %), {:.1f} samples/s, loss {:.4f} mask {:.4f} pose, held-out IoU {:.4f}, "
         "{:.0f} min left",
@@ -227,23 +211,28 @@ void train(const TrainOptions& options, const std::atomic<bool>& stop) {
         tally.pose / std::max(1, tally.batches), iou, std::max(0.0, left_s) / 60);
   };
   const auto save = [&](bool end) {
+    const bool half = fraction() < half_size;
     const MaskScore score =
-        evaluate(state.network, held_out, spread(held_out.size(), end ? held_out.size() : kWatchedHeldOut));
+        evaluate(state.network, held_out, spread(held_out.size(), end ? held_out.size() : kWatchedHeldOut), {}, half);
     iou = score.iou;
     state.seconds = now_s() - started_s;
     if (tally.batches > 0) {
       Json point = {{"samples", state.samples},
                     {"seconds", state.seconds},
+                    {"size_px", half ? kNetworkSize_px / 2 : kNetworkSize_px},
                     {"learning_rate", learning_rate(std::min(1.0, fraction()), peak)},
                     {"mask_loss", tally.mask / tally.batches}};
       if (pose) point["pose_loss"] = tally.pose / tally.batches;
       point["held_out_iou"] = score.iou;
       point["held_out_gradient_error"] = score.gradient_error;
-      log["points"].push_back(point);
+      state.points.push_back(point);
     }
-    replace_file(log_path, log.dump(1) + "\n");
-    replace_file(options.output + "/chart.html", chart_page(log["points"]));
-    replace_file(options.output + "/person.safetensors", safetensors(folded_layers(state.network)));
+    log["points"] = state.points;
+    replace_file(options.output + "/log.json", log.dump(1) + "\n");
+    replace_file(options.output + "/chart.html", chart_page(state.points));
+    if (!state.network->shape.fcn) {
+      replace_file(options.output + "/person.safetensors", safetensors(folded_layers(state.network)));
+    }
     write_checkpoint(state, checkpoint);
     fmt::print(stderr, "{}{}\n", terminal ? "\r\x1b[K" : "", progress_line());
     if (end) {
@@ -256,8 +245,9 @@ void train(const TrainOptions& options, const std::atomic<bool>& stop) {
     rate_from = state.samples;
   };
 
-  while (fraction() < 1 && !stop) {
-    const Batch batch = batches.next();
+  while (fraction() < 1 && !stop(state.samples)) {
+    Batch batch = batches.next();
+    if (fraction() < half_size) batch = halved(batch);
     for (auto& group : state.optimiser->param_groups()) group.options().set_lr(learning_rate(fraction(), peak));
     state.network->train();
     const Losses losses = losses_of(state.network->forward(batch.input), batch);
@@ -276,7 +266,7 @@ void train(const TrainOptions& options, const std::atomic<bool>& stop) {
     }
     if (now_s() - saved_s > kCheckpointEvery_s) save(false);
   }
-  save(!stop);
+  save(fraction() >= 1);
 }
 
 }  // namespace dualpixel::tools

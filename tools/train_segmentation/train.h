@@ -1,6 +1,6 @@
 #pragma once
-#include <atomic>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -22,22 +22,27 @@ struct TrainOptions {
   std::uint64_t samples = 0;                ///< to see in all; 0: as many as `hours` allows
   double hours = 0;                         ///< of training, its evaluations included; 0: as `samples` says
   bool resume = false;                      ///< from the folder's checkpoint
-  NetworkShape shape;
+  NetworkShape shape;                       ///< of a network that starts untrained
+  bool composites = true;                   ///< learn from people before other backgrounds, too
+  /// Share of the training's time, its beginning, for pictures of half the side. The network is convolutions alone, and
+  /// four times as many pictures in the same time teach it more (docs/segmentation.md).
+  double half_size = 0.65;
   std::uint64_t seed = 1;
   int threads = 0;  ///< 0: as many as there are cores
-  /// Phase two: starts from this run's weights, without pose loss and without the samples that it is worst at.
+  /// Phase two: starts from this run's weights, without pose loss and without the samples that it is worst at; at full
+  /// size throughout.
   std::string fine_tune;
   double prune = 149.0 / 660;  ///< share of the samples, by largest inner error: as the paper's 660 k became 511 k
 };
 
 /// Writes to the output folder, again at every checkpoint (five minutes) and at the end, each file whole or not at all:
 ///   checkpoint.pt       what --resume goes on from: weights, optimiser, samples seen
-///   person.safetensors  for inference (export.h)
-///   log.json            options, and one entry for each checkpoint
+///   person.safetensors  for inference (export.h); not of the baseline
+///   log.json            options, hashes of the data, and one entry for each checkpoint
 ///   chart.html          loss and held-out score
-/// Once `stop` is set, it ends after a checkpoint. With `samples`, the weights depend on the options, the data and the
-/// number of threads alone, however often the run was stopped and resumed.
-/// Throws InputError for unusable data, and for a checkpoint that is another network's.
-void train(const TrainOptions& options, const std::atomic<bool>& stop);
+/// Once `stop`, which is told how many samples it has seen, says so, it ends after a checkpoint. With `samples`, the
+/// weights depend on the options, the data and the number of threads alone, however often the run was stopped and
+/// resumed. Throws InputError for unusable data, and for a checkpoint whose network, seed, data or phase is another.
+void train(const TrainOptions& options, const std::function<bool(std::uint64_t samples)>& stop);
 
 }  // namespace dualpixel::tools

@@ -1,4 +1,4 @@
-#include "tools/people/people_set.h"
+#include "tools/people/write_people_set.h"
 
 #include <fmt/format.h>
 

@@ -12,20 +12,10 @@
 
 #include "capture/files.h"
 #include "simulator/sampling/hash.h"
+#include "tools/npy.h"
+#include "tools/people/people_format.h"
 
 namespace dualpixel::tools {
-
-/// A NumPy file of version 1: `type` is "|u1" or "<f4".
-inline void write_npy(const std::string& path, const std::string& type, const std::string& shape,
-                      const std::string& bytes) {
-  std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", type, shape);
-  header.resize((header.size() + 11 + 63) / 64 * 64 - 11, ' ');
-  header += '\n';
-  const auto length = static_cast<std::uint16_t>(header.size());
-  std::string file("\x93NUMPY\x01\x00", 8);
-  file.append(reinterpret_cast<const char*>(&length), 2);
-  write_file(path, file + header + bytes);
-}
 
 template <typename T>
 std::string bytes_of(const std::vector<T>& values) {
@@ -34,8 +24,8 @@ std::string bytes_of(const std::vector<T>& values) {
 
 /// A people set of `count` figures, each an ellipse for a body and one for a head, before a mottled wall with a
 /// bystander of the same make who is in no mask: only the face tells who is meant.
-inline void write_toy_people(const std::string& folder, int count, std::uint64_t seed) {
-  constexpr int kSize = 256;
+inline void write_toy_people(const std::string& folder, int count, std::uint64_t seed, bool held_out = false) {
+  constexpr int kSize = kPictureSide_px;
   std::vector<std::uint8_t> pictures(count * kSize * kSize * 3), masks(count * kSize * kSize);
   std::vector<float> keypoints(count * 17 * 3), faces(count * 4);
   for (int n = 0; n < count; ++n) {
@@ -94,14 +84,20 @@ inline void write_toy_people(const std::string& folder, int count, std::uint64_t
   }
   const std::string shard = folder + "/shard_00000";
   std::filesystem::create_directories(shard);
-  write_npy(shard + "/pictures.npy", "|u1", fmt::format("{}, 256, 256, 3", count), bytes_of(pictures));
-  write_npy(shard + "/masks.npy", "|u1", fmt::format("{}, 256, 256", count), bytes_of(masks));
-  write_npy(shard + "/keypoints.npy", "<f4", fmt::format("{}, 17, 3", count), bytes_of(keypoints));
-  write_npy(shard + "/faces.npy", "<f4", fmt::format("{}, 4", count), bytes_of(faces));
+  const auto n = static_cast<std::size_t>(count);
+  write_file(shard + "/pictures.npy", npy_bytes("|u1", {n, kSize, kSize, 3}, bytes_of(pictures)));
+  write_file(shard + "/masks.npy", npy_bytes("|u1", {n, kSize, kSize}, bytes_of(masks)));
+  write_file(shard + "/keypoints.npy", npy_bytes("<f4", {n, kKeypoints, 3}, bytes_of(keypoints)));
+  write_file(shard + "/faces.npy", npy_bytes("<f4", {n, 4}, bytes_of(faces)));
+  std::string samples;
+  for (int i = 0; i < count; ++i) samples += R"({"people": 1, "composite": false, "tags": []},)";
+  samples.back() = ']';
+  write_file(shard + "/samples.json", "[" + samples);
+  write_file(shard + "/shard.json", fmt::format(R"({{"seed": {}, "count": {}}})", seed, count));
   write_file(folder + "/people.json",
              fmt::format(R"({{"format": "dualpixel people", "version": 1, "size_px": 256, "count": {}, "seed": {}, )"
-                         R"("held_out": false, "shards": 1}})",
-                         count, seed));
+                         R"("held_out": {}, "shards": 1}})",
+                         count, seed, held_out));
 }
 
 }  // namespace dualpixel::tools

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/people/people_format.h"
+
 /// Reading a people set, the folder that `dualpixel people` writes (docs/people.md): shards of NumPy arrays, mapped
 /// into memory and never copied.
 namespace dualpixel::tools {
@@ -12,10 +14,13 @@ namespace dualpixel::tools {
 /// One picture and the person in it whose face is the seed; pointers into the mapped files. Pixels are those of the
 /// 256 x 256 picture, centres at .5.
 struct PersonSample {
-  const std::uint8_t* picture;  ///< 256 x 256 x 3, sRGB, padded with 0
-  const std::uint8_t* mask;     ///< 256 x 256, coverage 0..255
-  const float* keypoints;       ///< 17 x (x, y, visibility: 0 not in the picture, 1 hidden, 2 seen)
-  const float* face;            ///< x, y, width, height
+  const std::uint8_t* picture;    ///< 256 x 256 x 3, sRGB, padded with 0
+  const std::uint8_t* mask;       ///< 256 x 256, coverage 0..255
+  const float* keypoints;         ///< 17 x (x, y, visibility: 0 not in the picture, 1 hidden, 2 seen)
+  const float* face;              ///< x, y, width, height
+  std::vector<std::string> tags;  ///< "hair:long", ...
+  int people = 1;                 ///< in the picture
+  bool composite = false;         ///< set before another background
 };
 
 /// A NumPy file (version 1, C order) of uint8 or little-endian float32, mapped. Throws InputError where it is
@@ -36,6 +41,8 @@ class MappedArray {
   void require(const std::string& type, const std::vector<std::size_t>& rest) const;
 
  private:
+  void read_header();
+
   std::string path_;
   std::string type_;
   std::vector<std::size_t> shape_;
@@ -48,15 +55,21 @@ class MappedArray {
 class PeopleSet {
  public:
   /// Every shard of every folder. Throws InputError for what is no people set of version 1 and 256 px, for folders
-  /// that disagree with people.json about their count, and for keypoints or faces that are not finite.
-  explicit PeopleSet(const std::vector<std::string>& folders);
+  /// that disagree with people.json about their count, for keypoints or faces that are not finite, and where a folder
+  /// is not held out though `held_out` says so, or the other way round: what is learnt from must not be judged with.
+  PeopleSet(const std::vector<std::string>& folders, bool held_out);
 
   std::size_t size() const { return samples_.size(); }
   const PersonSample& operator[](std::size_t i) const { return samples_[i]; }
+  /// Of people.json and of every shard.json, which holds the hashes of its arrays: tells one set from another.
+  const std::string& hash() const { return hash_; }
 
  private:
+  void add_shard(const std::string& shard);
+
   std::vector<std::unique_ptr<MappedArray>> arrays_;
   std::vector<PersonSample> samples_;
+  std::string hash_;
 };
 
 }  // namespace dualpixel::tools

@@ -1,0 +1,34 @@
+#pragma once
+#include <torch/torch.h>
+
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tools/train_segmentation/network.h"
+
+/// What a training run goes on from, and a second one starts from.
+namespace dualpixel::tools {
+
+struct Checkpoint {
+  Network network{nullptr};
+  std::unique_ptr<torch::optim::AdamW> optimiser;
+  std::uint64_t samples = 0;      ///< seen
+  double seconds = 0;             ///< of training
+  nlohmann::ordered_json recipe;  ///< what the weights depend on, but for `samples` or `hours`: train.h
+  nlohmann::ordered_json points = nlohmann::ordered_json::array();  ///< the log's
+};
+
+/// Untrained, of the seed's weights.
+Checkpoint new_checkpoint(const NetworkShape& shape, std::uint64_t seed);
+
+/// The network's weights as they are, nothing learnt about their steps.
+void forget_optimiser(Checkpoint& checkpoint);
+
+void write_checkpoint(const Checkpoint& checkpoint, const std::string& path);
+
+/// Throws InputError for what is no checkpoint, and for a damaged one.
+Checkpoint read_checkpoint(const std::string& path);
+
+}  // namespace dualpixel::tools
