@@ -248,6 +248,7 @@ void run(const PortraitCommand& command) {
   if (!faces.empty()) provenance["faces"] = known.source.empty() ? (known.tap ? "tapped" : "detected") : known.source;
   if (!result.faces.empty()) {
     provenance["mask"] = "found";
+    provenance["person_weights_hash"] = pipeline::built_in_weights().file_hash;
   } else if (needs_mask && !find_people) {
     provenance["mask"] = command.true_mask ? "truth" : command.mask;
   }

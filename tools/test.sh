@@ -14,8 +14,8 @@ cmake --build --preset release
 
 if ! $fast; then
   # Lint what changed since the main branch last landed; everything where that is unknown. The consumer is a project of
-  # its own; training is not built here, and clang 14 cannot read LibTorch's headers as C++20.
-  linted=('*.cpp' ':!tools/train_segmentation' ':!tests/training' ':!tests/consumer')
+  # its own; training and the ONNX exporter are not built here, and clang 14 cannot read LibTorch's headers as C++20.
+  linted=('*.cpp' ':!tools/train_segmentation' ':!tools/export_onnx' ':!tests/training' ':!tests/onnx' ':!tests/consumer')
   base=$(git merge-base HEAD origin/main 2>/dev/null || true)
   if [ -n "$base" ] && [ "$base" != "$(git rev-parse HEAD)" ]; then
     changed=$(git diff --name-only --diff-filter=d "$base" -- "${linted[@]}")

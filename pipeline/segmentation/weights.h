@@ -24,6 +24,7 @@ struct NetworkWeights {
   int fine_channels = 0;           ///< at 128 x 128
   std::vector<int> unet_channels;  ///< at 64, 32, 16 and 8 px
   std::map<std::string, ConvWeights> layers;
+  std::string file_hash;  ///< of the file that they were read from (capture/files.h): which network it was
 };
 
 /// Reads a safetensors file of 16- or 32-bit floats. `file` names it in messages. Throws InputError, with one line that

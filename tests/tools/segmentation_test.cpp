@@ -242,6 +242,8 @@ TEST(SlowPortraitPeople, AreFoundWithoutAMask) {
   const nlohmann::json found = result_of(portrait + "--mode seg", folder, false);
   EXPECT_EQ(found["mode"], "seg");
   EXPECT_EQ(found["mask"], "found");
+  EXPECT_EQ(found["person_weights_hash"],
+            file_hash(DUALPIXEL_SOURCE_DIR "/pipeline/segmentation/weights/person.safetensors"));
   ASSERT_EQ(found["faces_px"].size(), 1U);
   EXPECT_NEAR(found["faces_px"][0][0].get<double>() + found["faces_px"][0][2].get<double>() / 2, 150, 12);
   // what the user points at wins

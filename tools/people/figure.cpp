@@ -3,13 +3,21 @@
 namespace dualpixel::tools {
 namespace {
 
-float cone_distance(const Cone& cone, vec3 p) {
-  const float squeeze = cone.flat - 1;
-  vec3 pa = p - cone.a, ab = cone.b - cone.a;
-  pa += squeeze * glm::dot(pa, cone.flat_axis) * cone.flat_axis;
-  ab += squeeze * glm::dot(ab, cone.flat_axis) * cone.flat_axis;
-  const float t = std::clamp(glm::dot(pa, ab) / std::max(glm::dot(ab, ab), 1e-9f), 0.0f, 1.0f);
-  const float d = glm::length(pa - t * ab) - (cone.radius_a + (cone.radius_b - cone.radius_a) * t);
+/// What does not depend on the place.
+struct PreparedCone {
+  explicit PreparedCone(const Cone& cone) : ab(cone.b - cone.a) {
+    ab += (cone.flat - 1) * glm::dot(ab, cone.flat_axis) * cone.flat_axis;
+    length2 = std::max(glm::dot(ab, ab), 1e-9f);
+  }
+  vec3 ab;  ///< squeezed
+  float length2;
+};
+
+float cone_distance(const Cone& cone, const PreparedCone& prepared, vec3 p) {
+  vec3 pa = p - cone.a;
+  pa += (cone.flat - 1) * glm::dot(pa, cone.flat_axis) * cone.flat_axis;
+  const float t = std::clamp(glm::dot(pa, prepared.ab) / prepared.length2, 0.0f, 1.0f);
+  const float d = glm::length(pa - t * prepared.ab) - (cone.radius_a + (cone.radius_b - cone.radius_a) * t);
   return cone.end_normal == vec3(0) ? d : std::max(d, glm::dot(p - cone.b, cone.end_normal));
 }
 
@@ -19,11 +27,8 @@ class PreparedShape {
  public:
   explicit PreparedShape(const Shape& shape) : shape_(shape) {
     for (const Cone& cone : shape.cones) {
-      const vec3 ab = cone.b - cone.a;
-      const vec3 squeezed = ab + (cone.flat - 1) * glm::dot(ab, cone.flat_axis) * cone.flat_axis;
-      spheres_.push_back({0.5f * (cone.a + cone.b),
-                          0.5f * glm::length(ab) + std::max(cone.radius_a, cone.radius_b) + cone.fillet_m + 1e-4f,
-                          squeezed, std::max(glm::dot(squeezed, squeezed), 1e-9f)});
+      const float reach = 0.5f * glm::length(cone.b - cone.a) + std::max(cone.radius_a, cone.radius_b) + cone.fillet_m;
+      spheres_.push_back({0.5f * (cone.a + cone.b), reach + 1e-4f, PreparedCone(cone)});
     }
   }
 
@@ -35,12 +40,7 @@ class PreparedShape {
       const float matters = d + s.reach;  // a union's fillet ends where the other surface is fillet_m further away
       if (matters <= 0 || glm::dot(from, from) > matters * matters) continue;
       const Cone& cone = shape_.cones[i];
-      vec3 pa = p - cone.a;
-      pa += (cone.flat - 1) * glm::dot(pa, cone.flat_axis) * cone.flat_axis;
-      const float t = std::clamp(glm::dot(pa, s.ab) / s.length2, 0.0f, 1.0f);
-      float e = glm::length(pa - t * s.ab) - (cone.radius_a + (cone.radius_b - cone.radius_a) * t);
-      if (cone.end_normal != vec3(0)) e = std::max(e, glm::dot(p - cone.b, cone.end_normal));
-      d = blend(d, e, cone.fillet_m);
+      d = blend(d, cone_distance(cone, s.cone, p), cone.fillet_m);
     }
     return shape_.cut_normal == vec3(0) ? d : std::max(d, glm::dot(p - shape_.cut_point, shape_.cut_normal));
   }
@@ -49,8 +49,7 @@ class PreparedShape {
   struct Prepared {
     vec3 middle;
     float reach;
-    vec3 ab;  ///< squeezed
-    float length2;
+    PreparedCone cone;
   };
   const Shape& shape_;
   std::vector<Prepared> spheres_;
@@ -81,7 +80,7 @@ float hand_shape(vec3 p, float curl) {
 
 float Shape::operator()(vec3 p) const {
   float d = 10;
-  for (const Cone& cone : cones) d = blend(d, cone_distance(cone, p), cone.fillet_m);
+  for (const Cone& cone : cones) d = blend(d, cone_distance(cone, PreparedCone(cone), p), cone.fillet_m);
   return cut_normal == vec3(0) ? d : std::max(d, glm::dot(p - cut_point, cut_normal));
 }
 
