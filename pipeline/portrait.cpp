@@ -206,7 +206,8 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
     });
     if (correction) {
       matched = stage("calibration", [&] {
-        correct_disparity(*correction, matched.disparity_dp_px, matched.confidence);
+        Image* const sigma = matched.sigma_dp_px.empty() ? nullptr : &matched.sigma_dp_px;
+        correct_disparity(*correction, matched.disparity_dp_px, matched.confidence, sigma);
         return std::move(matched);
       });
     }
@@ -215,6 +216,7 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
     PixelDisparity small = reduce(matched, small_width, small_height);
     result.matched_disparity_dp_px = std::move(matched.disparity_dp_px);
     result.matched_confidence = std::move(matched.confidence);
+    result.matched_sigma_dp_px = std::move(matched.sigma_dp_px);
 
     std::optional<double> person_dp_px;
     if (result.mode == Mode::dp_seg) {

@@ -92,6 +92,7 @@ struct PortraitResult {
   Image matched_disparity_dp_px;  ///< corrected but not smoothed, at DP resolution (dp_width x dp_height); empty in
                                   ///< mode seg
   Image matched_confidence;
+  Image matched_sigma_dp_px;  ///< of matched_disparity_dp_px, as predicted: by the likelihood matcher alone
   Image mask;  ///< person mask, 0..1: edge-aware filtered in mode seg, as given or found in dp_seg, empty in dp
   std::vector<Face> faces;  ///< that seeded a mask that was found, full-resolution pixels, largest first
   Image blur_radius_px;     ///< r(x) of Eq. 5, full-resolution pixels

@@ -212,7 +212,7 @@ Means means_of(const std::vector<Portrait>& portraits) {
   return means;
 }
 
-void run_pictures(const Command& command, pipeline::PersonNetwork& network) {
+void run_pictures(const Command& command, pipeline::PersonNetwork& network, const std::string& weights_hash) {
   std::vector<Portrait> portraits = portraits_of(command);
   Progress bar("segmentation");
   for (std::size_t i = 0; i < portraits.size(); ++i) {
@@ -231,6 +231,7 @@ void run_pictures(const Command& command, pipeline::PersonNetwork& network) {
 
   nlohmann::ordered_json json = {{"format", "dualpixel-experiment-segmentation"},
                                  {"version", 1},
+                                 {"person_weights_hash", weights_hash},
                                  {"count", means.count},
                                  {"without_face", means.without_face},
                                  {"mean_iou", means.iou},
@@ -264,13 +265,14 @@ void run_pictures(const Command& command, pipeline::PersonNetwork& network) {
   write_results(command.output, json, body, worst);
 }
 
-void run_people(const Command& command, pipeline::PersonNetwork& network) {
+void run_people(const Command& command, pipeline::PersonNetwork& network, const std::string& weights_hash) {
   const PeopleSet set({command.people}, true);
   Progress bar("segmentation");
   const PeopleScores scores = score_people(set, network, [&](double done) { bar(done); });
-  nlohmann::ordered_json json = {{"format", "dualpixel-experiment-segmentation"},
+  nlohmann::ordered_json json = {{"format", "dualpixel-experiment-segmentation-people"},
                                  {"version", 1},
                                  {"people_hash", set.hash()},
+                                 {"person_weights_hash", weights_hash},
                                  {"samples", nlohmann::ordered_json::array()},
                                  {"regions", nlohmann::ordered_json::array()}};
   std::string table =
@@ -318,13 +320,14 @@ void run(const Command& command) {
   if (command.people.empty() == (command.images.empty() || command.masks.empty())) {
     throw InputError("experiment segmentation: needs --images and --masks, or --people");
   }
-  pipeline::PersonNetwork network(command.weights.empty() ? pipeline::built_in_weights()
-                                                          : pipeline::read_weights(command.weights));
+  const pipeline::NetworkWeights weights =
+      command.weights.empty() ? pipeline::built_in_weights() : pipeline::read_weights(command.weights);
+  pipeline::PersonNetwork network(weights);
   if (!command.output.empty()) const NewFolder writable(command.output, "segmentation.json");  // before the work
   if (command.people.empty()) {
-    run_pictures(command, network);
+    run_pictures(command, network, weights.file_hash);
   } else {
-    run_people(command, network);
+    run_people(command, network, weights.file_hash);
   }
 }
 

@@ -145,9 +145,9 @@ pipeline::FoundPeople people_in(const Image& picture, std::vector<pipeline::Face
 /// Of a pair that was transposed to run: as its pictures are.
 void transpose_back(pipeline::PortraitResult& result) {
   using Result = pipeline::PortraitResult;
-  for (Image Result::*image :
-       {&Result::input, &Result::portrait, &Result::portrait_srgb, &Result::disparity_dp_px, &Result::confidence,
-        &Result::matched_disparity_dp_px, &Result::matched_confidence, &Result::mask, &Result::blur_radius_px}) {
+  for (Image Result::*image : {&Result::input, &Result::portrait, &Result::portrait_srgb, &Result::disparity_dp_px,
+                               &Result::confidence, &Result::matched_disparity_dp_px, &Result::matched_confidence,
+                               &Result::matched_sigma_dp_px, &Result::mask, &Result::blur_radius_px}) {
     result.*image = transposed(result.*image);
   }
   for (pipeline::Face& face : result.faces) face = exchanged(face);

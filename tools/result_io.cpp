@@ -17,6 +17,7 @@ namespace {
 using pipeline::PortraitResult;
 
 constexpr const char* kFormat = "dualpixel-result";
+constexpr const char* kSigma = "sigma_dp_px";
 constexpr const char* kMarker = "result.json";
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -79,9 +80,10 @@ void write_result(const PortraitResult& result, const nlohmann::json& provenance
   }
   if (!maps.empty()) write_exr(file("maps.exr"), maps, false);
   if (!result.matched_disparity_dp_px.empty()) {
-    write_exr(file("matched.exr"),
-              {{"disparity_dp_px", &result.matched_disparity_dp_px}, {"confidence", &result.matched_confidence}},
-              false);
+    std::vector<NamedPlane> matched = {{"disparity_dp_px", &result.matched_disparity_dp_px},
+                                       {"confidence", &result.matched_confidence}};
+    if (!result.matched_sigma_dp_px.empty()) matched.push_back({kSigma, &result.matched_sigma_dp_px});
+    write_exr(file("matched.exr"), matched, false);
   }
 
   nlohmann::ordered_json json = {{"format", kFormat},
@@ -138,9 +140,15 @@ StoredResult read_result(const std::string& path) {
     throw InputError(printable(file("maps.exr")) + ": disparity_dp_px and confidence must come together");
   }
   if (std::filesystem::exists(file("matched.exr"))) {
-    std::vector<Image> matched = read_exr(file("matched.exr"), {"disparity_dp_px", "confidence"});
+    const std::vector<std::string> stored_channels = picture_size(file("matched.exr")).channels;
+    std::vector<std::string> channels = {"disparity_dp_px", "confidence"};
+    if (std::find(stored_channels.begin(), stored_channels.end(), kSigma) != stored_channels.end()) {
+      channels.emplace_back(kSigma);
+    }
+    std::vector<Image> matched = read_exr(file("matched.exr"), channels);
     result.matched_disparity_dp_px = std::move(matched[0]);
     result.matched_confidence = std::move(matched[1]);
+    if (matched.size() > 2) result.matched_sigma_dp_px = std::move(matched[2]);
   }
   return stored;
 }

@@ -10,7 +10,8 @@
 ///   input.exr portrait.exr   linear RGB (half float)
 ///   portrait.png             8-bit sRGB
 ///   maps.exr                 full size, float: those of disparity_dp_px, confidence, mask, blur_radius_px that exist
-///   matched.exr              DP size, float: disparity_dp_px, confidence; absent in mode seg
+///   matched.exr              DP size, float: disparity_dp_px, confidence and, where the matcher predicts it,
+///                            sigma_dp_px; absent in mode seg
 namespace dualpixel::tools {
 
 struct StoredResult {

@@ -18,20 +18,14 @@ constexpr int kSide = kPictureSide_px;
 constexpr std::array<int, 2> kWrists = {9, 10};  // COCO's order
 constexpr double kHandRadius = 0.75;             // of the face's width
 
-struct Masks {
-  Image truth, network, without_face, filtered;
-};
+static_assert(kPictureSide_px == pipeline::kNetworkSize_px);
 
-Masks masks_of(const PersonSample& sample, pipeline::PersonNetwork& network) {
-  const Image picture = picture_of(sample);
-  Image input = pipeline::network_input(picture, {sample.face[0], sample.face[1], sample.face[2], sample.face[3]});
-  Masks masks;
-  masks.truth = mask_of(sample);
-  masks.network = network(input);
-  masks.filtered = pipeline::filter_mask(masks.network, pipeline::encode_guide(picture, pipeline::guide_gain(picture)));
-  for (std::size_t i = 0; i < input.pixel_count(); ++i) input.data[4 * i + 3] = 0;
-  masks.without_face = network(input);
-  return masks;
+Image input_of(const PersonSample& sample) {
+  return pipeline::network_input(picture_of(sample), {sample.face[0], sample.face[1], sample.face[2], sample.face[3]});
+}
+
+Image filtered(const Image& mask, const Image& picture) {
+  return pipeline::filter_mask(mask, pipeline::encode_guide(picture, pipeline::guide_gain(picture)));
 }
 
 /// Sums, of which a row holds the means.
@@ -79,7 +73,7 @@ Image mask_of(const PersonSample& sample) {
 }
 
 Image filtered_mask_of(const PersonSample& sample, pipeline::PersonNetwork& network) {
-  return masks_of(sample, network).filtered;
+  return filtered(network(input_of(sample)), picture_of(sample));
 }
 
 PeopleScores score_people(const PeopleSet& set, pipeline::PersonNetwork& network,
@@ -89,13 +83,13 @@ PeopleScores score_people(const PeopleSet& set, pipeline::PersonNetwork& network
   PeopleScores scores;
   for (std::size_t i = 0; i < set.size(); ++i) {
     const PersonSample& sample = set[i];
-    const Masks masks = masks_of(sample, network);
-    const Image gradient = mask_gradient_errors(masks.network, masks.truth);
-    const Image filtered_gradient = mask_gradient_errors(masks.filtered, masks.truth);
-    Sums one{1, mask_iou(masks.network, masks.truth), mask_iou(masks.filtered, masks.truth),
-             mask_iou(masks.without_face, masks.truth)};
+    Image input = input_of(sample);
+    const Image truth = mask_of(sample), mask = network(input), filtered_mask = filtered(mask, picture_of(sample));
+    for (std::size_t p = 0; p < input.pixel_count(); ++p) input.data[4 * p + 3] = 0;
+    const Image gradient = mask_gradient_errors(mask, truth);
+    const Image filtered_gradient = mask_gradient_errors(filtered_mask, truth);
+    Sums one{0, mask_iou(mask, truth), mask_iou(filtered_mask, truth), mask_iou(network(input), truth)};
     add_region(one, gradient, filtered_gradient, [](double, double) { return true; });
-    one.samples = 1;
     scores.filtered_iou.push_back(one.filtered_iou);
     const auto add = [&](Sums& sums) {
       sums.samples += 1;

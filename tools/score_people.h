@@ -29,7 +29,8 @@ struct PeopleScores {
   std::vector<double> filtered_iou;  ///< of each sample
 };
 
-/// A sample as the pipeline sees it.
+/// The whole square of a sample, black padding included; so are all masks scored here. (The pipeline filters a mask at
+/// the photograph's size, without padding.)
 Image picture_of(const PersonSample& sample);  ///< linear RGB
 Image mask_of(const PersonSample& sample);
 Image filtered_mask_of(const PersonSample& sample, pipeline::PersonNetwork& network);

@@ -100,7 +100,7 @@ Correction make_correction(const Calibration& calibration, const Camera& camera)
   return correction;
 }
 
-void correct_disparity(const Correction& correction, Image& disparity_dp_px, Image& confidence) {
+void correct_disparity(const Correction& correction, Image& disparity_dp_px, Image& confidence, Image* sigma_dp_px) {
   const int width = disparity_dp_px.width, height = disparity_dp_px.height;
   // first pixel of each interval of columns
   std::array<int, kColumns> begin{};
@@ -114,6 +114,7 @@ void correct_disparity(const Correction& correction, Image& disparity_dp_px, Ima
     const auto gains = node_row(correction.gain, row), offsets = node_row(correction.offset_dp_px, row);
     float* d = disparity_dp_px.row(y);
     float* sure = confidence.row(y);
+    float* sigma = sigma_dp_px != nullptr ? sigma_dp_px->row(y) : nullptr;
     const float *above = correction.usable.row(row.first), *below = correction.usable.row(row.first + 1);
     for (int i = 0; i + 1 < kColumns; ++i) {
       const std::array<float, 4> gain = cubic_over(gains.data(), 1, kColumns, i);
@@ -122,8 +123,10 @@ void correct_disparity(const Correction& correction, Image& disparity_dp_px, Ima
       const float trust = usable ? correction.confidence : 0.0f;
       for (int x = begin[i]; x < begin[i + 1]; ++x) {
         const float t = (static_cast<float>(x) + 0.5f) * per_px - static_cast<float>(i);
-        d[x] = d[x] * evaluate(gain, t) + evaluate(offset, t);
+        const float g = evaluate(gain, t);
+        d[x] = d[x] * g + evaluate(offset, t);
         sure[x] *= trust;
+        if (sigma != nullptr) sigma[x] = usable ? sigma[x] * std::abs(g) : INFINITY;
       }
     }
   });

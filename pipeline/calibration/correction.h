@@ -31,7 +31,9 @@ void require_same_camera(const Camera& own, const Camera& camera, const std::str
 Correction make_correction(const Calibration& calibration, const Camera& camera);
 
 /// In place, at any resolution of the same picture. Confidence is scaled by the correction's, and 0 where that is not
-/// usable at one of the four nodes around; disparity is finite everywhere.
-void correct_disparity(const Correction& correction, Image& disparity_dp_px, Image& confidence);
+/// usable at one of the four nodes around; disparity is finite everywhere. `sigma_dp_px`, where there is one, is
+/// scaled as the disparity is, and infinite where the correction is not usable.
+void correct_disparity(const Correction& correction, Image& disparity_dp_px, Image& confidence,
+                       Image* sigma_dp_px = nullptr);
 
 }  // namespace dualpixel::pipeline

@@ -228,7 +228,12 @@ TEST(Calibration, AFrontoParallelPlaneIsFlatAfterCorrectionAtAnyDepth) {
         d.at(x, y) = static_cast<float>(slope_at(u, v) / depth + intercept_at(u, v, camera.focus_distance_m));
       }
     }
-    correct_disparity(correction, d, confidence);
+    Image more = d, sigma(d.width, d.height, 1, 0.125f), ignored(d.width, d.height);
+    for (float& value : more.data) value += 0.125f;
+    correct_disparity(correction, more, ignored);
+    correct_disparity(correction, d, confidence, &sigma);
+    // an error becomes what a difference becomes; disparities of up to 8 px round by 5e-7 each
+    for (std::size_t i = 0; i < sigma.data.size(); ++i) ASSERT_NEAR(sigma.data[i], more.data[i] - d.data[i], 4 * 5e-7);
     const double axis = slope_at(0, 0) / depth + intercept_at(0, 0, camera.focus_distance_m);
     for (const float value : d.data) ASSERT_NEAR(value, axis, 2e-3);
     for (const float value : confidence.data) ASSERT_EQ(value, 0.7f);

@@ -26,7 +26,9 @@ void expect_half_equal(const Image& read, const Image& written) {
 
 TEST(ResultIo, ReadsWhatWasWritten) {
   const TemporaryFolder folder;
-  const pipeline::PortraitResult written = synthetic_result(synthetic_capture());
+  pipeline::PortraitResult written = synthetic_result(synthetic_capture());
+  written.matched_sigma_dp_px = written.matched_confidence;
+  written.matched_sigma_dp_px.at(1, 2) = 0.125f;
   write_result(written, {{"mode", "dp"}, {"capture", "some\nwhere"}}, folder / "r");
   const StoredResult stored = read_result(folder / "r");
   const pipeline::PortraitResult& read = stored.result;
@@ -40,6 +42,7 @@ TEST(ResultIo, ReadsWhatWasWritten) {
   EXPECT_EQ(read.blur_radius_px.data, written.blur_radius_px.data);
   EXPECT_EQ(read.matched_disparity_dp_px.data, written.matched_disparity_dp_px.data);
   EXPECT_EQ(read.matched_confidence.data, written.matched_confidence.data);
+  EXPECT_EQ(read.matched_sigma_dp_px.data, written.matched_sigma_dp_px.data);
   EXPECT_TRUE(read.mask.empty());
   EXPECT_EQ(read.focus_disparity_dp_px, -0.125);
   ASSERT_EQ(read.stages.size(), 2u);
@@ -54,7 +57,9 @@ TEST(ResultIo, KeepsNaN) {
   pipeline::PortraitResult written = synthetic_result(synthetic_capture());
   written.disparity_dp_px.at(3, 4) = NAN;
   write_result(written, {{"mode", "dp"}}, folder / "r");
-  EXPECT_TRUE(std::isnan(read_result(folder / "r").result.disparity_dp_px.at(3, 4)));
+  const pipeline::PortraitResult read = read_result(folder / "r").result;
+  EXPECT_TRUE(std::isnan(read.disparity_dp_px.at(3, 4)));
+  EXPECT_TRUE(read.matched_sigma_dp_px.empty());  // as the paper's matcher leaves it
 }
 
 TEST(ResultIo, OfTheMaskAloneHasNoDisparity) {

@@ -5,14 +5,15 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/error.h"
+#include "capture/files.h"
 #include "capture/image_io.h"
 #include "pipeline/segmentation/person_mask.h"
 #include "tests/pipeline/drawn_face.h"
 #include "tests/pipeline/texture.h"
 #include "tests/pipeline/toy_network.h"
 #include "tests/tools/run_program.h"
+#include "tests/tools/toy_people.h"
 #include "tools/mask_metrics.h"
-#include "tools/npy.h"
 #include "tools/score_people.h"
 
 namespace dualpixel::tools {
@@ -35,41 +36,36 @@ TEST(MaskMetrics, AreTheirFormulas) {
   EXPECT_EQ(mask_gradient_error(Image(8, 4, 1, 0.7F), Image(8, 4)), 0);
 }
 
-/// A held-out set of two: grey pictures whose masks are what the toy network draws, but for a square of 10 x 10 beside
-/// the second one's right wrist. The second is a composite with another person, and holds something.
+/// A held-out set of two: grey pictures whose masks are what the toy network draws, but for two squares in the second:
+/// one of 10 x 10 beside the right wrist, and one of 6 x 6 over the head. The second is a composite with another
+/// person, and holds something.
 void write_followed(const std::string& folder) {
   constexpr std::size_t kSide = kPictureSide_px, n = 2;
-  const float faces[n][4] = {{100, 60, 30, 30}, {50, 90, 40, 40}};
-  std::string masks(n * kSide * kSide, '\0'), pictures(n * kSide * kSide * 3, '\x80');
-  std::vector<float> keypoints(n * kKeypoints * 3);
+  PeopleArrays arrays;
+  arrays.faces = {100, 60, 30, 30, 50, 90, 40, 40};
+  arrays.pictures.assign(n * kSide * kSide * 3, 0x80);
+  arrays.masks.resize(n * kSide * kSide);
+  arrays.keypoints.resize(n * kKeypoints * 3);
   pipeline::PersonNetwork network(pipeline::face_follower());
   for (std::size_t i = 0; i < n; ++i) {
-    const Image drawn = network(
-        pipeline::network_input(Image(kSide, kSide, 3, 0.2F), {faces[i][0], faces[i][1], faces[i][2], faces[i][3]}));
+    const float* const f = arrays.faces.data() + 4 * i;
+    const Image drawn = network(pipeline::network_input(Image(kSide, kSide, 3, 0.2F), {f[0], f[1], f[2], f[3]}));
     for (std::size_t p = 0; p < drawn.data.size(); ++p) {
-      masks[i * kSide * kSide + p] = static_cast<char>(std::lround(255 * drawn.data[p]));
+      arrays.masks[i * kSide * kSide + p] = static_cast<std::uint8_t>(std::lround(255 * drawn.data[p]));
     }
   }
-  for (int y = 200; y < 210; ++y) {
-    for (int x = 200; x < 210; ++x) masks[(kSide + y) * kSide + x] = '\xff';
-  }
-  const float wrist[3] = {205, 205, 2};
-  std::copy_n(wrist, 3, keypoints.begin() + (kKeypoints + 10) * 3);
-  const std::string shard = folder + "/shard_00000";
-  std::filesystem::create_directories(shard);
-  const auto bytes = [](const float* values, std::size_t count) {
-    return std::string_view(reinterpret_cast<const char*>(values), 4 * count);
+  const auto square = [&](std::size_t x0, std::size_t y0, std::size_t size) {
+    for (std::size_t y = y0; y < y0 + size; ++y) {
+      for (std::size_t x = x0; x < x0 + size; ++x) arrays.masks[(kSide + y) * kSide + x] = 255;
+    }
   };
-  write_bytes(shard + "/pictures.npy", npy_bytes("|u1", {n, kSide, kSide, 3}, pictures));
-  write_bytes(shard + "/masks.npy", npy_bytes("|u1", {n, kSide, kSide}, masks));
-  write_bytes(shard + "/keypoints.npy",
-              npy_bytes("<f4", {n, kKeypoints, 3}, bytes(keypoints.data(), keypoints.size())));
-  write_bytes(shard + "/faces.npy", npy_bytes("<f4", {n, 4}, bytes(faces[0], 4 * n)));
-  write_bytes(shard + "/samples.json", R"([{"people": 1, "composite": false, "tags": ["hair:long"]},)"
-                                       R"( {"people": 2, "composite": true, "tags": ["hair:long", "held:cup"]}])");
-  write_bytes(shard + "/shard.json", "{}");
-  write_bytes(folder + "/people.json",
-              R"({"format": "dualpixel people", "version": 1, "size_px": 256, "count": 2, "held_out": true})");
+  square(200, 200, 10);
+  square(20, 60, 6);
+  const float wrist[3] = {205, 205, 2};
+  std::copy_n(wrist, 3, arrays.keypoints.begin() + (kKeypoints + 10) * 3);
+  arrays.samples_json = R"([{"people": 1, "composite": false, "tags": ["hair:long"]},)"
+                        R"( {"people": 2, "composite": true, "tags": ["hair:long", "held:cup"]}])";
+  write_people_arrays(folder, arrays, 1, true);
 }
 
 TEST(PeopleScores, AreTheirFormulas) {
@@ -90,9 +86,9 @@ TEST(PeopleScores, AreTheirFormulas) {
   };
   int drawn = 0;
   for (int i = 0; i < 256 * 256; ++i) drawn += set[1].mask[i] > 127 ? 1 : 0;
-  const double second = (drawn - 100.0) / drawn;
-  // The square's outline is 40 steps of 1. What else there is comes of masks in 255ths: at most half a one, squared,
-  // in both directions.
+  const double second = (drawn - 136.0) / drawn;
+  // The squares' outlines are 40 and 24 steps of 1. What else there is comes of masks in 255ths: at most half a one,
+  // squared, in both directions.
   constexpr double kStep = 2 * 1.0 / (255 * 255), kArea = 256 * 256;
   EXPECT_DOUBLE_EQ(row("rendered").iou, 1);
   EXPECT_DOUBLE_EQ(row("one person").iou, 1);
@@ -100,22 +96,27 @@ TEST(PeopleScores, AreTheirFormulas) {
   for (const char* name : {"composites", "groups", "held:cup"}) {
     EXPECT_EQ(row(name).samples, 1U);
     EXPECT_DOUBLE_EQ(row(name).iou, second);
-    EXPECT_NEAR(row(name).gradient_error, 40 / kArea, kStep);
+    EXPECT_NEAR(row(name).gradient_error, 64 / kArea, kStep);
   }
   for (const char* name : {"all", "hair:long"}) {
     EXPECT_EQ(row(name).samples, 2U);
     EXPECT_DOUBLE_EQ(row(name).iou, (1 + second) / 2);
     EXPECT_EQ(row(name).iou_without_face, 0);  // the toy looks at nothing else
-    EXPECT_NEAR(row(name).gradient_error, 20 / kArea, kStep);
+    EXPECT_NEAR(row(name).gradient_error, 32 / kArea, kStep);
   }
-  EXPECT_NEAR(row("hair").gradient_error, 0, kStep);
+  // From a face's width around the boxes down to the chin: 90 x 60 and 120 x 80 pixels, but for those left of 0.
+  EXPECT_NEAR(row("hair").gradient_error, 24.0 / (90 * 60 + 120 * 80), kStep);
   // A hand is a disc of 0.75 * 40 px: its area in pixels within its outline's length of the exact one.
   const double disc = M_PI * 30 * 30;
   for (const char* name : {"hands", "hands that hold"}) {
     EXPECT_EQ(row(name).samples, 1U);
     EXPECT_NEAR(row(name).gradient_error, 40 / disc, 40 / disc * (2 * M_PI * 30 / disc) + kStep);
   }
-  EXPECT_EQ(scores.filtered_iou.size(), 2U);
+  ASSERT_EQ(scores.filtered_iou.size(), 2U);
+  EXPECT_DOUBLE_EQ(row("all").filtered_iou, (scores.filtered_iou[0] + scores.filtered_iou[1]) / 2);
+  EXPECT_DOUBLE_EQ(scores.filtered_iou[1], mask_iou(filtered_mask_of(set[1], network), mask_of(set[1])));
+  EXPECT_DOUBLE_EQ(row("groups").filtered_gradient_error,
+                   mask_gradient_error(filtered_mask_of(set[1], network), mask_of(set[1])));
 }
 
 /// A linear picture as an 8-bit file.

@@ -22,6 +22,31 @@ std::string bytes_of(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
+struct PeopleArrays {
+  std::vector<std::uint8_t> pictures, masks;
+  std::vector<float> keypoints, faces;
+  std::string samples_json;
+};
+
+/// A people set of one shard.
+inline void write_people_arrays(const std::string& folder, const PeopleArrays& arrays, std::uint64_t seed,
+                                bool held_out) {
+  const std::string shard = folder + "/shard_00000";
+  std::filesystem::create_directories(shard);
+  constexpr std::size_t kSize = kPictureSide_px;
+  const std::size_t n = arrays.faces.size() / 4;
+  write_file(shard + "/pictures.npy", npy_bytes("|u1", {n, kSize, kSize, 3}, bytes_of(arrays.pictures)));
+  write_file(shard + "/masks.npy", npy_bytes("|u1", {n, kSize, kSize}, bytes_of(arrays.masks)));
+  write_file(shard + "/keypoints.npy", npy_bytes("<f4", {n, kKeypoints, 3}, bytes_of(arrays.keypoints)));
+  write_file(shard + "/faces.npy", npy_bytes("<f4", {n, 4}, bytes_of(arrays.faces)));
+  write_file(shard + "/samples.json", arrays.samples_json);
+  write_file(shard + "/shard.json", fmt::format(R"({{"seed": {}, "count": {}}})", seed, n));
+  write_file(folder + "/people.json",
+             fmt::format(R"({{"format": "dualpixel people", "version": 1, "size_px": 256, "count": {}, "seed": {}, )"
+                         R"("held_out": {}, "shards": 1}})",
+                         n, seed, held_out));
+}
+
 /// A people set of `count` figures, each an ellipse for a body and one for a head, before a mottled wall with a
 /// bystander of the same make who is in no mask: only the face tells who is meant.
 inline void write_toy_people(const std::string& folder, int count, std::uint64_t seed, bool held_out = false) {
@@ -82,22 +107,10 @@ inline void write_toy_people(const std::string& folder, int count, std::uint64_t
     set_keypoint(5, person.x + person.body, person.head_y + 130);  // left shoulder: right in the picture
     set_keypoint(6, person.x - person.body, person.head_y + 130);
   }
-  const std::string shard = folder + "/shard_00000";
-  std::filesystem::create_directories(shard);
-  const auto n = static_cast<std::size_t>(count);
-  write_file(shard + "/pictures.npy", npy_bytes("|u1", {n, kSize, kSize, 3}, bytes_of(pictures)));
-  write_file(shard + "/masks.npy", npy_bytes("|u1", {n, kSize, kSize}, bytes_of(masks)));
-  write_file(shard + "/keypoints.npy", npy_bytes("<f4", {n, kKeypoints, 3}, bytes_of(keypoints)));
-  write_file(shard + "/faces.npy", npy_bytes("<f4", {n, 4}, bytes_of(faces)));
   std::string samples;
   for (int i = 0; i < count; ++i) samples += R"({"people": 1, "composite": false, "tags": []},)";
   samples.back() = ']';
-  write_file(shard + "/samples.json", "[" + samples);
-  write_file(shard + "/shard.json", fmt::format(R"({{"seed": {}, "count": {}}})", seed, count));
-  write_file(folder + "/people.json",
-             fmt::format(R"({{"format": "dualpixel people", "version": 1, "size_px": 256, "count": {}, "seed": {}, )"
-                         R"("held_out": {}, "shards": 1}})",
-                         count, seed, held_out));
+  write_people_arrays(folder, {pictures, masks, keypoints, faces, "[" + samples}, seed, held_out);
 }
 
 }  // namespace dualpixel::tools

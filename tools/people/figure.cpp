@@ -1,5 +1,7 @@
 #include "tools/people/figure.h"
 
+#include <utility>
+
 namespace dualpixel::tools {
 namespace {
 
@@ -225,10 +227,12 @@ Piece cloth_piece(const Figure& figure, const Shape& shape, float folds_m, std::
   low.y = std::max(low.y, figure.lowest_m - 0.03f);
   if (low.y >= high.y) return {};
   const PreparedShape prepared(shape);
+  std::vector<std::pair<Cone, PreparedCone>> carved_cones;
+  for (const Cone& cone : carved) carved_cones.emplace_back(cone, PreparedCone(cone));
   Piece piece = mesh_of(
       [&](vec3 p) {
         float d = prepared(p);
-        for (const Cone& cone : carved) d = carve(d, cone_distance(cone, p), carve_fillet_m);
+        for (const auto& cone : carved_cones) d = carve(d, cone_distance(cone.first, cone.second, p), carve_fillet_m);
         return d;
       },
       low, high, figure.body_cell_m);

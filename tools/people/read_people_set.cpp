@@ -56,7 +56,8 @@ void MappedArray::read_header() {
   std::uint16_t header = 0;
   std::memcpy(&header, file_ + 8, 2);
   header_bytes_ = 10 + std::size_t{header};
-  if (header_bytes_ > file_bytes_ || header_bytes_ % 4 != 0) fail("its header is cut off");
+  if (header_bytes_ > file_bytes_) fail("its header is cut off");
+  if (header_bytes_ % 4 != 0) fail(fmt::format("its header ends at byte {}: must be a multiple of 4", header_bytes_));
   if (header > kMostHeaderBytes) fail(fmt::format("its header has {} bytes: at most {}", header, kMostHeaderBytes));
   const std::string text(file_ + 10, header);
   static const std::regex kHeader(
@@ -122,13 +123,20 @@ void PeopleSet::add_shard(const std::string& shard) {
   }
   for (std::size_t i = 0; i < count; ++i) {
     PersonSample sample{pictures->bytes(i), masks->bytes(i), keypoints->floats(i), faces->floats(i), {}};
+    const float* const face = sample.face;
+    const auto in_picture = [](float center) { return center >= 0 && center <= static_cast<float>(kSide); };
+    if (!(face[2] > 0 && face[3] > 0 && in_picture(face[0] + face[2] / 2) && in_picture(face[1] + face[3] / 2))) {
+      throw InputError(fmt::format("{}: face {}: {} {} {} {}: must have a size, and its centre in the picture",
+                                   printable(faces->path()), i, face[0], face[1], face[2], face[3]));
+    }
     Fields fields(samples[i], list, fmt::format("/{}", i));
-    fields.integer("people", sample.people, 1, 1000).boolean("composite", sample.composite);
+    fields.required("people").integer("people", sample.people, 1, 1000);
+    fields.required("composite").boolean("composite", sample.composite);
     const nlohmann::json& tags = fields.raw("tags");
     if (!tags.is_array()) fields.fail("tags", "must be a list of words");
     for (const nlohmann::json& tag : tags) {
       if (!tag.is_string()) fields.fail("tags", "must be a list of words");
-      sample.tags.push_back(tag);
+      sample.tags.push_back(printable(tag.get<std::string>()));
     }
     samples_.push_back(std::move(sample));
   }
@@ -139,10 +147,11 @@ PeopleSet::PeopleSet(const std::vector<std::string>& folders, bool held_out) {
   for (const std::string& folder : folders) {
     const std::string index = folder + "/people.json";
     const nlohmann::json json = read_json_file(index);
-    const auto field = [&](const char* name) { return json.value(name, nlohmann::json()); };
-    if (!json.is_object() || field("format") != "dualpixel people" || field("version") != 1 ||
-        field("size_px") != kSide) {
-      throw InputError(fmt::format("{}: is no people set of version 1 and {} px", printable(index), kSide));
+    const auto field = [&](const char* name) { return json.is_object() ? json.value(name, nlohmann::json()) : json; };
+    if (field("format") != "dualpixel people" || field("version") != 1 || field("size_px") != kSide) {
+      throw InputError(fmt::format("{}: /format, /version, /size_px: {}, {}, {}: must be \"dualpixel people\", 1, {}",
+                                   printable(index), printable(field("format").dump()),
+                                   printable(field("version").dump()), printable(field("size_px").dump()), kSide));
     }
     if (field("held_out") != held_out) {
       throw InputError(

@@ -34,7 +34,7 @@ class MappedArray {
 
   const std::string& path() const { return path_; }
   const std::vector<std::size_t>& shape() const { return shape_; }
-  /// Values from item `i` of the first dimension on; `type` is "|u1" or "<f4" and must be the file's.
+  /// Values from item `i` of the first dimension on, of a file that holds such (require()).
   const std::uint8_t* bytes(std::size_t i) const;
   const float* floats(std::size_t i) const;
   /// Throws InputError unless the file holds `type` values of the shape (any, rest...).
@@ -61,7 +61,8 @@ class PeopleSet {
 
   std::size_t size() const { return samples_.size(); }
   const PersonSample& operator[](std::size_t i) const { return samples_[i]; }
-  /// Of people.json and of every shard.json, which holds the hashes of its arrays: tells one set from another.
+  /// Of people.json and of every shard.json, in which `dualpixel people` wrote the hashes of the arrays: tells one set
+  /// from another. Whether the arrays still are those is not looked at.
   const std::string& hash() const { return hash_; }
 
  private:

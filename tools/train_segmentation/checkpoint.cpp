@@ -1,11 +1,15 @@
 #include "tools/train_segmentation/checkpoint.h"
 
-#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <sstream>
 #include <vector>
 
 #include "capture/error.h"
 #include "capture/files.h"
+#include "capture/json_fields.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -13,6 +17,27 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kWeightDecay = 1e-4;
+
+/// Names, types and shapes of all that a network holds: loading a file puts its own tensors in their place unasked.
+std::string layout_of(Network& network) {
+  std::string layout;
+  for (const auto& items : {network->named_parameters(), network->named_buffers()}) {
+    for (const auto& item : items) {
+      layout += fmt::format("{} {} {}\n", item.key(), item.value().toString(), fmt::join(item.value().sizes(), " "));
+    }
+  }
+  return layout;
+}
+
+/// What a log's entries must have: chart and progress line look them up.
+bool are_points(const Json& points) {
+  return points.is_array() && std::all_of(points.begin(), points.end(), [](const Json& point) {
+           for (const char* name : {"samples", "size_px", "mask_loss", "held_out_iou", "held_out_gradient_error"}) {
+             if (!point.is_object() || !point.contains(name) || !point[name].is_number()) return false;
+           }
+           return !point.contains("pose_loss") || point["pose_loss"].is_number();
+         });
+}
 
 Checkpoint of_shape(const NetworkShape& shape) {
   Checkpoint checkpoint;
@@ -34,6 +59,17 @@ void forget_optimiser(Checkpoint& checkpoint) {
 Checkpoint new_checkpoint(const NetworkShape& shape, std::uint64_t seed) {
   torch::manual_seed(seed);
   return of_shape(shape);
+}
+
+std::string weights_hash(Network& network) {
+  std::string bytes;
+  for (const auto& items : {network->named_parameters(), network->named_buffers()}) {
+    for (const auto& item : items) {
+      const torch::Tensor values = item.value().detach().contiguous();
+      bytes.append(static_cast<const char*>(values.data_ptr()), values.nbytes());
+    }
+  }
+  return hash_of(bytes);
 }
 
 void write_checkpoint(const Checkpoint& checkpoint, const std::string& path) {
@@ -63,23 +99,30 @@ Checkpoint read_checkpoint(const std::string& path) {
     archive.load_from(path);
     c10::IValue value;
     archive.read("text", value);
-    const Json text = Json::parse(value.toStringRef());
+    const nlohmann::json text = parse_json(value.toStringRef(), path);
     NetworkShape shape;
-    shape.fcn = text.at("fcn");
-    shape.stages = text.at("stages");
-    shape.pose = text.at("pose");
-    const double seconds = text.at("seconds");
-    if (shape.stages < 1 || shape.stages > 3 || !std::isfinite(seconds) || seconds < 0) throw InputError("");
-    Checkpoint checkpoint = of_shape(shape);
+    Checkpoint checkpoint;
+    Fields fields(text, path);
+    fields.required("fcn").boolean("fcn", shape.fcn);
+    fields.required("stages").integer("stages", shape.stages, 1, 3);
+    fields.required("pose").boolean("pose", shape.pose);
+    fields.required("samples").integer("samples", checkpoint.samples, 0, std::uint64_t{1} << 40);
+    fields.required("seconds").number("seconds", checkpoint.seconds, 0, 1e9);
+    checkpoint.recipe = Json(fields.raw("recipe"));
+    checkpoint.points = Json(fields.raw("points"));
+    if (!are_points(checkpoint.points) || !checkpoint.recipe.is_object()) fields.fail("points", "are not a log's");
+    Checkpoint fresh = of_shape(shape);
+    checkpoint.network = fresh.network;
+    checkpoint.optimiser = std::move(fresh.optimiser);
+    const std::string layout = layout_of(checkpoint.network);
     archive.read("network", network);
     checkpoint.network->load(network);
+    if (layout_of(checkpoint.network) != layout) fields.fail("network", "its layers are of other sizes");
     archive.read("optimiser", optimiser);
     checkpoint.optimiser->load(optimiser);
-    checkpoint.samples = text.at("samples");
-    checkpoint.seconds = seconds;
-    checkpoint.recipe = text.at("recipe");
-    checkpoint.points = text.at("points");
     return checkpoint;
+  } catch (const InputError&) {
+    throw;
   } catch (const std::exception&) {
     throw InputError(printable(path) + ": is no checkpoint of this program, or a damaged one");
   }

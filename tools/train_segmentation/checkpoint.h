@@ -14,9 +14,9 @@ namespace dualpixel::tools {
 struct Checkpoint {
   Network network{nullptr};
   std::unique_ptr<torch::optim::AdamW> optimiser;
-  std::uint64_t samples = 0;      ///< seen
-  double seconds = 0;             ///< of training
-  nlohmann::ordered_json recipe;  ///< what the weights depend on, but for `samples` or `hours`: train.h
+  std::uint64_t samples = 0;                                        ///< seen
+  double seconds = 0;                                               ///< of training
+  nlohmann::ordered_json recipe;                                    ///< what the weights depend on
   nlohmann::ordered_json points = nlohmann::ordered_json::array();  ///< the log's
 };
 
@@ -25,6 +25,9 @@ Checkpoint new_checkpoint(const NetworkShape& shape, std::uint64_t seed);
 
 /// The network's weights as they are, nothing learnt about their steps.
 void forget_optimiser(Checkpoint& checkpoint);
+
+/// Of all numbers that a network holds.
+std::string weights_hash(Network& network);
 
 void write_checkpoint(const Checkpoint& checkpoint, const std::string& path);
 

@@ -47,20 +47,24 @@ MaskScore evaluate(Network& network, const PeopleSet& set, const std::vector<std
   return {sum.iou / count, sum.gradient_error / count};
 }
 
+torch::Tensor inner_errors_of(const torch::Tensor& predicted, const torch::Tensor& truth) {
+  // A square of side 2 d + 1 for the disc of radius d: near an oblique outline it asks for a little more distance.
+  const auto options =
+      torch::nn::functional::MaxPool2dFuncOptions(2 * kInnerDistance_px + 1).stride(1).padding(kInnerDistance_px);
+  const torch::Tensor outside = (truth <= 0.5).to(torch::kFloat32);
+  const torch::Tensor inner = 1 - torch::nn::functional::max_pool2d(outside, options);
+  const torch::Tensor error = ((predicted - truth).abs() * inner).sum({1, 2, 3});
+  return error / inner.sum({1, 2, 3}).clamp_min(1);
+}
+
 std::vector<float> inner_errors(Network& network, const PeopleSet& set,
                                 const std::function<void(double fraction)>& progress) {
   std::vector<std::size_t> all(set.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   std::vector<float> errors(set.size());
-  // A square of side 2 d + 1 for the disc of radius d: near an oblique outline it asks for a little more distance.
-  const auto options =
-      torch::nn::functional::MaxPool2dFuncOptions(2 * kInnerDistance_px + 1).stride(1).padding(kInnerDistance_px);
   for_each_batch(network, set, all, progress, false,
                  [&](std::size_t first, const torch::Tensor& predicted, const torch::Tensor& truth) {
-                   const torch::Tensor outside = (truth <= 0.5).to(torch::kFloat32);
-                   const torch::Tensor inner = 1 - torch::nn::functional::max_pool2d(outside, options);
-                   const torch::Tensor error = ((predicted - truth).abs() * inner).sum({1, 2, 3});
-                   const torch::Tensor mean = (error / inner.sum({1, 2, 3}).clamp_min(1)).contiguous();
+                   const torch::Tensor mean = inner_errors_of(predicted, truth).contiguous();
                    std::copy_n(mean.data_ptr<float>(), mean.numel(), errors.begin() + first);
                  });
   return errors;

@@ -21,8 +21,12 @@ struct MaskScore {
 MaskScore evaluate(Network& network, const PeopleSet& set, const std::vector<std::size_t>& indices,
                    const std::function<void(double fraction)>& progress = {}, bool half_size = false);
 
-/// Each sample's mean |M^ - M| inside the mask: over pixels in the person and at least 0.05 of the picture's side away
-/// from its outline (the distance is in the source of Wadhwa et al. 2018, section 3.2); 0 where there are none.
+/// Each mask's mean |M^ - M| inside: over pixels in the person and at least 0.05 of the picture's side away from its
+/// outline (the distance is in the source of Wadhwa et al. 2018, section 3.2); 0 where there are none. Both
+/// (batch, 1, 256, 256).
+torch::Tensor inner_errors_of(const torch::Tensor& predicted, const torch::Tensor& truth);
+
+/// Those of a network's masks of all samples.
 std::vector<float> inner_errors(Network& network, const PeopleSet& set,
                                 const std::function<void(double fraction)>& progress = {});
 

@@ -45,7 +45,7 @@ int main(int argc, char** argv) {
   CLI::Option* const stages = program.add_option("--stages", options.shape.stages, "Stacked U-Nets")
                                   ->check(CLI::Range(1, 3))
                                   ->capture_default_str();
-  program.add_flag("--composites,!--no-composites", options.composites, "Learn from composites, too (default), or not");
+  program.add_flag("!--no-composites", options.composites, "Leave out the people before other backgrounds");
   CLI::Option* const half_size =
       program
           .add_option("--half-size", options.half_size,

@@ -40,13 +40,15 @@ double learning_rate(double done, double peak) {
   return kLastRate + (peak - kLastRate) * 0.5 * (1 + std::cos(M_PI * (done - kWarmUp) / (1 - kWarmUp)));
 }
 
-/// Of `samples` among `total`, how much of the work is done where its first part, `half_size` of it, is of pictures of
-/// half the side: a quarter of the work each.
+}  // namespace
+
 double work_done(double samples, double total, double half_size) {
   const double work = total / (1 + 3 * half_size), halves = 4 * half_size * work;
   if (samples >= total) return 1;
   return samples < halves ? samples / (4 * work) : half_size + (samples - halves) / work;
 }
+
+namespace {
 
 struct Losses {
   torch::Tensor mask, pose;
@@ -82,18 +84,24 @@ std::vector<std::size_t> kept_samples(Network& network, const PeopleSet& set, st
 
 std::string chart_page(const Json& points) {
   Plot loss{"Loss", "samples", "cross-entropy", {{"mask", {}}, {"5 × pose", {}}}, false, true};
-  Plot iou{"Held-out samples", "samples", "mean IoU", {{"", {}}}};
-  Plot gradient{"Held-out samples", "samples", "gradient error", {{"", {}}}, false, true};
+  const std::string half = fmt::format("at {} px", kNetworkSize_px / 2),
+                    full = fmt::format("at {} px", kNetworkSize_px);
+  Plot iou{"Held-out samples", "samples", "mean IoU", {{half, {}}, {full, {}}}};
+  Plot gradient{"Held-out samples", "samples", "gradient error", {{half, {}}, {full, {}}}, false, true};
   for (const Json& point : points) {
     const double x = point["samples"];
     loss.series[0].points.emplace_back(x, point["mask_loss"].get<double>());
     if (point.contains("pose_loss")) {
       loss.series[1].points.emplace_back(x, kPoseWeight * point["pose_loss"].get<double>());
     }
-    iou.series[0].points.emplace_back(x, point["held_out_iou"].get<double>());
-    gradient.series[0].points.emplace_back(x, point["held_out_gradient_error"].get<double>());
+    const int series = point["size_px"] == kNetworkSize_px ? 1 : 0;
+    iou.series[series].points.emplace_back(x, point["held_out_iou"].get<double>());
+    gradient.series[series].points.emplace_back(x, point["held_out_gradient_error"].get<double>());
   }
   if (loss.series[1].points.empty()) loss.series.pop_back();
+  for (Plot* plot : {&iou, &gradient}) {
+    if (plot->series[0].points.empty()) plot->series.erase(plot->series.begin());
+  }
   return html_page("Training of the person segmentation network", kPlotStyle,
                    "<h1>Training of the person segmentation network</h1><div class=\"plots\">" + svg_plot(loss) +
                        svg_plot(iou) + svg_plot(gradient) + "</div>");
@@ -112,29 +120,42 @@ struct Tally {
   int batches = 0;
 };
 
-/// What the weights depend on, but for `samples` or `hours`, which may grow.
-Json recipe_of(const TrainOptions& options, const NetworkShape& shape, const PeopleSet& set) {
-  Json recipe = {{"version", DUALPIXEL_VERSION}, {"fcn", shape.fcn},   {"composites", options.composites},
-                 {"stages", shape.stages},       {"pose", shape.pose}, {"seed", options.seed},
+/// What the weights depend on.
+Json recipe_of(const TrainOptions& options, const NetworkShape& shape, const PeopleSet& set, int threads) {
+  Json recipe = {{"version", DUALPIXEL_VERSION},
+                 {"fcn", shape.fcn},
+                 {"stages", shape.stages},
+                 {"pose", shape.pose},
+                 {"composites", options.composites},
+                 {"seed", options.seed},
+                 {"samples", options.samples},
+                 {"hours", options.hours},
+                 {"threads", threads},
                  {"data_hash", set.hash()}};
   if (options.fine_tune.empty()) {
     recipe["half_size"] = options.half_size;
   } else {
-    recipe["fine_tune_hash"] = file_hash(options.fine_tune + "/checkpoint.pt");
+    Network first = read_checkpoint(options.fine_tune + "/checkpoint.pt").network;
+    recipe["fine_tuned_weights_hash"] = weights_hash(first);
     recipe["prune"] = options.prune;
   }
   return recipe;
 }
 
 /// Where the run starts: with the seed's weights, another run's, or its own.
-Checkpoint start_of(const TrainOptions& options, const std::string& path, const PeopleSet& set) {
+Checkpoint start_of(const TrainOptions& options, const std::string& path, const PeopleSet& set, int threads) {
   if (options.resume) {
     Checkpoint state = read_checkpoint(path);
     const bool fine_tunes = !options.fine_tune.empty();
-    const Json wanted = recipe_of(options, fine_tunes ? state.network->shape : options.shape, set);
-    if (state.recipe == wanted) return state;
-    throw InputError(fmt::format("{}: is of another run: {}: must be {} to go on with it", printable(path),
-                                 printable(state.recipe.dump()), wanted.dump()));
+    const Json wanted = recipe_of(options, fine_tunes ? state.network->shape : options.shape, set, threads);
+    for (const auto& [name, value] : wanted.items()) {
+      const Json was = state.recipe.value(name, Json());
+      if (was == value) continue;
+      throw InputError(fmt::format("{}: is of another run: its {} is {}, not {}; give that to go on with it",
+                                   printable(path), name, printable(was.dump()), value.dump()));
+    }
+    if (state.recipe.size() == wanted.size()) return state;
+    throw InputError(printable(path) + ": is of another run: one that fine-tuned, or did not");
   }
   if (std::filesystem::exists(path)) {
     throw InputError(printable(options.output) + ": holds a run; go on with it by --resume, or name another folder");
@@ -146,7 +167,7 @@ Checkpoint start_of(const TrainOptions& options, const std::string& path, const 
     state.network = read_checkpoint(options.fine_tune + "/checkpoint.pt").network;
     forget_optimiser(state);
   }
-  state.recipe = recipe_of(options, state.network->shape, set);
+  state.recipe = recipe_of(options, state.network->shape, set, threads);
   return state;
 }
 
@@ -154,22 +175,22 @@ Checkpoint start_of(const TrainOptions& options, const std::string& path, const 
 
 void train(const TrainOptions& options, const std::function<bool(std::uint64_t samples)>& stop) {
   const PeopleSet set(options.data, false), held_out(options.held_out, true);
+  const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
+  torch::set_num_threads(threads);
+
+  const std::string checkpoint = options.output + "/checkpoint.pt";
+  Checkpoint state = start_of(options, checkpoint, set, threads);
   std::error_code error;
   std::filesystem::create_directories(options.output, error);
   if (!std::filesystem::is_directory(options.output)) {
     throw InputError(printable(options.output) + ": cannot be made a folder");
   }
-  const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
-  torch::set_num_threads(threads);
-
-  const std::string checkpoint = options.output + "/checkpoint.pt";
-  Checkpoint state = start_of(options, checkpoint, set);
   const bool fine_tune = !options.fine_tune.empty();
   std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < set.size(); ++i) {
     if (options.composites || !set[i].composite) kept.push_back(i);
   }
-  if (kept.empty()) throw InputError(printable(options.data[0]) + ": holds composites alone");
+  if (kept.empty()) throw InputError("--no-composites: there is nothing else in the data");
   if (fine_tune && options.prune > 0) {
     // by the first phase's network, also where the second is gone on with
     Network judge = options.resume ? read_checkpoint(options.fine_tune + "/checkpoint.pt").network : state.network;
@@ -179,10 +200,7 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
               {"held_out", options.held_out},
               {"held_out_hash", held_out.hash()},
               {"recipe", state.recipe},
-              {"training_samples", kept.size()},
-              {"samples", options.samples},
-              {"hours", options.hours},
-              {"threads", threads}};
+              {"training_samples", kept.size()}};
   if (fine_tune) log["fine_tune"] = options.fine_tune;
 
   const bool pose = state.network->shape.pose && !fine_tune;
@@ -210,8 +228,8 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
         state.samples, 100 * std::min(1.0, done), per_s, tally.mask / std::max(1, tally.batches),
         tally.pose / std::max(1, tally.batches), iou, std::max(0.0, left_s) / 60);
   };
+  bool half = fraction() < half_size;  // what is being trained on
   const auto save = [&](bool end) {
-    const bool half = fraction() < half_size;
     const MaskScore score =
         evaluate(state.network, held_out, spread(held_out.size(), end ? held_out.size() : kWatchedHeldOut), {}, half);
     iou = score.iou;
@@ -236,8 +254,8 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
     write_checkpoint(state, checkpoint);
     fmt::print(stderr, "{}{}\n", terminal ? "\r\x1b[K" : "", progress_line());
     if (end) {
-      fmt::print("{} held-out samples: mean IoU {:.4f}, gradient error {:.6f}\n", held_out.size(), score.iou,
-                 score.gradient_error);
+      fmt::print("{} held-out samples at {} px: mean IoU {:.4f}, gradient error {:.6f}\n", held_out.size(),
+                 half ? kNetworkSize_px / 2 : kNetworkSize_px, score.iou, score.gradient_error);
     }
     tally = {};
     saved_s = now_s();
@@ -247,7 +265,11 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
 
   while (fraction() < 1 && !stop(state.samples)) {
     Batch batch = batches.next();
-    if (fraction() < half_size) batch = halved(batch);
+    if (half && fraction() >= half_size) {
+      save(false);  // so that no entry of the log is of both sizes
+      half = false;
+    }
+    if (half) batch = halved(batch);
     for (auto& group : state.optimiser->param_groups()) group.options().set_lr(learning_rate(fraction(), peak));
     state.network->train();
     const Losses losses = losses_of(state.network->forward(batch.input), batch);

@@ -35,6 +35,10 @@ struct TrainOptions {
   double prune = 149.0 / 660;  ///< share of the samples, by largest inner error: as the paper's 660 k became 511 k
 };
 
+/// Of `samples` among `total`, how much of the work is done where its first part, `half_size` of it, is of pictures of
+/// half the side: a quarter of the work each.
+double work_done(double samples, double total, double half_size);
+
 /// Writes to the output folder, again at every checkpoint (five minutes) and at the end, each file whole or not at all:
 ///   checkpoint.pt       what --resume goes on from: weights, optimiser, samples seen
 ///   person.safetensors  for inference (export.h); not of the baseline
@@ -42,7 +46,7 @@ struct TrainOptions {
 ///   chart.html          loss and held-out score
 /// Once `stop`, which is told how many samples it has seen, says so, it ends after a checkpoint. With `samples`, the
 /// weights depend on the options, the data and the number of threads alone, however often the run was stopped and
-/// resumed. Throws InputError for unusable data, and for a checkpoint whose network, seed, data or phase is another.
+/// resumed. Throws InputError for unusable data, and for a checkpoint of other options or data.
 void train(const TrainOptions& options, const std::function<bool(std::uint64_t samples)>& stop);
 
 }  // namespace dualpixel::tools
