@@ -84,8 +84,9 @@ Scene wall_of_tiles(unsigned tiles) {
   Mesh tile = waves(kTileSide, 0);
   const float scale = 1 / static_cast<float>(tiles);
   for (unsigned i = 0; i < tiles * tiles; ++i) {
-    const float x = (2 * static_cast<float>(i % tiles) + 1) * scale - 1;
-    const float y = (2 * static_cast<float>(i / tiles) + 1) * scale - 1;
+    const unsigned row = i / tiles, column = i % tiles;
+    const float x = (2 * static_cast<float>(column) + 1) * scale - 1;
+    const float y = (2 * static_cast<float>(row) + 1) * scale - 1;
     tile.placements.push_back({glm::mat4x3({scale, 0, 0}, {0, scale, 0}, {0, 0, scale}, {x, y, 1}), i + 1, false});
   }
   return scene_of(std::move(tile));
