@@ -65,6 +65,7 @@ void add_mesh(const Mesh& mesh, Sum& sum) {
   sum.add_bytes(mesh.colors);
   sum.add_bytes(mesh.triangles);
   sum.add(mesh.material);
+  for (const Placement& placement : mesh.placements) sum.add(placement.world_from_mesh);
 }
 
 void add_material(const Material& m, Sum& sum) {

@@ -42,10 +42,14 @@ json describe_capture(const std::string& path) {
 
 json describe_gltf(const std::string& path) {
   const simulator::Scene scene = simulator::read_gltf(path);
-  std::size_t triangles = 0, person_triangles = 0;
+  std::size_t stored = 0, triangles = 0, person_triangles = 0;
   for (const simulator::Mesh& mesh : scene.meshes) {
-    triangles += mesh.triangles.size();
-    if (mesh.person) person_triangles += mesh.triangles.size();
+    const auto persons = std::count_if(mesh.placements.begin(), mesh.placements.end(),
+                                       [](const simulator::Placement& placement) { return placement.person; });
+    const bool placed = !mesh.placements.empty();
+    stored += mesh.triangles.size();
+    triangles += mesh.triangles.size() * (placed ? mesh.placements.size() : 1);
+    person_triangles += mesh.triangles.size() * (placed ? persons : mesh.person);
   }
   json cameras = json::array();
   for (const simulator::CameraNode& camera : scene.cameras) cameras.push_back(printable(camera.name));
@@ -54,6 +58,7 @@ json describe_gltf(const std::string& path) {
   return {{"kind", "glTF scene"},
           {"meshes", scene.meshes.size()},
           {"triangles", triangles},
+          {"stored_triangles", stored},
           {"person_triangles", person_triangles},
           {"materials", scene.materials.size()},
           {"textures", scene.textures.size()},

@@ -10,8 +10,12 @@
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <utility>
 
+#include "simulator/render/pixel.h"
+#include "simulator/render/ray_log.h"
 #include "simulator/render/views.h"
+#include "simulator/sampling/hash.h"
 #include "tools/svg_plot.h"
 #include "tools/timing.h"
 
@@ -20,6 +24,7 @@ namespace {
 
 using nlohmann::ordered_json;
 using simulator::CameraView;
+using simulator::Mesh;
 using simulator::RenderScene;
 using simulator::Scene;
 
@@ -34,32 +39,71 @@ double resident_bytes() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-/// 2 m a side, 1 m in front of the camera; 2 `side`^2 triangles of one and the same shape.
-Scene wall_of_waves(unsigned side) {
-  Scene scene;
-  simulator::Material grey;
-  grey.base_color = {0.5f, 0.5f, 0.5f, 1};
-  grey.metallic = 0;
-  scene.materials = {grey};
-  simulator::Mesh& mesh = scene.meshes.emplace_back();
+/// 2 m a side about `z_m`; 2 `side`^2 triangles of one and the same shape.
+Mesh waves(unsigned side, float z_m) {
+  Mesh mesh;
   mesh.positions.reserve(std::size_t{side + 1} * (side + 1));
   mesh.triangles.reserve(std::size_t{2} * side * side);
   for (unsigned i = 0; i <= side; ++i) {
     for (unsigned j = 0; j <= side; ++j) {
       const float x = 2 * static_cast<float>(j) / static_cast<float>(side) - 1;
       const float y = 2 * static_cast<float>(i) / static_cast<float>(side) - 1;
-      mesh.positions.emplace_back(x, y, 1 + 0.02f * std::sin(30 * x) * std::sin(30 * y));
+      mesh.positions.emplace_back(x, y, z_m + 0.02f * std::sin(30 * x) * std::sin(30 * y));
       if (i == side || j == side) continue;
       const unsigned at = i * (side + 1) + j;
       mesh.triangles.emplace_back(at, at + 1, at + side + 2);
       mesh.triangles.emplace_back(at, at + side + 2, at + side + 1);
     }
   }
+  return mesh;
+}
+
+/// A grey one, under a sky.
+Scene scene_of(Mesh mesh) {
+  Scene scene;
+  simulator::Material grey;
+  grey.base_color = {0.5f, 0.5f, 0.5f, 1};
+  grey.metallic = 0;
+  scene.materials = {grey};
+  scene.meshes = {std::move(mesh)};
   scene.environment = {64, 32, std::vector<glm::vec3>(std::size_t{64} * 32)};
   for (std::size_t i = 0; i < scene.environment.radiance_nits.size(); ++i) {
     scene.environment.radiance_nits[i] = glm::vec3(1000 + static_cast<float>(i));
   }
   return scene;
+}
+
+/// 1 m in front of the camera.
+Scene wall_of_waves(unsigned side) { return scene_of(waves(side, 1)); }
+
+constexpr unsigned kTileSide = 71;
+constexpr double kTileTriangles = 2.0 * kTileSide * kTileSide;  // ten thousand
+
+/// As large a wall of one tile that is placed `tiles`^2 times.
+Scene wall_of_tiles(unsigned tiles) {
+  Mesh tile = waves(kTileSide, 0);
+  const float scale = 1 / static_cast<float>(tiles);
+  for (unsigned i = 0; i < tiles * tiles; ++i) {
+    const unsigned row = i / tiles, column = i % tiles;
+    const float x = (2 * static_cast<float>(column) + 1) * scale - 1;
+    const float y = (2 * static_cast<float>(row) + 1) * scale - 1;
+    tile.placements.push_back({glm::mat4x3({scale, 0, 0}, {0, scale, 0}, {0, 0, scale}, {x, y, 1}), i + 1, false});
+  }
+  return scene_of(std::move(tile));
+}
+
+/// The same with a copy in each place.
+Scene copied(const Scene& scene) {
+  const Mesh& tile = scene.meshes[0];
+  Mesh all;
+  all.positions.reserve(tile.positions.size() * tile.placements.size());
+  all.triangles.reserve(tile.triangles.size() * tile.placements.size());
+  for (const simulator::Placement& placement : tile.placements) {
+    const auto first = static_cast<unsigned>(all.positions.size());
+    for (const glm::vec3& p : tile.positions) all.positions.push_back(placement.world_from_mesh * glm::vec4(p, 1));
+    for (const glm::uvec3& t : tile.triangles) all.triangles.push_back(t + first);
+  }
+  return scene_of(std::move(all));
 }
 
 unsigned side_for(double triangles) { return static_cast<unsigned>(std::lround(std::sqrt(triangles / 2))); }
@@ -87,17 +131,57 @@ double sample_ns(const RenderScene& world, const CameraView& camera, int samples
   return 1e9 * best / (samples * photosites(camera));
 }
 
-ordered_json with_triangles(double triangles) {
-  const Scene scene = wall_of_waves(side_for(triangles));
-  const auto count = static_cast<double>(scene.meshes[0].triangles.size());
+/// CPU time of one ray in Embree alone, ns: those of some photosites' samples again.
+double ray_ns(const RenderScene& world, const CameraView& camera) {
+  constexpr int kEvery = 7;
+  simulator::RayLog log;
+  simulator::PathOptions options;
+  options.max_bounces = 0;
+  options.log = &log;
+  const int width = camera.lens.sensor().width_px;
+  for (int i = 0; i < static_cast<int>(photosites(camera)); i += kEvery) {
+    simulator::render_pixel(world, camera, options, i % width, i / width, 64, simulator::hash(7, i));
+  }
+  double rays = 0, best = 1e30;
+  for (const simulator::LoggedRays& packet : log) {
+    rays += static_cast<double>(simulator::kPacket - std::count(packet.active, packet.active + simulator::kPacket, 0));
+  }
+  for (int i = 0; i < kRepeats; ++i) {
+    best =
+        std::min(best, cpu_seconds([&] { simulator::replay(world.intersector, log, simulator::Intersector::kWidth); }));
+  }
+  return 1e9 * best / rays;
+}
+
+/// What `scene`, which has `count` triangles, takes.
+ordered_json cost_of(const Scene& scene, double count) {
   const double before = resident_bytes();
   std::optional<RenderScene> world;
   const double build_s = cpu_seconds([&] { world.emplace(scene); });
   const double bytes = resident_bytes() - before;
   return {{"triangles", count},
           {"cpu_ns", sample_ns(*world, phone(128, 96), 64)},
+          {"ray_ns", ray_ns(*world, phone(128, 96))},
           {"build_s", build_s},
           {"bytes_per_triangle", bytes / count}};
+}
+
+ordered_json with_triangles(double triangles) {
+  const unsigned side = side_for(triangles);
+  return cost_of(wall_of_waves(side), 2.0 * side * side);
+}
+
+ordered_json with_placements(double triangles) {
+  const auto tiles = static_cast<unsigned>(std::lround(std::sqrt(triangles / kTileTriangles)));
+  const double count = kTileTriangles * tiles * tiles;
+  const Scene scene = wall_of_tiles(tiles);
+  ordered_json row = cost_of(scene, count);
+  const ordered_json of_copies = cost_of(copied(scene), count);
+  row["placements"] = tiles * tiles;
+  for (const char* key : {"cpu_ns", "ray_ns", "build_s", "bytes_per_triangle"}) {
+    row[std::string("copied_") + key] = of_copies[key];
+  }
+  return row;
 }
 
 ordered_json with_threads(const RenderScene& world) {
@@ -124,16 +208,20 @@ double deviation(const ordered_json& rows) {
   return (high - low) / (high + low);
 }
 
-std::string chart(const ordered_json& rows, const char* count, const std::string& title, const char* value,
+using Lines = std::vector<std::pair<std::string, const char*>>;  ///< each one's name and key
+
+std::string chart(const ordered_json& rows, const char* count, const std::string& title, const Lines& lines,
                   const char* y_label) {
   Plot plot;
   plot.title = title;
   plot.x_label = count;
   plot.y_label = y_label;
   plot.log_x = true;
-  Series line{"measured", {}, false, false};
-  for (const auto& row : rows) line.points.emplace_back(row[count], row[value]);
-  plot.series = {line};
+  for (const auto& [name, key] : lines) {
+    Series line{name, {}, false, false};
+    for (const auto& row : rows) line.points.emplace_back(row[count], row[key]);
+    plot.series.push_back(line);
+  }
   return svg_plot(plot);
 }
 
@@ -158,6 +246,7 @@ ordered_json measure_scaling(double most_triangles, Progress& progress) {
   }
   for (double triangles = 1e4; triangles <= most_triangles; triangles *= 10) {
     result["triangles"].push_back(with_triangles(triangles));
+    result["placements"].push_back(with_placements(triangles));
   }
   result["samples_deviation"] = deviation(result["samples"]);
   result["photosites_deviation"] = deviation(result["photosites"]);
@@ -176,12 +265,22 @@ std::string scaling_section(const ordered_json& scaling) {
       100 * scaling["samples_deviation"].get<double>(), 100 * scaling["photosites_deviation"].get<double>(),
       scaling["threads"]["wall_time_ratio"].get<double>(), 1 / scaling["threads"]["cpu_time_ratio"].get<double>(),
       last["triangles"].get<double>(), last["bytes_per_triangle"].get<double>());
+  const auto& placed = scaling["placements"].back();
+  body.insert(
+      body.rfind("</p>"),
+      fmt::format(" As {} places of one tile they take {:.1f} bytes each, and a ray takes {:.2f} times as long as "
+                  "among copies.",
+                  placed["placements"].get<int>(), placed["bytes_per_triangle"].get<double>(),
+                  placed["ray_ns"].get<double>() / placed["copied_ray_ns"].get<double>()));
   constexpr const char* kTime = "CPU time of a sample, ns";
-  body += chart(scaling["samples"], "samples", "Samples of a photosite", "cpu_ns", kTime);
-  body += chart(scaling["photosites"], "photosites", "Photosites", "cpu_ns", kTime);
-  body += chart(scaling["triangles"], "triangles", "Triangles", "cpu_ns", kTime);
-  body += chart(scaling["triangles"], "triangles", "Memory of the acceleration structure", "bytes_per_triangle",
-                "bytes of a triangle");
+  const Lines time = {{"measured", "cpu_ns"}};
+  body += chart(scaling["samples"], "samples", "Samples of a photosite", time, kTime);
+  body += chart(scaling["photosites"], "photosites", "Photosites", time, kTime);
+  body += chart(scaling["triangles"], "triangles", "Triangles", time, kTime);
+  body += chart(scaling["triangles"], "triangles", "Memory of the acceleration structure",
+                {{"measured", "bytes_per_triangle"}}, "bytes of a triangle");
+  body += chart(scaling["placements"], "triangles", "Places of a tile of 10082 triangles",
+                {{"placed", "ray_ns"}, {"copied", "copied_ray_ns"}}, "CPU time of a ray in Embree, ns");
   return body + "</div>";
 }
 

@@ -139,8 +139,18 @@ bool any(const int* active) {
   return found != 0;
 }
 
+/// Which mesh a ray met, where a shared one may be it; the packet's `mesh` holds Embree's geometry id.
+void find_placement(const std::vector<Placed>& placed, unsigned first_instance, unsigned instance, unsigned& mesh,
+                    unsigned& placement) {
+  if (instance == RTC_INVALID_GEOMETRY_ID) return;
+  const Placed& p = placed[instance - first_instance];
+  mesh = p.mesh;
+  placement = p.placement;
+}
+
 template <int Width, typename Hits>
-void intersect_in(RTCScene scene, const int active[kPacket], RayPacket& rays, bool coherent) {
+void intersect_in(RTCScene scene, const std::vector<Placed>& placed, unsigned first_instance, const int active[kPacket],
+                  RayPacket& rays, bool coherent) {
   alignas(64) Hits embree;
   auto how = to_intersect(coherent);
   for (int first = 0; first < kPacket; first += Width) {
@@ -156,6 +166,12 @@ void intersect_in(RTCScene scene, const int active[kPacket], RayPacket& rays, bo
       rays.triangle[first + i] = wanted ? lane(embree.hit.primID, i) : rays.triangle[first + i];
       rays.u[first + i] = wanted ? lane(embree.hit.u, i) : rays.u[first + i];
       rays.v[first + i] = wanted ? lane(embree.hit.v, i) : rays.v[first + i];
+    }
+    if (placed.empty()) continue;
+    for (int i = 0; i < Width; ++i) {
+      if (!active[first + i]) continue;
+      find_placement(placed, first_instance, lane(embree.hit.instID[0], i), rays.mesh[first + i],
+                     rays.placement[first + i]);
     }
   }
 }
@@ -176,9 +192,10 @@ void occluded_in(RTCScene scene, const int active[kPacket], const RayPacket& ray
 }  // namespace
 
 void Intersector::intersect(const int active[kPacket], RayPacket& rays, bool coherent, int width) const {
-  if (width == 1) return intersect_in<1, RTCRayHit>(embree_scene_.get(), active, rays, coherent);
-  if (width == 16) return intersect_in<16, RTCRayHit16>(embree_scene_.get(), active, rays, coherent);
-  intersect_in<8, RTCRayHit8>(embree_scene_.get(), active, rays, coherent);
+  RTCScene scene = embree_scene_.get();
+  if (width == 1) return intersect_in<1, RTCRayHit>(scene, placed_, first_instance_, active, rays, coherent);
+  if (width == 16) return intersect_in<16, RTCRayHit16>(scene, placed_, first_instance_, active, rays, coherent);
+  intersect_in<8, RTCRayHit8>(scene, placed_, first_instance_, active, rays, coherent);
 }
 
 void Intersector::occluded(const int active[kPacket], const RayPacket& rays, bool coherent, int hidden[kPacket],
@@ -199,43 +216,72 @@ std::optional<Hit> Intersector::intersect(const Ray& ray) const {
   auto how = to_intersect(false);
   trace(nullptr, embree_scene_.get(), how, embree);
   if (embree.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  return Hit{embree.ray.tfar, embree.hit.geomID, embree.hit.primID, embree.hit.u, embree.hit.v};
+  Hit hit{embree.ray.tfar, embree.hit.geomID, embree.hit.primID, embree.hit.u, embree.hit.v};
+  find_placement(placed_, first_instance_, embree.hit.instID[0], hit.mesh, hit.placement);
+  return hit;
 }
 
 void Intersector::Release::operator()(RTCDeviceTy* device) const { rtcReleaseDevice(device); }
 void Intersector::Release::operator()(RTCSceneTy* scene) const { rtcReleaseScene(scene); }
 
-Intersector::Intersector(const Scene& scene) {
+namespace {
+
+/// How all scenes are built, those of shared meshes too.
+void commit(RTCDevice device, RTCScene scene) {
+  // Without this flag one ray in a quarter of a million slips between the triangles of a closed box
+  // (Robustness.ClosedBoxesLetNothingIn); it costs 5 to 10 % of a render.
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  // spatial splits: hair and leaves are long, thin and aslant, and rendering is far longer than building
+  rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+  rtcCommitScene(scene);
+  check(device, "building the acceleration structure failed");
+}
+
+void attach(RTCScene scene, RTCGeometry geometry, unsigned id) {
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(scene, geometry, id);
+  rtcReleaseGeometry(geometry);
+}
+
+}  // namespace
+
+Intersector::Intersector(const Scene& scene) : first_instance_(static_cast<unsigned>(scene.meshes.size())) {
   device_.reset(rtcNewDevice(nullptr));
   if (!device_) throw std::runtime_error("Embree: no device");
   embree_scene_.reset(rtcNewScene(device_.get()));
-  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
-    const Mesh& mesh = scene.meshes[i];
-    RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-    void* positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3),
-                                              mesh.positions.size());
-    void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3),
-                                              mesh.triangles.size());
-    check(device_.get(), "out of memory for geometry");
-    std::memcpy(positions, mesh.positions.data(), mesh.positions.size() * sizeof(glm::vec3));
-    std::memcpy(triangles, mesh.triangles.data(), mesh.triangles.size() * sizeof(glm::uvec3));
-    if (scene.materials[mesh.material].alpha_cutoff > 0) {
-      cutouts_.push_back(std::make_unique<Cutout>(Cutout{&scene, &mesh}));
-      rtcSetGeometryUserData(geometry, cutouts_.back().get());
-      rtcSetGeometryIntersectFilterFunction(geometry, reject_cut_out);
-      rtcSetGeometryOccludedFilterFunction(geometry, reject_cut_out);
-    }
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(embree_scene_.get(), geometry, static_cast<unsigned>(i));
-    rtcReleaseGeometry(geometry);
+  for (unsigned i = 0; i < scene.meshes.size(); ++i) add_mesh(scene, i);
+  commit(device_.get(), embree_scene_.get());
+}
+
+void Intersector::add_mesh(const Scene& scene, unsigned mesh_id) {
+  RTCDevice device = device_.get();
+  const Mesh& mesh = scene.meshes[mesh_id];
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  void* positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3),
+                                            mesh.positions.size());
+  void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3),
+                                            mesh.triangles.size());
+  check(device, "out of memory for geometry");
+  std::memcpy(positions, mesh.positions.data(), mesh.positions.size() * sizeof(glm::vec3));
+  std::memcpy(triangles, mesh.triangles.data(), mesh.triangles.size() * sizeof(glm::uvec3));
+  if (scene.materials[mesh.material].alpha_cutoff > 0) {
+    cutouts_.push_back(std::make_unique<Cutout>(Cutout{&scene, &mesh}));
+    rtcSetGeometryUserData(geometry, cutouts_.back().get());
+    rtcSetGeometryIntersectFilterFunction(geometry, reject_cut_out);
+    rtcSetGeometryOccludedFilterFunction(geometry, reject_cut_out);
   }
-  // Without this flag one ray in a quarter of a million slips between the triangles of a closed box
-  // (Robustness.ClosedBoxesLetNothingIn); it costs 5 to 10 % of a render.
-  rtcSetSceneFlags(embree_scene_.get(), RTC_SCENE_FLAG_ROBUST);
-  // spatial splits: hair and leaves are long, thin and aslant, and rendering is far longer than building
-  rtcSetSceneBuildQuality(embree_scene_.get(), RTC_BUILD_QUALITY_HIGH);
-  rtcCommitScene(embree_scene_.get());
-  check(device_.get(), "building the acceleration structure failed");
+  if (mesh.placements.empty()) return attach(embree_scene_.get(), geometry, mesh_id);
+
+  const std::unique_ptr<RTCSceneTy, Release> shared(rtcNewScene(device));  // its instances keep it alive
+  attach(shared.get(), geometry, 0);
+  commit(device, shared.get());
+  for (unsigned k = 0; k < mesh.placements.size(); ++k) {
+    RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(instance, shared.get());
+    rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, &mesh.placements[k].world_from_mesh);
+    attach(embree_scene_.get(), instance, first_instance_ + static_cast<unsigned>(placed_.size()));
+    placed_.push_back({mesh_id, k});
+  }
 }
 
 Intersector::Bounds Intersector::bounds() const {

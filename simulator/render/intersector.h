@@ -8,14 +8,20 @@
 struct RTCDeviceTy;
 struct RTCSceneTy;
 
-/// The only place that talks to Embree; compiles with Embree 3.13 and 4. Geometry id = index into Scene::meshes.
-/// Hits on alpha-cut texels are passed through. Rays must be finite (Debian's Embree aborts on others).
+/// The only place that talks to Embree; compiles with Embree 3.13 and 4. A mesh without placements is a geometry in
+/// world space; one with placements is stored once, and each placement is an Embree instance of it. Hits on alpha-cut
+/// texels are passed through. Rays must be finite (Debian's Embree aborts on others).
 namespace dualpixel::simulator {
 
 /// What an alpha-cut geometry's filter needs to know.
 struct Cutout {
   const Scene* scene;
   const Mesh* mesh;
+};
+
+/// What an Embree instance is one of.
+struct Placed {
+  unsigned mesh = 0, placement = 0;
 };
 
 class Intersector {
@@ -40,6 +46,7 @@ class Intersector {
   struct Bounds {
     glm::vec3 low{0}, high{0};
   };
+  /// Of the boxes of all meshes; of a placed mesh its box is turned along, so that there may be air in these.
   Bounds bounds() const;
 
  private:
@@ -47,7 +54,11 @@ class Intersector {
     void operator()(RTCDeviceTy* device) const;
     void operator()(RTCSceneTy* scene) const;
   };
+  void add_mesh(const Scene& scene, unsigned mesh_id);
+
   std::vector<std::unique_ptr<Cutout>> cutouts_;
+  unsigned first_instance_ = 0;  ///< Embree's ids below it are meshes
+  std::vector<Placed> placed_;   ///< the meshes and placements of the ids from it on
   std::unique_ptr<RTCDeviceTy, Release> device_;
   std::unique_ptr<RTCSceneTy, Release> embree_scene_;
 };

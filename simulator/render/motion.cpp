@@ -38,7 +38,9 @@ glm::dvec4 seen_point(const RenderScene& world, const CameraView& camera, int x,
   const glm::uvec3 corner = mesh.triangles[hit->triangle];
   const double u = hit->u, v = hit->v;
   const glm::dvec3 p0 = mesh.positions[corner.x], p1 = mesh.positions[corner.y], p2 = mesh.positions[corner.z];
-  return glm::dvec4((1 - u - v) * p0 + u * p1 + v * p2, 1);
+  const glm::dvec4 seen((1 - u - v) * p0 + u * p1 + v * p2, 1);
+  if (mesh.placements.empty()) return seen;
+  return glm::dvec4(glm::dmat4x3(mesh.placements[hit->placement].world_from_mesh) * seen, 1);
 }
 
 }  // namespace
@@ -66,6 +68,7 @@ std::optional<std::size_t> mesh_that_differs(const Scene& a, const Scene& b) {
   const std::size_t both = std::min(a.meshes.size(), b.meshes.size());
   for (std::size_t i = 0; i < both; ++i) {
     if (a.meshes[i].triangles != b.meshes[i].triangles) return i;
+    if (a.meshes[i].placements.size() != b.meshes[i].placements.size()) return i;
   }
   if (a.meshes.size() != b.meshes.size()) return both;
   return {};

@@ -147,7 +147,7 @@ void scatter(const RenderScene& world, unsigned mesh_id, const int lanes[kPacket
     to_eye.x[i] = -dx / length, to_eye.y[i] = -dy / length, to_eye.z[i] = -dz / length;
     distance[i] = rays.far[i] * length;
     const float px = surface.position.x[i], py = surface.position.y[i], pz = surface.position.z[i];
-    const float off = 1e-5f * std::max(std::max(std::abs(px), std::abs(py)), std::max(std::abs(pz), distance[i]));
+    const float off = 1e-5f * std::max(surface.magnitude[i], distance[i]);
     start.x[i] = px + off * surface.geometric_normal.x[i];
     start.y[i] = py + off * surface.geometric_normal.y[i];
     start.z[i] = pz + off * surface.geometric_normal.z[i];

@@ -18,7 +18,8 @@ struct Hit {
   float t = 0;
   unsigned mesh = 0;  ///< of Scene::meshes
   unsigned triangle = 0;
-  float u = 0, v = 0;  ///< barycentric weights of the triangle's second and third corner
+  float u = 0, v = 0;      ///< barycentric weights of the triangle's second and third corner
+  unsigned placement = 0;  ///< of the mesh's placements, where it has any
 };
 
 /// Sixteen rays, and what they meet. They begin at t = 0; a direction's length is t's unit.
@@ -29,6 +30,7 @@ struct RayPacket {
   alignas(64) unsigned mesh[kPacket];  ///< of Scene::meshes; kNoMesh: nothing was met
   alignas(64) unsigned triangle[kPacket];
   alignas(64) float u[kPacket], v[kPacket];  ///< barycentric weights of the triangle's second and third corner
+  alignas(64) unsigned placement[kPacket];   ///< of the mesh's placements; unset where it has none
 };
 
 }  // namespace dualpixel::simulator

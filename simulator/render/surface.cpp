@@ -1,8 +1,10 @@
 #include "simulator/render/surface.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 namespace dualpixel::simulator {
 namespace {
@@ -100,10 +102,25 @@ glm::vec4 sample_slot(const Scene& scene, const Mesh& mesh, const TextureSlot& s
                         {m[0] * uv.x + m[1] * uv.y + m[2], m[3] * uv.x + m[4] * uv.y + m[5]});
 }
 
+/// What a placement does to directions.
+struct Axes {
+  glm::mat3 edges;    ///< to the world from the mesh
+  glm::mat3 normals;  ///< the same, of normals, but for their length: cofactors, which a mirror turns inside out
+  bool mirror;
+};
+
+Axes axes_of(const Placement& placement) {
+  const glm::mat3 m(placement.world_from_mesh);
+  const glm::mat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+  const bool mirror = glm::dot(m[0], cofactors[0]) < 0;
+  return {m, mirror ? -cofactors : cofactors, mirror};
+}
+
 /// The shading normal bent by a tangent-space normal map; the tangent follows the texture's u direction on this
-/// triangle (glTF 2.0, section 3.9.3, without authored tangents).
-glm::vec3 mapped_normal(const Scene& scene, const Mesh& mesh, const Material& material, const glm::uvec3& t, float u,
-                        float v, glm::vec3 normal) {
+/// triangle (glTF 2.0, section 3.9.3, without authored tangents). `axes`: of the placement, nullptr where there is
+/// none.
+glm::vec3 mapped_normal(const Scene& scene, const Mesh& mesh, const Axes* axes, const Material& material,
+                        const glm::uvec3& t, float u, float v, glm::vec3 normal) {
   const auto& uvs = uv_set(mesh, material.normal_texture);
   if (uvs.empty()) return normal;
   const glm::vec3 e1 = mesh.positions[t.y] - mesh.positions[t.x];
@@ -113,11 +130,13 @@ glm::vec3 mapped_normal(const Scene& scene, const Mesh& mesh, const Material& ma
   const float determinant = d1.x * d2.y - d2.x * d1.y;
   if (determinant == 0) return normal;
   glm::vec3 tangent = (e1 * d2.y - e2 * d1.y) / determinant;
+  if (axes) tangent = axes->edges * tangent;
   tangent -= normal * glm::dot(normal, tangent);
   const float length = glm::length(tangent);
   if (!(length > 0)) return normal;
   tangent /= length;
-  const glm::vec3 bitangent = glm::cross(normal, tangent) * (determinant < 0 ? -1.0f : 1.0f);
+  const bool left_handed = (determinant < 0) != (axes && axes->mirror);
+  const glm::vec3 bitangent = glm::cross(normal, tangent) * (left_handed ? -1.0f : 1.0f);
   const glm::vec4 texel = sample_slot(scene, mesh, material.normal_texture, t, u, v, {0.5f, 0.5f, 1, 1});
   const glm::vec3 n = {(texel.x * 2 - 1) * material.normal_scale, (texel.y * 2 - 1) * material.normal_scale,
                        texel.z * 2 - 1};
@@ -220,6 +239,35 @@ void base_colors_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacke
   }
 }
 
+/// Carries lanes from a shared mesh's own coordinates to the world's.
+struct Placing {
+  Axes axes[kPacket];  ///< of the lanes that are wanted
+  const int* lanes;
+
+  Placing(const Mesh& mesh, const int wanted[kPacket], const RayPacket& rays) : lanes(wanted) {
+    for (int i = 0; i < kPacket; ++i) {
+      if (lanes[i]) axes[i] = axes_of(mesh.placements[rays.placement[i]]);
+    }
+  }
+  void move(const Mesh& mesh, const RayPacket& rays, SurfacePacket& s) const {
+    for (int i = 0; i < kPacket; ++i) {
+      if (!lanes[i]) continue;
+      const glm::vec3 origin = mesh.placements[rays.placement[i]].world_from_mesh[3];
+      s.position.set(i, axes[i].edges * s.position.at(i) + origin);
+      s.magnitude[i] = std::max({std::abs(origin.x), std::abs(origin.y), std::abs(origin.z)});
+      const glm::vec3 n = glm::normalize(axes[i].normals * s.normal.at(i));
+      const float facing = n.x * rays.direction_x[i] + n.y * rays.direction_y[i] + n.z * rays.direction_z[i];
+      s.normal.set(i, n);
+      s.geometric_normal.set(i, facing > 0 ? -n : n);
+    }
+  }
+  void turn(Vec3Packet& normals) const {
+    for (int i = 0; i < kPacket; ++i) {
+      if (lanes[i]) normals.set(i, glm::normalize(axes[i].normals * normals.at(i)));
+    }
+  }
+};
+
 }  // namespace
 
 Surface SurfacePacket::at(int i) const {
@@ -253,9 +301,17 @@ void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket],
     const float scale = 1 / length, side = facing > 0 ? -scale : scale;
     n.x[i] = nx * scale, n.y[i] = ny * scale, n.z[i] = nz * scale;
     g.x[i] = nx * side, g.y[i] = ny * side, g.z[i] = nz * side;
+    s.magnitude[i] = 0;
+  }
+  std::optional<Placing> placing;
+  if (!mesh.placements.empty()) placing.emplace(mesh, lanes, rays).move(mesh, rays, s);
+  for (int i = 0; i < kPacket; ++i) {
+    const float x = std::abs(s.position.x[i]), y = std::abs(s.position.y[i]), z = std::abs(s.position.z[i]);
+    s.magnitude[i] = std::max(std::max(x, y), std::max(z, s.magnitude[i]));
   }
   if (!mesh.normals.empty()) {
-    const Corners c(mesh.normals, t);
+    Corners c(mesh.normals, t);
+    if (placing) placing->turn(c.first), placing->turn(c.second), placing->turn(c.third);
     for (int i = 0; i < kPacket; ++i) {
       const float b1 = rays.u[i], b2 = rays.v[i], b0 = 1 - b1 - b2;
       const float x = b0 * c.first.x[i] + b1 * c.second.x[i] + b2 * c.third.x[i];
@@ -271,7 +327,9 @@ void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket],
   }
   if (material.normal_texture.texture >= 0) {
     for (int i = 0; i < kPacket; ++i) {
-      if (lanes[i]) n.set(i, mapped_normal(scene, mesh, material, t.corners[i], rays.u[i], rays.v[i], n.at(i)));
+      if (!lanes[i]) continue;
+      const Axes* axes = placing ? &placing->axes[i] : nullptr;
+      n.set(i, mapped_normal(scene, mesh, axes, material, t.corners[i], rays.u[i], rays.v[i], n.at(i)));
     }
   }
   for (int i = 0; i < kPacket; ++i) {
@@ -302,10 +360,11 @@ void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket],
   }
 }
 
-glm::vec3 geometric_normal(const Mesh& mesh, unsigned triangle, glm::vec3 ray_direction) {
-  const glm::uvec3& t = mesh.triangles[triangle];
+glm::vec3 geometric_normal(const Mesh& mesh, const Hit& hit, glm::vec3 ray_direction) {
+  const glm::uvec3& t = mesh.triangles[hit.triangle];
   const glm::vec3 p = mesh.positions[t.x];
-  const glm::vec3 n = glm::normalize(glm::cross(mesh.positions[t.y] - p, mesh.positions[t.z] - p));
+  glm::vec3 n = glm::normalize(glm::cross(mesh.positions[t.y] - p, mesh.positions[t.z] - p));
+  if (!mesh.placements.empty()) n = glm::normalize(axes_of(mesh.placements[hit.placement]).normals * n);
   return glm::dot(n, ray_direction) > 0 ? -n : n;
 }
 

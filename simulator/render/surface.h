@@ -23,8 +23,9 @@ struct Surface {
 struct SurfacePacket {
   Vec3Packet position, geometric_normal, normal, base_color, emission_nits;
   alignas(64) float metallic[kPacket], roughness[kPacket];
-  bool emits = false;       ///< otherwise emission_nits is not filled in
-  bool lambertian = false;  ///< metallic 0 and roughness 1 throughout; otherwise those two are filled in
+  alignas(64) float magnitude[kPacket];  ///< of the largest coordinate that rounding errors of `position` go by
+  bool emits = false;                    ///< otherwise emission_nits is not filled in
+  bool lambertian = false;               ///< metallic 0 and roughness 1 throughout; otherwise those two are filled in
 
   Surface at(int i) const;
 };
@@ -41,8 +42,8 @@ void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket],
 void base_colors_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RayPacket& rays,
                     Vec3Packet& out);
 
-/// Unit, on the side that the ray came from.
-glm::vec3 geometric_normal(const Mesh& mesh, unsigned triangle, glm::vec3 ray_direction);
+/// Unit, on the side that the ray came from. `hit` lies on `mesh`.
+glm::vec3 geometric_normal(const Mesh& mesh, const Hit& hit, glm::vec3 ray_direction);
 
 /// Emitted radiance, nits. `u`, `v`: Embree's barycentrics, weights of the triangle's second and third vertex.
 glm::vec3 emission_at(const Scene& scene, const Mesh& mesh, unsigned triangle, float u, float v);

@@ -31,10 +31,12 @@ Truth trace_truth(const RenderScene& world, const CameraView& camera) {
       const Ray ray = chief_ray(camera, x, y);
       if (const std::optional<Hit> hit = world.intersector.intersect(ray)) {
         const Mesh& mesh = world.scene.meshes[hit->mesh];
-        const glm::vec3 normal = glm::transpose(rotation) * geometric_normal(mesh, hit->triangle, ray.direction);
+        const glm::vec3 normal = glm::transpose(rotation) * geometric_normal(mesh, *hit, ray.direction);
         truth.depth_m.at(x, y) = hit->t;
-        truth.object_id.at(x, y) = mesh.object_id;
-        truth.person_mask.at(x, y) = mesh.person ? 1.0f : 0.0f;
+        const bool placed = !mesh.placements.empty();
+        const bool person = placed ? mesh.placements[hit->placement].person : mesh.person;
+        truth.object_id.at(x, y) = placed ? mesh.placements[hit->placement].object_id : mesh.object_id;
+        truth.person_mask.at(x, y) = person ? 1.0f : 0.0f;
         truth.valid.at(x, y) = 1;
         for (int c = 0; c < 3; ++c) truth.normal.at(x, y, c) = normal[c];
       }

@@ -7,6 +7,9 @@
 #include <filesystem>
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
+#include <map>
+#include <optional>
+#include <utility>
 
 #include "capture/error.h"
 #include "capture/files.h"
@@ -21,14 +24,24 @@ namespace dualpixel::simulator {
 namespace {
 
 constexpr std::size_t kLargestFileBytes = std::numeric_limits<std::int32_t>::max();
-constexpr std::size_t kMostVertices = 1 << 26;  // of all instances together, and as many triangles
-constexpr double kFarthestNode_m = 1e6;         // for lights and cameras
+constexpr std::size_t kMostVertices = 1 << 26;    // as stored, and as many corners of triangles
+constexpr std::size_t kMostPlacements = 1 << 20;  // of shared primitives: half a gigabyte
+constexpr double kFarthestNode_m = 1e6;           // for lights and cameras
+
+/// Whether a primitive that so many nodes use takes less memory stored once; bytes as measured with Embree 3.13, with
+/// what Scene holds. Rays take up to half as long again as among copies, a twentieth in scenes of ten million
+/// triangles.
+bool pays(std::size_t corners, std::size_t users) {
+  constexpr std::size_t kTriangle = 100, kPlacement = 460, kShared = 6000;
+  return users > 1 && corners / 3 * (users - 1) * kTriangle > kShared + users * kPlacement;
+}
 
 /// A node's place in the tree.
 struct NodeState {
   glm::dmat4 world{1};  ///< world from node
   bool shown = false;   ///< belongs to the default scene
   bool person = false;  ///< it or an ancestor is marked as a person
+  bool moved = false;   ///< an animation moves it or an ancestor
 };
 
 glm::dmat4 local_matrix(const tinygltf::Node& node) {
@@ -51,7 +64,7 @@ bool marked_as_person(const tinygltf::Node& node) {
          node.extras.Get("category").Get<std::string>() == "person";
 }
 
-std::vector<NodeState> walk_tree(const GltfFile& file) {
+std::vector<NodeState> walk_tree(const GltfFile& file, const std::vector<bool>& moved) {
   const tinygltf::Model& model = file.model;
   std::vector<NodeState> states(model.nodes.size());
   std::vector<bool> has_parent(model.nodes.size(), false);
@@ -68,6 +81,7 @@ std::vector<NodeState> walk_tree(const GltfFile& file) {
     NodeState& state = states[order[i]];
     state.world = state.world * local_matrix(node);  // it held the parent's
     state.person = state.person || marked_as_person(node);
+    state.moved = state.moved || moved[order[i]];
     for (int c = 0; c < 4; ++c) {
       if (!std::isfinite(glm::dot(state.world[c], state.world[c]))) {
         fail_gltf(file.name, fmt::format("/nodes/{}", order[i]), "its world transform must be finite");
@@ -128,37 +142,148 @@ PunctualLight read_light(const tinygltf::Light& source, const glm::dmat4& pose) 
   return light;
 }
 
-void add_meshes(const GltfFile& file, int node_index, const std::vector<NodeState>& states, Scene& scene,
-                std::size_t& vertices_left, std::size_t& triangles_left) {
-  const tinygltf::Node& node = file.model.nodes[node_index];
-  const tinygltf::Mesh& source = file.model.meshes[node.mesh];
-  MeshPose pose{states[node_index].world, {}};
-  if (node.skin >= 0) pose.world_from_bind = joint_matrices(file, node.skin, states);
-  std::size_t zero_area = 0;
-  for (std::size_t i = 0; i < source.primitives.size(); ++i) {
-    const tinygltf::Primitive& primitive = source.primitives[i];
-    const std::size_t vertices = file.model.accessors[primitive.attributes.at("POSITION")].count;
-    const std::size_t corners = primitive.indices < 0 ? vertices : file.model.accessors[primitive.indices].count;
-    if (vertices > vertices_left || corners > triangles_left) {
-      fail_gltf(file.name, fmt::format("/nodes/{}/mesh", node_index),
-                fmt::format("{}: the scene must have at most {} vertices and corners of triangles", node.mesh,
-                            kMostVertices));
+/// The matrix as float, where float is good enough for an instance; otherwise nothing. Embree carries rays to the mesh
+/// by the float inverse: a point x on its surface comes back within c u k (|x| + |origin|), u = 2^-24, where k is the
+/// largest row sum of |A| |A^-1| and c about 8 for the inverse, its product and the way back. Rays leave surfaces by
+/// 1e-5 = 168 u of the larger of the two (pixel.cpp), which 2 c k must not exceed. Scaled axes that are turned have
+/// k <= 3, however unlike each other; axes that are sheared have more, singular ones no end of it.
+std::optional<glm::mat4x3> placement_matrix(const glm::dmat4& world_from_own) {
+  constexpr double kMostShear = 10, kLeastAxis_m = 1e-6;
+  const glm::dmat3 axes(world_from_own), inverse = glm::inverse(axes);
+  for (int row = 0; row < 3; ++row) {
+    double reach_m = std::abs(world_from_own[3][row]), shear = 0, inverse_reach = 0;
+    for (int k = 0; k < 3; ++k) {
+      reach_m += std::abs(axes[k][row]);
+      inverse_reach += std::abs(inverse[k][row]);
+      for (int column = 0; column < 3; ++column) shear += std::abs(axes[k][row]) * std::abs(inverse[column][k]);
     }
-    vertices_left -= vertices;
-    triangles_left -= corners;
-    Mesh mesh = read_primitive(file, node.mesh, static_cast<int>(i),
-                               node.weights.empty() ? source.weights : node.weights, pose, zero_area);
-    if (mesh.triangles.empty()) continue;
-    mesh.material = primitive.material < 0 ? static_cast<int>(file.model.materials.size()) : primitive.material;
-    mesh.object_id = static_cast<std::uint32_t>(node_index + 1);
-    mesh.person = states[node_index].person;
-    scene.meshes.push_back(std::move(mesh));
+    // a copy says which vertex is too far away
+    if (!(shear <= kMostShear && reach_m < kFarthestVertex_m / 2 && inverse_reach <= 1 / kLeastAxis_m)) return {};
   }
-  if (zero_area > 0) {
-    scene.warnings.push_back(fmt::format("{}: /nodes/{}/mesh: {} triangles without area are left out",
-                                         printable(file.name), node_index, zero_area));
-  }
+  return glm::mat4x3(glm::dmat4x3(world_from_own));
 }
+
+/// Puts the meshes of nodes into the scene.
+class MeshReader {
+ public:
+  MeshReader(const GltfFile& file, const std::vector<NodeState>& states, Scene& scene)
+      : file_(file), states_(states), scene_(scene), users_(file.model.meshes.size()) {
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      if (may_share(static_cast<int>(i))) ++users_[file.model.nodes[i].mesh];
+    }
+  }
+
+  void add_node(int node_index) {
+    const tinygltf::Node& node = file_.model.nodes[node_index];
+    const std::size_t primitives = file_.model.meshes[node.mesh].primitives.size();
+    MeshPose pose{states_[node_index].world, {}};
+    if (node.skin >= 0) pose.world_from_bind = joint_matrices(file_, node.skin, states_);
+    std::size_t zero_area = 0;
+    for (int i = 0; i < static_cast<int>(primitives); ++i) {
+      if (!share(node_index, i, zero_area)) copy(node_index, i, pose, zero_area);
+    }
+    if (zero_area > 0) {
+      scene_.warnings.push_back(fmt::format("{}: /nodes/{}/mesh: {} triangles without area are left out",
+                                            printable(file_.name), node_index, zero_area));
+    }
+  }
+
+ private:
+  struct Shared {
+    Mesh mesh;  ///< moved into the scene with its first placement
+    glm::dmat4 file_from_own{1};
+    std::optional<std::size_t> id;  ///< where it then is
+  };
+
+  const tinygltf::Primitive& primitive(int node, int i) const {
+    return file_.model.meshes[file_.model.nodes[node].mesh].primitives[i];
+  }
+  std::size_t vertices(const tinygltf::Primitive& p) const {
+    return file_.model.accessors[p.attributes.at("POSITION")].count;
+  }
+  std::size_t corners(const tinygltf::Primitive& p) const {
+    return p.indices < 0 ? vertices(p) : file_.model.accessors[p.indices].count;
+  }
+
+  /// Whether the node leaves the shape of its mesh as every other such node does, for as long as the scene lasts.
+  bool may_share(int node_index) const {
+    const tinygltf::Node& node = file_.model.nodes[node_index];
+    const NodeState& state = states_[node_index];
+    return state.shown && !state.moved && node.mesh >= 0 && node.skin < 0 && node.weights.empty();
+  }
+
+  bool may_share(const tinygltf::Primitive& p) const {
+    const bool dark = p.material < 0 || scene_.materials[p.material].emission_nits == glm::vec3(0);
+    return dark && p.mode >= TINYGLTF_MODE_TRIANGLES;
+  }
+
+  void count(int node_index, const tinygltf::Primitive& p) {
+    if (vertices(p) > vertices_left_ || corners(p) > corners_left_) {
+      fail_gltf(file_.name, fmt::format("/nodes/{}/mesh", node_index),
+                fmt::format("{}: the scene must have at most {} vertices and corners of triangles, those of a shared "
+                            "mesh counted once",
+                            file_.model.nodes[node_index].mesh, kMostVertices));
+    }
+    vertices_left_ -= vertices(p);
+    corners_left_ -= corners(p);
+  }
+
+  int material(const tinygltf::Primitive& p) const {
+    return p.material < 0 ? static_cast<int>(file_.model.materials.size()) : p.material;
+  }
+
+  /// A mesh of the node's own, in world space.
+  void copy(int node_index, int i, const MeshPose& pose, std::size_t& zero_area) {
+    const tinygltf::Node& node = file_.model.nodes[node_index];
+    const tinygltf::Primitive& p = primitive(node_index, i);
+    count(node_index, p);
+    const std::vector<double>& weights = node.weights.empty() ? file_.model.meshes[node.mesh].weights : node.weights;
+    Mesh mesh = read_primitive(file_, node.mesh, i, weights, pose, zero_area);
+    if (mesh.triangles.empty()) return;
+    mesh.material = material(p);
+    mesh.object_id = static_cast<std::uint32_t>(node_index + 1);
+    mesh.person = states_[node_index].person;
+    scene_.meshes.push_back(std::move(mesh));
+  }
+
+  /// One more place for a shared mesh; false where the node needs a copy.
+  bool share(int node_index, int i, std::size_t& zero_area) {
+    const int mesh_index = file_.model.nodes[node_index].mesh;
+    const tinygltf::Primitive& p = primitive(node_index, i);
+    if (!may_share(node_index) || !may_share(p) || !pays(corners(p), users_[mesh_index])) return false;
+    const auto [found, anew] = shared_.try_emplace({mesh_index, i});
+    Shared& shared = found->second;
+    if (anew) {
+      count(node_index, p);
+      shared.mesh = read_shared_primitive(file_, mesh_index, i, file_.model.meshes[mesh_index].weights,
+                                          shared.file_from_own, zero_area);
+      shared.mesh.material = material(p);
+    }
+    if (!shared.id && shared.mesh.triangles.empty()) return true;
+    const std::optional<glm::mat4x3> matrix = placement_matrix(states_[node_index].world * shared.file_from_own);
+    if (!matrix) return false;
+    if (placements_left_ == 0) {
+      fail_gltf(
+          file_.name, fmt::format("/nodes/{}/mesh", node_index),
+          fmt::format("{}: the scene must place shared primitives at most {} times", mesh_index, kMostPlacements));
+    }
+    --placements_left_;
+    if (!shared.id) {
+      shared.id = scene_.meshes.size();
+      scene_.meshes.push_back(std::move(shared.mesh));
+    }
+    scene_.meshes[*shared.id].placements.push_back(
+        {*matrix, static_cast<std::uint32_t>(node_index + 1), states_[node_index].person});
+    return true;
+  }
+
+  const GltfFile& file_;
+  const std::vector<NodeState>& states_;
+  Scene& scene_;
+  std::vector<std::size_t> users_;                ///< nodes of each mesh that may share it
+  std::map<std::pair<int, int>, Shared> shared_;  ///< by mesh and primitive
+  std::size_t vertices_left_ = kMostVertices, corners_left_ = kMostVertices, placements_left_ = kMostPlacements;
+};
 
 void add_camera(const GltfFile& file, int node_index, const glm::dmat4& world, Scene& scene) {
   const tinygltf::Node& node = file.model.nodes[node_index];
@@ -180,20 +305,21 @@ Scene read_gltf(const std::string& path, std::optional<double> time_s) {
 Scene read_gltf_bytes(const std::string& bytes, const std::string& name, const std::string& folder,
                       std::optional<double> time_s) {
   GltfFile file = load_gltf(bytes, name, folder, time_s.has_value());
-  if (time_s) pose_nodes(file, *time_s);
+  std::vector<bool> moved(file.model.nodes.size(), false);
+  if (time_s) moved = pose_nodes(file, *time_s);
   Scene scene;
   scene.warnings = file.warnings;
   scene.source_hash = file.source_hash;
   read_materials(file, scene);
 
-  const std::vector<NodeState> states = walk_tree(file);
-  std::size_t vertices_left = kMostVertices, triangles_left = kMostVertices;
+  const std::vector<NodeState> states = walk_tree(file, moved);
+  MeshReader meshes(file, states, scene);
   for (std::size_t i = 0; i < states.size(); ++i) {
     const tinygltf::Node& node = file.model.nodes[i];
     const int index = static_cast<int>(i);
     scene.object_names.push_back(!node.name.empty() ? node.name : fmt::format("node {}", i));
     if (!states[i].shown) continue;
-    if (node.mesh >= 0) add_meshes(file, index, states, scene, vertices_left, triangles_left);
+    if (node.mesh >= 0) meshes.add_node(index);
     if (node.camera >= 0) add_camera(file, index, states[i].world, scene);
     const auto light = node.extensions.find("KHR_lights_punctual");
     if (light != node.extensions.end()) {

@@ -14,6 +14,13 @@ namespace dualpixel::simulator {
 /// at 0.5, with a warning); cameras; KHR_lights_punctual, KHR_texture_transform, KHR_materials_emissive_strength,
 /// KHR_materials_unlit, KHR_mesh_quantization.
 ///
+/// A primitive that several nodes use is stored once, with a placement for each of them, and may have up to 2^20 of
+/// these in all. Copies in world space are made for nodes with a skin or morph weights of their own and for those that
+/// an animation moves at `time_s`; for transforms that no instance could be traced through in float: singular, sheared
+/// (scaled along other axes than those of a turned child) or smaller than a micrometre; and for primitives that emit,
+/// so that light can be sampled from them, or that are so few or so small that copies take less memory. What is stored
+/// must have at most 2^26 vertices and as many corners of triangles.
+///
 /// The file is hostile until checked: accessor and view ranges, index and vertex values, finite numbers, node cycles,
 /// texture sizes; every URI must name a regular file inside the glTF file's own folder. Whatever fails, and every
 /// unknown *required* extension, throws InputError with one line that names file, field, value and what is allowed.

@@ -48,7 +48,8 @@ std::vector<double> value_at(const GltfFile& file, const tinygltf::AnimationSamp
 
 }  // namespace
 
-void pose_nodes(GltfFile& file, double time_s) {
+std::vector<bool> pose_nodes(GltfFile& file, double time_s) {
+  std::vector<bool> moved(file.model.nodes.size(), false);
   for (std::size_t i = 0; i < file.model.animations.size(); ++i) {
     const tinygltf::Animation& animation = file.model.animations[i];
     for (std::size_t j = 0; j < animation.channels.size(); ++j) {
@@ -65,8 +66,10 @@ void pose_nodes(GltfFile& file, double time_s) {
                                     : channel.target_path == "rotation"  ? node.rotation
                                                                          : node.scale;
       target = value_at(file, sampler, channel.target_path == "rotation", time_s);
+      moved[channel.target_node] = true;
     }
   }
+  return moved;
 }
 
 }  // namespace dualpixel::simulator

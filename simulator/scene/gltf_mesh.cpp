@@ -11,8 +11,6 @@
 namespace dualpixel::simulator {
 namespace {
 
-constexpr double kFarthestVertex_m = 1e6;
-
 /// The accessor of an attribute, or -1.
 int accessor_of(const std::map<std::string, int>& attributes, const char* name) {
   const auto found = attributes.find(name);
@@ -114,16 +112,11 @@ glm::dvec3 area_vector(const Mesh& mesh, const glm::uvec3& t) {
   return glm::length(vector) > std::max(1e-9 * longest * longest, 1e-20) ? vector : glm::dvec3(0);
 }
 
-}  // namespace
-
-Mesh read_primitive(const GltfFile& file, int mesh_index, int primitive_index, const std::vector<double>& weights,
-                    const MeshPose& pose, std::size_t& zero_area) {
-  const tinygltf::Primitive& primitive = file.model.meshes[mesh_index].primitives[primitive_index];
+/// Morphed, in the coordinates of the file, without triangles.
+Mesh read_vertices(const GltfFile& file, const tinygltf::Primitive& primitive, const std::vector<double>& weights) {
   Mesh mesh;
-  if (primitive.mode < TINYGLTF_MODE_TRIANGLES) return mesh;
   const auto& attributes = primitive.attributes;
-  const int positions_accessor = accessor_of(attributes, "POSITION");
-  mesh.positions = read_vectors<glm::vec3>(file, positions_accessor);
+  mesh.positions = read_vectors<glm::vec3>(file, accessor_of(attributes, "POSITION"));
   mesh.normals = read_vectors<glm::vec3>(file, accessor_of(attributes, "NORMAL"));
   mesh.uv0 = read_vectors<glm::vec2>(file, accessor_of(attributes, "TEXCOORD_0"));
   mesh.uv1 = read_vectors<glm::vec2>(file, accessor_of(attributes, "TEXCOORD_1"));
@@ -133,7 +126,13 @@ Mesh read_primitive(const GltfFile& file, int mesh_index, int primitive_index, c
     add_morph_target(file, accessor_of(primitive.targets[i], "POSITION"), weights[i], mesh.positions);
     add_morph_target(file, accessor_of(primitive.targets[i], "NORMAL"), weights[i], mesh.normals);
   }
+  return mesh;
+}
 
+/// Moves the vertices to where the pose puts them, and adds the triangles.
+void pose_and_connect(const GltfFile& file, const tinygltf::Primitive& primitive, const MeshPose& pose,
+                      std::size_t& zero_area, Mesh& mesh) {
+  const auto& attributes = primitive.attributes;
   const VertexMatrices world_from_vertex(file, attributes, pose);
   std::vector<bool> mirrored(mesh.positions.size());
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
@@ -142,7 +141,7 @@ Mesh read_primitive(const GltfFile& file, int mesh_index, int primitive_index, c
     mirrored[i] = determinant < 0;
     const glm::dvec3 world = matrix * glm::dvec4(mesh.positions[i], 1);
     if (!(glm::length(world) <= kFarthestVertex_m)) {
-      fail_gltf(file.name, fmt::format("/accessors/{}", positions_accessor),
+      fail_gltf(file.name, fmt::format("/accessors/{}", accessor_of(attributes, "POSITION")),
                 fmt::format("vertex {} stands at ({:g}, {:g}, {:g}) m: must be within {:g} m of the origin", i, world.x,
                             world.y, world.z, kFarthestVertex_m));
     }
@@ -170,6 +169,38 @@ Mesh read_primitive(const GltfFile& file, int mesh_index, int primitive_index, c
       if (mesh.normals[t[i]] == glm::vec3(0)) mesh.normals[t[i]] = glm::normalize(face);
     }
   }
+}
+
+/// Moves and scales the middle and the longest half-side of the vertices' box to 0 and (0.5, 1], by a power of two.
+glm::dmat4 own_from_file(const std::vector<glm::vec3>& positions) {
+  glm::dvec3 low = positions.front(), high = low;
+  for (const glm::dvec3 p : positions) low = glm::min(low, p), high = glm::max(high, p);
+  const glm::dvec3 half = 0.5 * (high - low);
+  const double longest = std::max({half.x, half.y, half.z});
+  const double scale = longest > 0 ? std::exp2(-std::ceil(std::log2(longest))) : 1;
+  glm::dmat4 matrix(scale);
+  matrix[3] = glm::dvec4(-scale * (low + half), 1);
+  return matrix;
+}
+
+}  // namespace
+
+Mesh read_primitive(const GltfFile& file, int mesh_index, int primitive_index, const std::vector<double>& weights,
+                    const MeshPose& pose, std::size_t& zero_area) {
+  const tinygltf::Primitive& primitive = file.model.meshes[mesh_index].primitives[primitive_index];
+  if (primitive.mode < TINYGLTF_MODE_TRIANGLES) return {};
+  Mesh mesh = read_vertices(file, primitive, weights);
+  pose_and_connect(file, primitive, pose, zero_area, mesh);
+  return mesh;
+}
+
+Mesh read_shared_primitive(const GltfFile& file, int mesh_index, int primitive_index,
+                           const std::vector<double>& weights, glm::dmat4& file_from_own, std::size_t& zero_area) {
+  const tinygltf::Primitive& primitive = file.model.meshes[mesh_index].primitives[primitive_index];
+  Mesh mesh = read_vertices(file, primitive, weights);
+  const MeshPose own{own_from_file(mesh.positions), {}};
+  file_from_own = glm::inverse(own.world_from_mesh);
+  pose_and_connect(file, primitive, own, zero_area, mesh);
   return mesh;
 }
 

@@ -8,6 +8,8 @@
 
 namespace dualpixel::simulator {
 
+inline constexpr double kFarthestVertex_m = 1e6;  ///< from the origin
+
 /// Where a mesh stands: the world matrix of its node, or, for a skinned mesh (whose node's own matrix does not count),
 /// each joint's world matrix times its inverse bind matrix.
 struct MeshPose {
@@ -22,5 +24,11 @@ struct MeshPose {
 /// 1e6 m from the origin.
 Mesh read_primitive(const GltfFile& file, int mesh, int primitive, const std::vector<double>& weights,
                     const MeshPose& pose, std::size_t& zero_area);
+
+/// The same of a primitive of triangles that several nodes place, once for all of them: in coordinates of its own, in
+/// which its box has its middle at 0 and a longest side of 1 to 2, so that neither the file's units nor its origin cost
+/// precision. `file_from_own` leads back to the file's.
+Mesh read_shared_primitive(const GltfFile& file, int mesh, int primitive, const std::vector<double>& weights,
+                           glm::dmat4& file_from_own, std::size_t& zero_area);
 
 }  // namespace dualpixel::simulator

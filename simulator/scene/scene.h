@@ -7,8 +7,9 @@
 #include <vector>
 
 /// A scene as plain arrays: what a glTF file becomes before Embree sees it. Everything here has been checked: indices
-/// are in range, values are finite, node transforms are applied. Lengths are metres in glTF's world axes (y up);
-/// light is photometric: radiance in nits (cd/m^2) for each of linear R, G, B (Rec. 709 primaries).
+/// are in range, values are finite, node transforms are applied, but for those of meshes that several nodes share.
+/// Lengths are metres in glTF's world axes (y up); light is photometric: radiance in nits (cd/m^2) for each of linear
+/// R, G, B (Rec. 709 primaries).
 namespace dualpixel::simulator {
 
 enum class Wrap : std::uint8_t { repeat, clamp, mirror };
@@ -53,7 +54,15 @@ struct Material {
   TextureSlot normal_texture;
 };
 
-/// One primitive of one node, in world space. Arrays other than positions are empty or have one entry per vertex.
+/// One of the places in which a shared mesh stands.
+struct Placement {
+  glm::mat4x3 world_from_mesh{1};  ///< invertible; may mirror
+  std::uint32_t object_id = 0;     ///< as a Mesh's
+  bool person = false;
+};
+
+/// One primitive of one node, in world space, or, with placements, of several nodes, in coordinates of its own. Arrays
+/// other than positions and placements are empty or have one entry per vertex.
 struct Mesh {
   std::vector<glm::vec3> positions;
   std::vector<glm::vec3> normals;  ///< unit length; empty: flat shading
@@ -64,6 +73,9 @@ struct Mesh {
   int material = 0;             ///< index into Scene::materials
   std::uint32_t object_id = 0;  ///< 1-based index of the glTF node
   bool person = false;          ///< node or an ancestor has extras {"category": "person"}
+  /// Not empty: the mesh stands in each of these places and nowhere else, and objects and persons are theirs. Such a
+  /// mesh must not emit: light is sampled from triangles in world space.
+  std::vector<Placement> placements;
 };
 
 /// KHR_lights_punctual, in world space.

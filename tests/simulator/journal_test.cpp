@@ -155,6 +155,8 @@ TEST(Journal, FingerprintsTellScenesAndLensesApart) {
       [](Scene& s) { s.meshes[0].colors[3].y = 0.9f; },
       [](Scene& s) { std::swap(s.meshes[0].triangles[0], s.meshes[0].triangles[1]); },
       [](Scene& s) { s.meshes[0].material = 1; },
+      [](Scene& s) { s.meshes[0].placements.resize(1); },
+      [](Scene& s) { s.meshes[0].placements.resize(2); },
       [](Scene& s) { s.textures[0].width = 2; },
       [](Scene& s) { s.textures[0].height = 2; },
       [](Scene& s) { s.textures[0].srgb = false; },

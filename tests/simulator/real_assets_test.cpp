@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "simulator/render/intersector.h"
 #include "simulator/scene/gltf.h"
 #include "simulator/simulate.h"
 
@@ -25,10 +26,7 @@ TEST_P(RealAsset, ImportsAndRenders) {
   if (!std::filesystem::exists(file))
     GTEST_SKIP() << file << " is not there: it needs the shared folder of real assets";
   const Scene geometry = read_gltf(file.string());
-  glm::vec3 low(1e9f), high(-1e9f);
-  for (const Mesh& mesh : geometry.meshes) {
-    for (const glm::vec3& p : mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
-  }
+  const auto [low, high] = Intersector(geometry).bounds();
   const glm::vec3 centre = 0.5f * (low + high);
   const float size = glm::length(high - low);
   const glm::vec3 eye = centre + glm::vec3(0.6f, 0.5f, 1.2f) * size;
