@@ -24,6 +24,30 @@ constexpr double kTiltWarning_errors = 3;
 
 using Targets = std::vector<const TargetMeasurement*>;
 
+/// The value at (0, 0) of the quadratic surface through weighted values around it.
+class LocalQuadratic {
+ public:
+  void add(double u, double v, double weight, double value) {
+    const Terms terms{1, u, v, u * u, u * v, v * v};
+    normal_ += weight * terms * terms.transpose();
+    wanted_ += weight * value * terms;
+  }
+  double at_origin() const {
+    // decides where there are so few values that no such surface goes through them
+    Matrix normal = normal_;
+    normal.diagonal().array() += 1e-6 * normal(0, 0);
+    return normal.ldlt().solve(wanted_)[0];
+  }
+
+ private:
+  using Terms = Eigen::Matrix<double, 6, 1>;
+  using Matrix = Eigen::Matrix<double, 6, 6>;
+  Matrix normal_ = Matrix::Zero();
+  Terms wanted_ = Terms::Zero();
+};
+
+double tent(double u, double v) { return std::max(1 - std::abs(u), 0.0) * std::max(1 - std::abs(v), 0.0); }
+
 /// What the flow says around one node.
 struct NodeReading {
   double disparity_dp_px = 0, mismatch = 0;
@@ -31,31 +55,51 @@ struct NodeReading {
 
 /// `x` and `y` are the node's place in blocks, `reach_x` and `reach_y` how far the next nodes are.
 NodeReading read_flow(const Flow& flow, double x, double y, double reach_x, double reach_y) {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d wanted = Eigen::Vector3d::Zero();
+  LocalQuadratic surface;
   double mismatch = 0, seen = 0;
   const int width = flow.mismatch.width, height = flow.mismatch.height;
   for (int j = std::max(static_cast<int>(y - reach_y), 0); j < height && j + 0.5 < y + reach_y; ++j) {
     for (int i = std::max(static_cast<int>(x - reach_x), 0); i < width && i + 0.5 < x + reach_x; ++i) {
-      const double u = (i + 0.5 - x) / reach_x, v = (j + 0.5 - y) / reach_y;
-      const double weight = std::max(1 - std::abs(u), 0.0) * std::max(1 - std::abs(v), 0.0);
-      const Eigen::Vector3d terms(1, u, v);
-      normal += weight * terms * terms.transpose();
-      wanted += weight * flow.disparity_dp_px.at(i, j) * terms;
+      const double u = (i + 0.5 - x) / reach_x, v = (j + 0.5 - y) / reach_y, weight = tent(u, v);
+      surface.add(u, v, weight, flow.disparity_dp_px.at(i, j));
       if (i + 0.5 < kUnmatched * width || i + 0.5 > (1 - kUnmatched) * width) continue;
       mismatch += weight * flow.mismatch.at(i, j);
       seen += weight;
     }
   }
-  // decides where the views have so few blocks that no plane goes through them
-  normal += 1e-6 * normal(0, 0) * Eigen::Matrix3d::Identity();
-  return {normal.ldlt().solve(wanted)[0], seen > 0 ? mismatch / seen : 2};
+  return {surface.at_origin(), seen > 0 ? mismatch / seen : 2};
+}
+
+/// Slopes change slowly over the field, even where intercepts do not: what chance and texture do to them is averaged
+/// over the nodes around, of those that have one.
+Image smoothed_slopes(const Image& slopes) {
+  constexpr int kReach = 3;  // nodes; the weight is 0 there
+  Image smooth = slopes;
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      if (slopes.at(column, row) == 0) continue;
+      LocalQuadratic surface;
+      for (int j = std::max(row - kReach, 0); j <= std::min(row + kReach, kRows - 1); ++j) {
+        for (int i = std::max(column - kReach, 0); i <= std::min(column + kReach, kColumns - 1); ++i) {
+          if (slopes.at(i, j) == 0) continue;
+          const double u = 1.0 * (i - column) / kReach, v = 1.0 * (j - row) / kReach;
+          surface.add(u, v, tent(u, v), slopes.at(i, j));
+        }
+      }
+      smooth.at(column, row) = static_cast<float>(surface.at_origin());
+    }
+  }
+  return smooth;
 }
 
 /// `counts` are the usable targets of each node.
 FocusCalibration fit_lines(const Targets& targets, std::size_t principal, std::vector<int>& counts) {
   FocusCalibration fit{targets.front()->focus_distance_m, 0, node_image(), node_image(), node_image()};
   counts.assign(fit.slope_dp_px_m.data.size(), 0);
+  struct Means {
+    double x = 0, y = 0;  // 1 / m, DP px
+  };
+  std::vector<Means> means(counts.size());
   for (std::size_t i = 0; i < counts.size(); ++i) {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
     double low = std::numeric_limits<double>::infinity(), high = 0;
@@ -70,10 +114,15 @@ FocusCalibration fit_lines(const Targets& targets, std::size_t principal, std::v
     xx -= x * x / n, xy -= x * y / n, yy -= y * y / n;
     const double slope = xy / xx;
     const double left = std::max(yy - slope * xy, 0.0);
+    means[i] = {x / n, y / n};
     fit.slope_dp_px_m.data[i] = static_cast<float>(slope);
-    fit.intercept_dp_px.data[i] = static_cast<float>((y - slope * x) / n);
     fit.residual_dp_px.data[i] = static_cast<float>(std::sqrt(left / n));
     if (i == principal && yy > 0) fit.r_squared = 1 - left / yy;
+  }
+  fit.slope_dp_px_m = smoothed_slopes(fit.slope_dp_px_m);
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const double slope = fit.slope_dp_px_m.data[i];
+    if (slope != 0) fit.intercept_dp_px.data[i] = static_cast<float>(means[i].y - slope * means[i].x);
   }
   return fit;
 }

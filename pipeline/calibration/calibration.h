@@ -22,9 +22,10 @@ struct TargetMeasurement {
   Image usable;                  ///< 1 where the views matched, 0 elsewhere
 };
 
-/// `left` and `right` are the linear views. A node's disparity is that of the plane that fits the flow best as far as
-/// the nodes around it, with weights that fall to 0 there; it is usable where the matched views' mismatch there, by the
-/// same weights, is at most 0.5.
+/// `left` and `right` are the linear views. A node's disparity is that of the quadratic surface that fits the flow
+/// best as far as the nodes around it, with weights that fall to 0 there: a lens of many aspheres curves its field
+/// within three nodes, which a plane would flatten. It is usable where the matched views' mismatch there, by the same
+/// weights, is at most 0.5.
 TargetMeasurement measure_target(const Image& left, const Image& right, double focus_distance_m,
                                  double target_distance_m, const FlowOptions& options = {});
 
@@ -32,8 +33,9 @@ TargetMeasurement measure_target(const Image& left, const Image& right, double f
 struct FocusCalibration {
   double focus_distance_m = 0;
   double r_squared = 0;   ///< at the principal point: share of the measurements' variance that the line explains
-  Image slope_dp_px_m;    ///< S; 0 where fewer than three targets were usable, or they lie too close together
-  Image intercept_dp_px;  ///< I
+  Image slope_dp_px_m;    ///< S, smoothed over the nodes within three; 0 where fewer than three targets were usable, or
+                          ///< they lie too close together
+  Image intercept_dp_px;  ///< I, by that slope
   Image residual_dp_px;   ///< root mean square of the measurements about the line
 };
 

@@ -53,7 +53,7 @@ TEST(Onnx, OpenCvDrawsTheSameMask) {
   const Image mask = network(input);
   ASSERT_EQ(drawn.total(), mask.data.size());
   const auto [low, high] = std::minmax_element(mask.data.begin(), mask.data.end());
-  EXPECT_GT(*high - *low, 0.5F);
+  EXPECT_GT(*high - *low, 0.1F);  // a mask that says nothing would agree with anything
   // 47 layers of sums of up to 864 products of about 1, rounded to 24 bits on both sides; the sigmoid takes a quarter.
   constexpr double kRounding = 2 * 47 * 864 * 0x1p-25 / 4;
   for (std::size_t i = 0; i < mask.data.size(); ++i) ASSERT_NEAR(drawn.ptr<float>()[i], mask.data[i], kRounding);
