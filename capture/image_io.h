@@ -47,4 +47,7 @@ void write_png16(const std::string& path, const ImageU16& image, bool srgb = fal
 /// sRGB transfer function (IEC 61966-2-1), clamped to 0..1.
 float srgb_from_linear(float linear);
 
+/// Its inverse, for 0..1.
+float linear_from_srgb(float encoded);
+
 }  // namespace dualpixel

@@ -17,7 +17,6 @@
 #include "pipeline/segmentation/person_mask.h"
 #include "tools/commands.h"
 #include "tools/mask_metrics.h"
-#include "tools/plain_pair.h"
 #include "tools/read_mask.h"
 #include "tools/report_assets.h"
 #include "tools/report_images.h"

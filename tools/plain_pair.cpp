@@ -92,10 +92,6 @@ std::uint16_t digital_number(float signal) { return static_cast<std::uint16_t>(s
 
 }  // namespace
 
-float linear_from_srgb(float encoded) {
-  return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
-}
-
 Image transposed(const Image& image) {
   Image result(image.height, image.width, image.channels);
   for (int y = 0; y < image.height; ++y) {

@@ -32,7 +32,4 @@ Capture read_plain_pair(const PlainPair& pair);
 /// Columns as rows.
 Image transposed(const Image& image);
 
-/// Inverse of the sRGB transfer function (IEC 61966-2-1), for 0..1.
-float linear_from_srgb(float encoded);
-
 }  // namespace dualpixel::tools

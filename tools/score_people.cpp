@@ -5,11 +5,11 @@
 #include <cmath>
 #include <map>
 
+#include "capture/image_io.h"
 #include "pipeline/edge_aware/filter_mask.h"
 #include "pipeline/edge_aware/guide.h"
 #include "pipeline/segmentation/person_mask.h"
 #include "tools/mask_metrics.h"
-#include "tools/plain_pair.h"
 
 namespace dualpixel::tools {
 namespace {

@@ -14,9 +14,9 @@ struct FlowOptions {
   int block_height_px = 2;
   int window_blocks = 33;    ///< normalisation window, blocks a side, odd
   float charbonnier = 0.1f;  ///< difference at which the data term turns from square to linear, in local deviations
-  float smooth_blocks = 8;   ///< distance over which average texture gives way to its neighbours, blocks
+  float smooth_blocks = 6;   ///< distance over which average texture gives way to its neighbours, blocks
   int warps = 4;             ///< linearisations a level
-  int refinements = 2;       ///< repetitions with the light of both views evened out, 1 or more
+  int refinements = 3;       ///< repetitions with the light of both views evened out, 1 or more
   int sweeps = 40;           ///< over-relaxation sweeps a linearisation (Liu 2009: 30 and more)
 };
 

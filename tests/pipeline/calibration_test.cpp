@@ -132,6 +132,32 @@ TEST(Calibration, AMeasurementOfViewsOfOnePixelIsFinite) {
   for (const float usable : m.usable.data) ASSERT_EQ(usable, 0);
 }
 
+// One place's targets all say a slope that is 0.1 more. The smoothing spreads that over the places around, none of it
+// lost; the place's line still goes through the middle of its own targets.
+TEST(Calibration, AveragesSlopesOverPlacesButNotWhatTargetsSaw) {
+  constexpr int kColumn = 8, kRow = 6;  // a whole window away from the border, as all whose windows hold it are
+  std::vector<TargetMeasurement> measurements = sweep({0.5});
+  const Calibration even = fit_calibration(test_camera(), measurements);
+  double middle_per_m = 0;
+  for (TargetMeasurement& m : measurements) {
+    m.disparity_dp_px.at(kColumn, kRow) += static_cast<float>(0.1 / m.target_distance_m);
+    middle_per_m += 1 / m.target_distance_m / static_cast<double>(measurements.size());
+  }
+  const Calibration other = fit_calibration(test_camera(), measurements);
+  const FocusCalibration& bumped = other.focuses[0];
+  const FocusCalibration& before = even.focuses[0];
+  double sum = 0;
+  for (std::size_t i = 0; i < bumped.slope_dp_px_m.data.size(); ++i) {
+    sum += bumped.slope_dp_px_m.data[i] - before.slope_dp_px_m.data[i];
+  }
+  EXPECT_NEAR(sum, 0.1, 1e-4);
+  const double slope = bumped.slope_dp_px_m.at(kColumn, kRow) - before.slope_dp_px_m.at(kColumn, kRow);
+  const double intercept = bumped.intercept_dp_px.at(kColumn, kRow) - before.intercept_dp_px.at(kColumn, kRow);
+  EXPECT_LT(slope, 0.04);
+  EXPECT_GT(slope, 0.01);
+  EXPECT_NEAR(intercept + slope * middle_per_m, 0.1 * middle_per_m, 1e-4);
+}
+
 TEST(Calibration, RecoversExactLines) {
   const Calibration calibration = fit_calibration(test_camera(), sweep({0.5, kInfinity, 1.5}));
   ASSERT_EQ(calibration.focuses.size(), 3u);

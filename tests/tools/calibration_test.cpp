@@ -137,9 +137,9 @@ TEST_P(CalibrationLens, AgreesWithTheTracedLens) {
                 GetParam(), focus_m, a.slope_rms, a.slope_within, a.intercept_rms_dp_px, a.intercept_within);
     EXPECT_LT(a.slope_rms, 0.02);
     EXPECT_LT(a.intercept_rms_dp_px, 0.03);
-    // no few places that make up for many: of normal errors with these root mean squares 68 % lie within
+    // no few places that make up for many: of normal errors with this root mean square 68 % lie within
     EXPECT_GT(a.slope_within, 0.68);
-    EXPECT_GT(a.intercept_within, 0.68);
+    EXPECT_GT(a.intercept_within, 0.95);  // surfaces without curvature leave 91 % behind the phones' lenses
     EXPECT_GT(calibration.focuses[0].r_squared, 0.999);
   }
 }
@@ -239,8 +239,7 @@ TEST_P(CalibratedScene, HasAnErrorAtThePeripheryLikeTheCentres) {
 
 constexpr const char* kLenses[] = {"phone_aberrated_4.4mm_f1.8", "phone_6p_4.2mm_f1.8", "phone_7p_4.9mm_f1.85"};
 INSTANTIATE_TEST_SUITE_P(Slow, CalibrationLens, testing::ValuesIn(kLenses));
-// Not met behind the 7p, whose periphery keeps about 1.15 times the centre's error (docs/calibration.md).
-INSTANTIATE_TEST_SUITE_P(Slow, CalibratedScene, testing::Values(kLenses[0], kLenses[1]));
+INSTANTIATE_TEST_SUITE_P(Slow, CalibratedScene, testing::ValuesIn(kLenses));
 
 /// Half the photosites along each side, on the same sensor.
 simulator::Simulation small_camera(const std::string& lens) {
@@ -262,7 +261,7 @@ TEST(SlowCalibrationTarget, LooksAsTheRendererSeesIt) {
     const simulator::Scene scene = target_wall(target, print_target(target, sweep.lens()));
     const simulator::RenderScene world(scene);
     simulator::RenderOptions options;
-    options.samples_per_pixel = 64;
+    options.samples_per_pixel = 256;  // 64 draw the readings apart by twice this: 0.010, all of it the samples'
     const simulator::Views views = render_views(world, place_camera(simulation, scene), options);
     const auto reduced = [](const Image& view) {
       Image dp(view.width / 2, view.height / 4);

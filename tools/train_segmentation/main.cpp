@@ -2,11 +2,8 @@
 
 #include <CLI/CLI.hpp>
 #include <atomic>
-#include <cstdio>
-#include <exception>
-#include <iostream>
 
-#include "capture/error.h"
+#include "tools/small_program.h"
 #include "tools/train_segmentation/train.h"
 
 namespace {
@@ -73,8 +70,7 @@ int main(int argc, char** argv) {
   program.footer(
       "Example:\n  dualpixel_train --data out/people --held-out out/people_held_out -o out/run --hours 3\n"
       "  dualpixel_train --data out/people --held-out out/people_held_out -o out/fine --fine-tune out/run --hours 0.5");
-  try {
-    program.parse(argc, argv);
+  return dualpixel::tools::run_small_program(program, argc, argv, [&] {
     if (samples->empty() && hours->empty()) throw CLI::RequiredError("--samples or --hours");
     options.shape.pose = !no_pose && !options.shape.fcn;
     if (options.shape.fcn) options.shape.stages = 1;
@@ -82,15 +78,5 @@ int main(int argc, char** argv) {
     signal(SIGTERM, end_after_checkpoint);
     dualpixel::tools::train(options, [](std::uint64_t) { return stop.load(); });
     return stopped_by == 0 ? 0 : 128 + stopped_by;
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return program.exit(error);
-    std::cerr << "dualpixel_train: " << dualpixel::printable(error.what()) << '\n';
-    return 2;
-  } catch (const dualpixel::InputError& error) {
-    std::cerr << "dualpixel_train: " << error.what() << '\n';
-    return 2;
-  } catch (const std::exception& error) {
-    std::cerr << "dualpixel_train: " << dualpixel::printable(error.what()) << '\n';
-    return 1;
-  }
+  });
 }
