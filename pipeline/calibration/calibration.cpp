@@ -20,7 +20,6 @@ constexpr double kSmallestSpan_per_m = 0.2;  ///< of the targets' inverse depth
 constexpr double kMostMismatch = 0.5;
 constexpr double kUnmatched = 0.01;  ///< share of the width at either side where matches end before the border
 constexpr double kTiltWarning_deg = 0.7;
-constexpr double kTiltWarning_errors = 3;
 
 using Targets = std::vector<const TargetMeasurement*>;
 
@@ -177,8 +176,9 @@ void require_line(const FocusCalibration& fit, const Targets& targets, std::size
 }
 
 void warn_of_tilt(const TargetTilt& tilt, std::vector<std::string>& warnings) {
-  const bool sure = std::abs(tilt.x_deg) > kTiltWarning_errors * tilt.x_error_deg ||
-                    std::abs(tilt.y_deg) > kTiltWarning_errors * tilt.y_error_deg;
+  const double errors = significant_errors(tilt.degrees_of_freedom);
+  const bool sure =
+      std::abs(tilt.x_deg) > errors * tilt.x_error_deg || std::abs(tilt.y_deg) > errors * tilt.y_error_deg;
   if (!sure || std::hypot(tilt.x_deg, tilt.y_deg) < kTiltWarning_deg) return;
   warnings.push_back(fmt::format(
       "the target seems tilted: its right side is {:.1f} +- {:.1f} degrees farther, its lower side {:.1f} +- {:.1f} "

@@ -32,11 +32,11 @@ TargetMeasurement measure_target(const Image& left, const Image& right, double f
 /// The lines of one focus distance; every image has one pixel a node.
 struct FocusCalibration {
   double focus_distance_m = 0;
-  double r_squared = 0;   ///< at the principal point: share of the measurements' variance that the line explains
-  Image slope_dp_px_m;    ///< S, smoothed over the nodes within three; 0 where fewer than three targets were usable, or
-                          ///< they lie too close together
+  double r_squared = 0;  ///< at the principal point: share of the measurements' variance that its own line explains
+  Image slope_dp_px_m;   ///< S, smoothed over nodes nearer than three; 0 where fewer than three targets were usable, or
+                         ///< they lie too close together
   Image intercept_dp_px;  ///< I, by that slope
-  Image residual_dp_px;   ///< root mean square of the measurements about the line
+  Image residual_dp_px;   ///< root mean square of the measurements about the node's own line, its slope not smoothed
 };
 
 struct Calibration {

@@ -9,12 +9,12 @@ namespace dualpixel::pipeline {
 struct FlowOptions {
   /// The views are averaged over blocks of this many DP pixels before anything else. Coarse on purpose: the mirrored
   /// kernels of the two views match at their centroids only where the texture is coarse against the blur (finer texture
-  /// reads up to a tenth too much), and there noise weighs least.
+  /// reads up to 12 % too much), and there noise weighs least.
   int block_width_px = 4;
   int block_height_px = 2;
   int window_blocks = 33;    ///< normalisation window, blocks a side, odd
   float charbonnier = 0.1f;  ///< difference at which the data term turns from square to linear, in local deviations
-  float smooth_blocks = 6;   ///< distance over which average texture gives way to its neighbours, blocks
+  float smooth_blocks = 8;   ///< distance over which average texture gives way to its neighbours, blocks
   int warps = 4;             ///< linearisations a level
   int refinements = 3;       ///< repetitions with the light of both views evened out, 1 or more
   int sweeps = 40;           ///< over-relaxation sweeps a linearisation (Liu 2009: 30 and more)
@@ -32,7 +32,8 @@ struct Flow {
 /// over the normalised blocks, from coarse to fine by halves, each level linearised `warps` times. lambda is smooth^2
 /// times the mean curvature of the data term, so that contrast and noise leave the smoothness alone. All of it once and
 /// then `refinements` times more, with the right view moved by the answer so far before it is normalised, so that
-/// windows which the border cuts short hold the same of the target in both views. The same bytes for any number of
+/// windows which the border cuts short hold the same of the target in both views, and scaled to the left view's light
+/// by a smooth fit of their ratio, which has no texture in it where they match. The same bytes for any number of
 /// threads. Throws std::invalid_argument where the views differ in size, are empty or have colours, and where an option
 /// is not positive.
 Flow match_target(const Image& left, const Image& right, const FlowOptions& options = {});

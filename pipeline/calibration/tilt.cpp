@@ -54,10 +54,12 @@ TargetTilt estimate_tilt(const Camera& camera, const std::vector<TargetMeasureme
   std::map<double, Targets> sweeps;
   for (const TargetMeasurement& m : measurements) sweeps[m.focus_distance_m].push_back(&m);
   Tangents sum, variance;
+  int degrees_of_freedom = 0;
   for (const auto& [focus_distance_m, targets] : sweeps) {
     const Tangents all = tangents_without(camera, targets, nullptr);
     sum.x += all.x, sum.y += all.y;
     const auto n = static_cast<double>(targets.size());
+    degrees_of_freedom += static_cast<int>(targets.size()) - 1;
     if (n < 3) variance.x = variance.y = std::numeric_limits<double>::infinity();
     Tangents mean, squares;
     for (const TargetMeasurement* target : targets) {
@@ -71,7 +73,14 @@ TargetTilt estimate_tilt(const Camera& camera, const std::vector<TargetMeasureme
   const auto n = static_cast<double>(std::max<std::size_t>(sweeps.size(), 1));
   constexpr double kDegrees = 180 / std::numbers::pi;
   return {kDegrees * std::atan(sum.x / n), kDegrees * std::atan(sum.y / n), kDegrees * std::sqrt(variance.x) / n,
-          kDegrees * std::sqrt(variance.y) / n};
+          kDegrees * std::sqrt(variance.y) / n, degrees_of_freedom};
+}
+
+double significant_errors(int degrees_of_freedom) {
+  constexpr double kNormal = 3;
+  if (degrees_of_freedom < 1) return std::numeric_limits<double>::infinity();
+  const double n = degrees_of_freedom, z = kNormal * (8 * n + 3) / (8 * n + 1);
+  return std::sqrt(n * std::expm1(z * z / n));
 }
 
 }  // namespace dualpixel::pipeline

@@ -11,7 +11,13 @@ namespace dualpixel::pipeline {
 struct TargetTilt {
   double x_deg = 0, y_deg = 0;
   double x_error_deg = 0, y_error_deg = 0;
+  int degrees_of_freedom = 0;  ///< of the errors: all targets but one of each focus distance
 };
+
+/// How many standard errors a tilt must exceed to be as unlikely by chance as three of a normal deviate: Student's t,
+/// by Wallace's approximation (1959; 3 % too much at 4 degrees of freedom). Errors of a few targets are too small too
+/// often.
+double significant_errors(int degrees_of_freedom);
 
 /// Mean over the focus distances. A tilted plane's inverse depth is linear in the picture, so a tilt makes the slope's
 /// part that is odd about the middle; what is even is the lens's. A lens that is not symmetric itself looks like a

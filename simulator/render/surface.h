@@ -30,9 +30,9 @@ struct SurfacePacket {
   Surface at(int i) const;
 };
 
-/// Bilinear (or nearest) lookup; linear RGB, alpha as stored. There are no mip levels: of 8192 x 8192 texels, four to a
-/// photosite, samples of an unlit surface take 55 ns, and 44 where texels are as large as photosites. A coarser level
-/// would save no more than that, and blur what a photograph has sharp.
+/// Bilinear (or nearest) lookup; linear RGB, alpha as stored. There are no mip levels. Of 8192 x 8192 texels,
+/// four across a photosite, a sample of an unlit surface takes 55 ns, and 44 where a texel is as large as a photosite:
+/// levels could save those 11 at most, and would average before the lens what the film averages after it.
 glm::vec4 sample_texture(const Texture& texture, glm::vec2 uv);
 
 /// The lanes of `rays` with lanes[i] != 0, at least one, all of which hit `mesh`; other lanes of `out` are finite but

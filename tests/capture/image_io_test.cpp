@@ -233,6 +233,8 @@ TEST(Srgb, MatchesTheStandardsTable) {
   EXPECT_EQ(srgb_from_linear(-1), 0);
   EXPECT_NEAR(srgb_from_linear(2), 1, 1e-6);
   EXPECT_EQ(srgb_from_linear(std::nanf("")), 0);
+  EXPECT_NEAR(linear_from_srgb(128 / 255.0f), 0.21586050f, 1e-7);
+  EXPECT_NEAR(linear_from_srgb(10 / 255.0f), 0.00303527f, 1e-8);
 }
 
 }  // namespace

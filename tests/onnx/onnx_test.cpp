@@ -8,8 +8,8 @@
 #include <filesystem>
 
 #include "capture/files.h"
-#include "capture/image_io.h"
 #include "pipeline/segmentation/network.h"
+#include "pipeline/segmentation/person_mask.h"
 #include "tests/capture/temporary_folder.h"
 #include "tests/pipeline/drawn_face.h"
 #include "tools/export_onnx/onnx_model.h"
@@ -38,18 +38,11 @@ TEST(Onnx, OpenCvDrawsTheSameMask) {
   constexpr int kSize = pipeline::kNetworkSize_px;
   Image picture(kSize, kSize, 3, 0.3F);
   pipeline::draw_face(picture, 128, 90, 70);
-  Image input(kSize, kSize, 4);
+  const Image input = pipeline::network_input(picture, {93, 55, 70, 70});
   const int shape[] = {1, 4, kSize, kSize};
   cv::Mat blob(4, shape, CV_32F);
-  for (int y = 0; y < kSize; ++y) {
-    for (int x = 0; x < kSize; ++x) {
-      for (int c = 0; c < 4; ++c) {
-        const float colour = c < 3 ? srgb_from_linear(picture.at(x, y, c)) - 0.5F : 0;
-        const auto face = static_cast<float>(std::exp(-(std::pow(x - 128, 2) + std::pow(y - 90, 2)) / 882));
-        input.at(x, y, c) = c < 3 ? colour : face;
-        blob.ptr<float>(0, c)[y * kSize + x] = input.at(x, y, c);
-      }
-    }
+  for (int c = 0; c < 4; ++c) {
+    for (int i = 0; i < kSize * kSize; ++i) blob.ptr<float>(0, c)[i] = input.data[4 * static_cast<std::size_t>(i) + c];
   }
   other.setInput(blob);
   const cv::Mat drawn = other.forward();

@@ -135,7 +135,7 @@ TEST(Calibration, AMeasurementOfViewsOfOnePixelIsFinite) {
 // One place's targets all say a slope that is 0.1 more. The smoothing spreads that over the places around, none of it
 // lost; the place's line still goes through the middle of its own targets.
 TEST(Calibration, AveragesSlopesOverPlacesButNotWhatTargetsSaw) {
-  constexpr int kColumn = 8, kRow = 6;  // a whole window away from the border, as all whose windows hold it are
+  constexpr int kColumn = 8, kRow = 6;  // so far from the border that every window that holds it is whole
   std::vector<TargetMeasurement> measurements = sweep({0.5});
   const Calibration even = fit_calibration(test_camera(), measurements);
   double middle_per_m = 0;
@@ -153,8 +153,9 @@ TEST(Calibration, AveragesSlopesOverPlacesButNotWhatTargetsSaw) {
   EXPECT_NEAR(sum, 0.1, 1e-4);
   const double slope = bumped.slope_dp_px_m.at(kColumn, kRow) - before.slope_dp_px_m.at(kColumn, kRow);
   const double intercept = bumped.intercept_dp_px.at(kColumn, kRow) - before.intercept_dp_px.at(kColumn, kRow);
-  EXPECT_LT(slope, 0.04);
-  EXPECT_GT(slope, 0.01);
+  // What a quadratic surface under tent weights, three nodes to either side, keeps of its middle: 1 / (S - 2 Sxx^2 /
+  // (Sxxxx + Sxxyy)) of the weights' moments S = 9, Sxx = 4/3, Sxxxx = 4/9, Sxxyy = 16/81.
+  EXPECT_NEAR(slope, 0.1 * 13 / 45, 2e-5);
   EXPECT_NEAR(intercept + slope * middle_per_m, 0.1 * middle_per_m, 1e-4);
 }
 
@@ -213,6 +214,15 @@ TEST(Calibration, SaysWhenTheTargetWasTilted) {
 
 // Noise that is one number over a third of the field, as large as a single frame's at ISO 1600: the errors stated must
 // be those seen, and a level target must not be called tilted.
+// Student's t of which 0.27 % lies beyond, from tables.
+TEST(Calibration, FewTargetsMustShowATiltMoreClearly) {
+  EXPECT_NEAR(significant_errors(4), 6.62, 0.2);
+  EXPECT_NEAR(significant_errors(6), 4.90, 0.1);
+  EXPECT_NEAR(significant_errors(10), 3.96, 0.04);
+  EXPECT_NEAR(significant_errors(120), 3.06, 0.01);
+  EXPECT_EQ(significant_errors(0), std::numeric_limits<double>::infinity());
+}
+
 TEST(Calibration, StatesTheErrorOfATiltAndWarnsOnlyBeyondThreeOfThem) {
   constexpr int kSweeps = 60;
   std::mt19937 random(5);

@@ -37,10 +37,10 @@ TEST(DivergingColors, AreEquallyLightOnBothSides) {
   Image values(5, 1);
   values.data = {-9, -0.5f, 0, 0.5f, NAN};
   const Image colors = diverging_colors(values, 1);
-  const auto linear = [](float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); };
   // Lightness of Oklab from sRGB; forward matrices of Ottosson 2020.
   const auto lightness = [&](int x) {
-    const float r = linear(colors.at(x, 0, 0)), g = linear(colors.at(x, 0, 1)), b = linear(colors.at(x, 0, 2));
+    const float r = linear_from_srgb(colors.at(x, 0, 0)), g = linear_from_srgb(colors.at(x, 0, 1)),
+                b = linear_from_srgb(colors.at(x, 0, 2));
     return 0.2104542553f * std::cbrt(0.4122214708f * r + 0.5363325363f * g + 0.0514459929f * b) +
            0.7936177850f * std::cbrt(0.2119034982f * r + 0.6806995451f * g + 0.1073969566f * b) -
            0.0040720468f * std::cbrt(0.0883024619f * r + 0.2817188376f * g + 0.6299787005f * b);
