@@ -35,7 +35,7 @@ struct DecodeTables {
 };
 extern const DecodeTables kDecodeTables;
 
-/// One texel as linear numbers; not before main(), which fills the tables.
+/// One texel as linear numbers. Not for static initialisers, which may run before the tables are filled.
 inline glm::vec4 decode_texel(const Texture& texture, std::size_t index) {
   const auto& color = texture.srgb ? kDecodeTables.srgb : kDecodeTables.linear;
   const std::uint8_t* t = &texture.rgba[4 * index];

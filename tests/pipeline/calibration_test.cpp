@@ -212,8 +212,6 @@ TEST(Calibration, SaysWhenTheTargetWasTilted) {
   }
 }
 
-// Noise that is one number over a third of the field, as large as a single frame's at ISO 1600: the errors stated must
-// be those seen, and a level target must not be called tilted.
 // Student's t of which 0.27 % lies beyond, from tables.
 TEST(Calibration, FewTargetsMustShowATiltMoreClearly) {
   EXPECT_NEAR(significant_errors(4), 6.62, 0.2);
@@ -223,7 +221,9 @@ TEST(Calibration, FewTargetsMustShowATiltMoreClearly) {
   EXPECT_EQ(significant_errors(0), std::numeric_limits<double>::infinity());
 }
 
-TEST(Calibration, StatesTheErrorOfATiltAndWarnsOnlyBeyondThreeOfThem) {
+// Noise that is one number over a third of the field, as large as a single frame's at ISO 1600: the errors stated must
+// be those seen, and a level target must not be called tilted.
+TEST(Calibration, StatesTheErrorOfATiltAndWarnsOfNoneThatChanceMakes) {
   constexpr int kSweeps = 60;
   std::mt19937 random(5);
   std::normal_distribution<float> normal(0, 0.1f);

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "simulator/render/intersector.h"
+#include "capture/image_io.h"
 #include "tests/simulator/test_scenes.h"
 
 namespace dualpixel::simulator::testing {
@@ -43,6 +43,10 @@ TEST(Texture, SrgbIsDecodedBeforeFilteringAndAlphaIsNot) {
   t.rgba = {188, 188, 188, 128, 188, 188, 188, 128};
   EXPECT_NEAR(sample_texture(t, {0.3f, 0.5f}).x, std::pow((188 / 255.0 + 0.055) / 1.055, 2.4), 1e-6);
   EXPECT_NEAR(sample_texture(t, {0.3f, 0.5f}).w, 128 / 255.0, 1e-6);
+  for (int byte = 0; byte < 256; ++byte) {
+    t.rgba[0] = static_cast<std::uint8_t>(byte);
+    EXPECT_NEAR(decode_texel(t, 0).x, linear_from_srgb(static_cast<float>(byte) / 255), 1e-6);
+  }
 }
 
 TEST(Texture, SurvivesUselessCoordinates) {
