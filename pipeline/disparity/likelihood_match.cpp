@@ -14,6 +14,9 @@ namespace dualpixel::pipeline {
 
 using namespace likelihood;
 
+/// Correlation of neighbouring tiles' errors other than noise, measured on the portrait scene.
+constexpr float kModelShare = 0.2f;
+
 TileDisparity match_by_likelihood(const Image& left, const Image& right, const LikelihoodMatchOptions& options) {
   if (!left.same_size(right)) throw std::invalid_argument("disparity: left and right view differ in size");
   if (left.channels > 1 || right.channels > 1) throw std::invalid_argument("disparity: views must have one channel");
@@ -28,7 +31,7 @@ TileDisparity match_by_likelihood(const Image& left, const Image& right, const L
   const int margin = range / 2 + 1 + 8;  // half the range, a step of refinement, the taps
   const PreparedViews views = prepare_views(left, right, margin, noise, options.clipped);
   const int columns = views.columns, rows = views.rows;
-  const std::vector<FoundShift> found = search_shifts(views, left.width, options);
+  const std::vector<FoundShift> found = search_shifts(views, options);
 
   // What is left of the shading: means of the views over 5 x 5 tiles, shifted to match.
   Image difference(columns, rows), level(columns, rows);
@@ -81,7 +84,8 @@ TileDisparity match_by_likelihood(const Image& left, const Image& right, const L
       const bool blind = !(variance < square(limit));
       const RefinedTile& tile = smooth[static_cast<std::size_t>(row) * columns + column];
       tiles.disparity_dp_px.at(column, row) = tile.disparity;
-      tiles.shared.at(column, row) = blind ? 1 : 1 - (1 - pooled_share(tile.disparity)) * tile.noise / variance;
+      const float pooled = pooled_share(tile.disparity);
+      tiles.shared.at(column, row) = blind ? 1 : pooled + (1 - pooled) * kModelShare * (1 - tile.noise / variance);
       tiles.sigma_dp_px.at(column, row) = blind ? limit : std::sqrt(variance);
       tiles.confidence.at(column, row) = blind ? 0 : 1 / (1 + variance / square(options.confident_sigma_dp_px));
     }

@@ -10,7 +10,6 @@ namespace dualpixel::pipeline::likelihood {
 namespace {
 
 constexpr float kLeastVariance = 1e-12f;  // of shot noise in the dark
-constexpr int kSpoiled = 2;               // pixels beside a blind one that interpolation would mix it into
 
 bool usable(float value, float clipped) { return std::isfinite(value) && value < clipped; }
 
@@ -125,7 +124,8 @@ Image box_mean(const Image& image, int reach) {
 
 PreparedViews prepare_views(const Image& left, const Image& right, int margin, const ViewNoise& noise, float clipped) {
   Image gain = shading_gain(left, right, clipped);
-  PreparedViews views{prepare(left, gain, margin, noise, clipped), {}, gain.width, gain.height};
+  PreparedViews views{
+      prepare(left, gain, margin, noise, clipped), {}, gain.width, gain.height, left.width, left.height};
   for (float& value : gain.data) value = 1 / value;
   views.right = prepare(right, gain, margin, noise, clipped);
   return views;

@@ -10,6 +10,7 @@ namespace dualpixel::pipeline::likelihood {
 
 inline constexpr int kTile = 8;         ///< side of a tile, DP px
 inline constexpr float kBlind = 1e12f;  ///< variance of a pixel that says nothing
+inline constexpr int kSpoiled = 2;      ///< pixels beside a blind one, or a border, that it would be mixed into
 
 using Columns = std::array<float, kTile>;  ///< one entry for each column of a tile: what the compiler makes vectors of
 
@@ -38,6 +39,7 @@ struct PreparedView {
 struct PreparedViews {
   PreparedView left, right;
   int columns = 0, rows = 0;  ///< tiles
+  int width = 0, height = 0;  ///< of the views, without padding
 };
 
 /// Both views multiplied and divided by the root of their local ratio, so that they are shaded alike. Pixels that are

@@ -11,7 +11,7 @@ namespace dualpixel::pipeline::likelihood {
 struct RefinedTile {
   float disparity = 0;     ///< DP px
   float noise = INFINITY;  ///< variance of the error that the views' noise makes: each tile's own
-  float model = 0;         ///< and of that from what no shift explains: common to neighbours
+  float model = 0;         ///< and of that from what no shift explains: partly common to neighbours
 };
 
 /// Gauss-Newton from `start`, both views interpolated symmetrically, at most `farthest` away. `offset`, with its
@@ -26,9 +26,13 @@ RefinedTile pooled_with_neighbours(const std::vector<RefinedTile>& tiles, int co
 /// Correlation of two neighbouring tiles' noise after pooling: that of means under its weights, as far as they reach.
 float pooled_share(float disparity);
 
-/// Variance of the error as it is predicted: the tile's own, what mirrored kernels do to any, and what its neighbours
-/// raise against it. A surface that is seen goes on in at least one half of the tiles around; a tile that stands alone
-/// shows a highlight, a structure narrower than its blur, or a mistake, and may be as wrong as it is different.
+/// Variance of disparity over the 3 x 3 tiles around, beyond what their errors explain: slopes, edges, foliage.
+float roughness(const std::vector<RefinedTile>& tiles, int columns, int rows, int column, int row);
+
+/// Variance of the error as it is predicted: the tile's own, what mirrored kernels and rough surfaces do to any, and
+/// what its neighbours raise against it. A surface that is seen goes on in at least one half of the tiles around; a
+/// tile that stands alone shows a highlight, a structure narrower than its blur, or a mistake, and may be as wrong as
+/// it is different.
 float predicted_variance(const std::vector<RefinedTile>& tiles, int columns, int rows, int column, int row);
 
 }  // namespace dualpixel::pipeline::likelihood

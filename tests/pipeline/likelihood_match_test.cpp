@@ -299,6 +299,44 @@ TEST(LikelihoodMatch, ATileThatStandsAloneIsNotBelieved) {
   EXPECT_LT(tiles.sigma_dp_px.at(20, 5), 0.15f);
 }
 
+TEST(LikelihoodMatch, RoughSurfacesAreDoubted) {
+  // Rows of tiles at -0.3 and 0.3 in turn: 3 x 3 of them have a variance of 9/8 (0.09 - 0.01), a quarter of which
+  // counts.
+  const Pair up = shifted_pair(61, 0.3, 0.2, 0.1), down = shifted_pair(61, 0.3, 0.2, -0.1);
+  Pair rough = up;
+  for (int y = 0; y < kHeight; ++y) {
+    if (y / 8 % 2 == 0) std::copy_n(down.right.row(y), kWidth, rough.right.row(y));
+  }
+  const auto mean_sigma = [](const Pair& pair) {
+    Image left = pair.left, right = pair.right;
+    add_view_noise(left, 1);
+    add_view_noise(right, 2);
+    const Image sigma = match_by_likelihood(left, right, {.noise = kNoise}).sigma_dp_px;
+    double sum = 0;
+    for (int y = 1; y + 1 < sigma.height; ++y) {
+      for (int x = kBorder; x < sigma.width - kBorder; ++x) sum += sigma.at(x, y);
+    }
+    return sum / ((sigma.height - 2) * (sigma.width - 2 * kBorder));
+  };
+  const double even = mean_sigma(up);
+  EXPECT_LT(even, 0.04);
+  EXPECT_NEAR(mean_sigma(rough), std::sqrt(even * even + 0.25 * 0.01), 0.006);
+}
+
+TEST(LikelihoodMatch, BordersAreNoHighlights) {
+  // What a border tile cannot use is outside, not clipped: it is as sure as its pixels make it, 6 columns of 8.
+  Pair pair = shifted_pair(62, 0.3, 0.2, 0.2);
+  add_view_noise(pair.left, 1);
+  add_view_noise(pair.right, 2);
+  const Image sigma = match_by_likelihood(pair.left, pair.right, {.noise = kNoise}).sigma_dp_px;
+  double inner = 0, outer = 0;
+  for (int y = 0; y < sigma.height; ++y) {
+    inner += sigma.at(kBorder + 1, y) + sigma.at(sigma.width - kBorder - 2, y);
+    outer += sigma.at(0, y) + sigma.at(sigma.width - 1, y);
+  }
+  EXPECT_LT(outer, 1.8 * inner);
+}
+
 TEST(LikelihoodMatch, TakesOutShading) {
   Pair pair = shifted_pair(12, 0.3, 0.2, 0.4);
   for (int y = 0; y < kHeight; ++y) {

@@ -192,7 +192,12 @@ INSTANTIATE_TEST_SUITE_P(SlowShared, RealPair,
                                            RealSet{"box/003", {0.95, 0.097}, {0.95, 0.091}},
                                            RealSet{"iphone/001", {0.92, 0.105}, {0.94, 0.084}},
                                            RealSet{"iphone/002", {0.94, 0.077}, {0.97, 0.056}},
-                                           RealSet{"iphone/003", {0.59, 0.153}, {0.74, 0.135}}));
+                                           RealSet{"iphone/003", {0.59, 0.153}, {0.74, 0.135}}),
+                         [](const auto& set) {
+                           std::string name = set.param.folder;
+                           std::replace(name.begin(), name.end(), '/', '_');
+                           return name;
+                         });
 
 }  // namespace
 }  // namespace dualpixel::tools
