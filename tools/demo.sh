@@ -11,8 +11,7 @@ dualpixel=build/release/tools/dualpixel
 mkdir -p "$out"
 "$dualpixel" simulate scenes/portrait.json -o "$out/capture"
 for mode in dp dp+seg; do
-  mask=(); [ "$mode" = dp ] || mask=(--true-mask)
-  "$dualpixel" portrait "$out/capture" -o "$out/$mode" --mode "$mode" "${mask[@]}"
+  "$dualpixel" portrait "$out/capture" -o "$out/$mode" --mode "$mode"
   echo "== $mode"
   "$dualpixel" score "$out/capture" "$out/$mode"
 done
