@@ -33,6 +33,7 @@ constexpr int kThumbnail_px = 360;
 
 struct Command {
   std::string images, masks, people, weights, output;
+  bool bf16 = false;
 };
 
 struct Portrait {
@@ -231,6 +232,7 @@ void run_pictures(const Command& command, pipeline::PersonNetwork& network, cons
   nlohmann::ordered_json json = {{"format", "dualpixel-experiment-segmentation"},
                                  {"version", 1},
                                  {"person_weights_hash", weights_hash},
+                                 {"person_network", command.bf16 ? "bf16" : "f32"},
                                  {"count", means.count},
                                  {"without_face", means.without_face},
                                  {"mean_iou", means.iou},
@@ -272,6 +274,7 @@ void run_people(const Command& command, pipeline::PersonNetwork& network, const 
                                  {"version", 1},
                                  {"people_hash", set.hash()},
                                  {"person_weights_hash", weights_hash},
+                                 {"person_network", command.bf16 ? "bf16" : "f32"},
                                  {"samples", nlohmann::ordered_json::array()},
                                  {"regions", nlohmann::ordered_json::array()}};
   std::string table =
@@ -321,7 +324,7 @@ void run(const Command& command) {
   }
   const pipeline::NetworkWeights weights =
       command.weights.empty() ? pipeline::built_in_weights() : pipeline::read_weights(command.weights);
-  pipeline::PersonNetwork network(weights);
+  pipeline::PersonNetwork network(weights, 1, command.bf16 ? pipeline::Precision::bf16 : pipeline::Precision::f32);
   if (!command.output.empty()) const NewFolder writable(command.output, "segmentation.json");  // before the work
   if (command.people.empty()) {
     run_pictures(command, network, weights.file_hash);
@@ -347,6 +350,7 @@ void add_experiment_segmentation(CLI::App& experiment) {
       ->type_name("DIR");
   sub->add_option("--weights", command->weights, "Other weights than the built-in ones: person.safetensors of a run")
       ->type_name("FILE");
+  sub->add_flag("--bf16", command->bf16, "Run the network in 16-bit floats: see `dualpixel portrait --help`");
   sub->add_option("-o,--output", command->output, "Folder for segmentation.json and segmentation.html")
       ->type_name("DIR");
   add_threads_option(*sub);

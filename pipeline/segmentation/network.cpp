@@ -23,9 +23,16 @@ namespace {
 
 using dnnl::memory;
 
-/// Eight channels together, for AVX2; missing ones are 0.
-constexpr int kBlock = 8;
-constexpr auto kBlocked = memory::format_tag::nChw8c;
+/// How a precision's channels lie in memory: for AVX2 eight together, missing ones 0; for AMX all of a pixel's.
+struct Layout {
+  memory::data_type type;
+  memory::format_tag format;
+  int logits_stride;  ///< values from pixel to pixel, of four channels
+};
+Layout layout_of(Precision precision) {
+  if (precision == Precision::bf16) return {memory::data_type::bf16, memory::format_tag::nhwc, 4};
+  return {memory::data_type::f32, memory::format_tag::nChw8c, 8};
+}
 
 /// oneDNN asks OpenMP how many threads to take.
 class OpenMpThreads {
@@ -55,12 +62,12 @@ int side_of(const memory& m) { return static_cast<int>(m.get_desc().dims()[2]); 
 }  // namespace
 
 struct PersonNetwork::Layers {
-  Layers(const NetworkWeights& weights, int threads_)
-      : threads(threads_), engine(dnnl::engine::kind::cpu, 0), stream(engine) {
+  Layers(const NetworkWeights& weights, int threads_, Precision precision)
+      : threads(threads_), layout(layout_of(precision)), engine(dnnl::engine::kind::cpu, 0), stream(engine) {
     const auto layer = [&](const std::string& name) -> const ConvWeights& { return weights.layers.at(name); };
     input =
         memory({{1, 4, kNetworkSize_px, kNetworkSize_px}, memory::data_type::f32, memory::format_tag::nchw}, engine);
-    const memory fine = convolve(convolve(input, layer("stem_half"), 2), layer("stem_fine"));
+    const memory fine = convolve(convolve(picture(), layer("stem_half"), 2), layer("stem_fine"));
     const memory x = convolve(fine, layer("stem_quarter"), 2);
     memory y;
     for (int s = 0; s < weights.stages; ++s) {
@@ -80,12 +87,24 @@ struct PersonNetwork::Layers {
     }
     const std::string mask = fmt::format("mask{}.", weights.stages - 1);
     add_twice_as_large(convolve(y, layer(mask + "coarse"), 1, Then::nothing), fine);
-    sub_pixels = convolve(convolve(fine, layer(mask + "mix")), layer(mask + "sub_pixels"), 1, Then::nothing);
+    const ConvWeights& last = layer(mask + "sub_pixels");
+    constexpr int kHalf = kNetworkSize_px / 2;
+    sub_pixels = memory({{1, last.out, kHalf, kHalf}, memory::data_type::f32, layout.format}, engine);
+    convolve_onto(convolve(fine, layer(mask + "mix")), last, 1, Then::nothing, sub_pixels);
+  }
+
+  /// The input as the first layer takes it.
+  memory picture() {
+    if (layout.type == memory::data_type::f32) return input;
+    memory converted({input.get_desc().dims(), layout.type, layout.format}, engine);
+    steps.emplace_back(dnnl::reorder(input, converted),
+                       std::unordered_map<int, memory>{{DNNL_ARG_FROM, input}, {DNNL_ARG_TO, converted}});
+    return converted;
   }
 
   memory convolve(const memory& source, const ConvWeights& conv, int stride = 1, Then then = Then::relu) {
     const int side = side_of(source) / stride;
-    memory destination({{1, conv.out, side, side}, memory::data_type::f32, kBlocked}, engine);
+    memory destination({{1, conv.out, side, side}, layout.type, layout.format}, engine);
     convolve_onto(source, conv, stride, then, destination);
     return destination;
   }
@@ -95,7 +114,7 @@ struct PersonNetwork::Layers {
     const memory::dim before = conv.kernel / 2, after = stride == 1 ? before : before - (stride - 1);
     const dnnl::convolution_forward::desc description(
         dnnl::prop_kind::forward_inference, dnnl::algorithm::convolution_direct, source.get_desc(),
-        memory::desc(shape, memory::data_type::f32, memory::format_tag::any),
+        memory::desc(shape, layout.type, memory::format_tag::any),
         memory::desc({conv.out}, memory::data_type::f32, memory::format_tag::x), destination.get_desc(),
         {stride, stride}, {before, before}, {after, after});
     const dnnl::convolution_forward::primitive_desc primitive(description, attributes(then), engine);
@@ -128,6 +147,7 @@ struct PersonNetwork::Layers {
   }
 
   int threads;
+  Layout layout;
   dnnl::engine engine;
   dnnl::stream stream;
   memory input, sub_pixels;
@@ -136,11 +156,16 @@ struct PersonNetwork::Layers {
 
 bool has_person_network() { return true; }
 
-PersonNetwork::PersonNetwork(const NetworkWeights& weights, int threads) {
+PersonNetwork::PersonNetwork(const NetworkWeights& weights, int threads, Precision precision) {
   // Refused once a primitive has run, which then was one of ours, or the caller's own choice.
-  dnnl::set_max_cpu_isa(dnnl::cpu_isa::avx2);
+  if (precision == Precision::f32) dnnl::set_max_cpu_isa(dnnl::cpu_isa::avx2);
   const OpenMpThreads limit(threads);
-  layers_ = std::make_unique<Layers>(weights, threads);
+  try {
+    layers_ = std::make_unique<Layers>(weights, threads, precision);
+  } catch (const dnnl::error&) {
+    if (precision == Precision::f32) throw;
+    throw InputError("person network: bf16 needs a processor with AVX-512, before any network has run in f32; use f32");
+  }
 }
 
 PersonNetwork::~PersonNetwork() = default;
@@ -163,7 +188,7 @@ Image PersonNetwork::operator()(const Image& input) {
   Image mask(kNetworkSize_px, kNetworkSize_px);
   for (int y = 0; y < kNetworkSize_px; ++y) {
     for (int x = 0; x < kNetworkSize_px; ++x) {
-      const float logit = logits[(y / 2 * kHalf + x / 2) * kBlock + 2 * (y % 2) + x % 2];
+      const float logit = logits[(y / 2 * kHalf + x / 2) * layers_->layout.logits_stride + 2 * (y % 2) + x % 2];
       if (!std::isfinite(logit)) throw InputError("person network: its weights give results that are not finite");
       mask.at(x, y) = 1 / (1 + std::exp(-logit));
     }
@@ -181,7 +206,7 @@ struct PersonNetwork::Layers {};
 
 bool has_person_network() { return false; }
 
-PersonNetwork::PersonNetwork(const NetworkWeights&, int) {
+PersonNetwork::PersonNetwork(const NetworkWeights&, int, Precision) {
   throw InputError("person network: this build has no oneDNN; give a mask, or install libdnnl-dev and build again");
 }
 PersonNetwork::~PersonNetwork() = default;

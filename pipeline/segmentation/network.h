@@ -20,12 +20,19 @@ inline constexpr int kNetworkSize_px = 256;
 /// Whether this build has oneDNN; without it, PersonNetwork's constructor throws InputError.
 bool has_person_network();
 
-/// Single precision, and instructions up to AVX2 alone, so that every processor gives the same bytes. That limit is
-/// oneDNN's, for the whole process and for good; a program that has run oneDNN before keeps what it chose itself.
+enum class Precision {
+  f32,  ///< with instructions up to AVX2 alone, so that every processor gives the same bytes
+  bf16  ///< with whatever the processor has, AVX-512 at least; much faster where that is AMX
+};
+
+/// The limit to AVX2 is oneDNN's, for the whole process and for good: bf16 can be had only by a process that has built
+/// no network in f32, and a program that has run oneDNN before keeps what it chose itself.
 class PersonNetwork {
  public:
   /// One thread (22 ms a face) is not slowed down by a busy machine as several are, which wait for each other.
-  explicit PersonNetwork(const NetworkWeights& weights = built_in_weights(), int threads = 1);
+  /// Throws InputError where bf16 cannot be had.
+  explicit PersonNetwork(const NetworkWeights& weights = built_in_weights(), int threads = 1,
+                         Precision precision = Precision::f32);
   ~PersonNetwork();
   PersonNetwork(PersonNetwork&&) noexcept;
   PersonNetwork& operator=(PersonNetwork&&) noexcept;

@@ -14,6 +14,7 @@
 #include "tests/tools/run_program.h"
 #include "tests/tools/toy_people.h"
 #include "tools/mask_metrics.h"
+#include "tools/result_io.h"
 #include "tools/score_people.h"
 
 namespace dualpixel::tools {
@@ -253,9 +254,40 @@ TEST(SlowPortraitPeople, AreFoundWithoutAMask) {
   EXPECT_EQ(result_of(portrait + "--mode dp+seg --split vertical --face 20,30,40,50", folder, false)["faces_px"],
             nlohmann::json::parse("[[20,30,40,50]]"));
 
+  EXPECT_EQ(found["person_network"], "f32");
+  expect_one_line_refusal(run_program(portrait + "--mode dp --bf16"));
+
   const nlohmann::json nobody = result_of(write_pair(folder, false) + "--mode dp+seg", folder, true);
   EXPECT_EQ(nobody["mode"], "dp");
   EXPECT_FALSE(nobody.contains("mask"));
+}
+
+// In programs of their own: a process that has run the network in f32 keeps to AVX2.
+TEST(SlowPortraitPeople, SixteenBitFloatsFindTheSame) {
+  if (!pipeline::has_person_network()) GTEST_SKIP() << "built without oneDNN";
+  const TemporaryFolder folder;
+  const std::string portrait = write_pair(folder, true) + "--mode dp+seg --face 105,65,90,90 ";
+  const auto mask_of = [&](const std::string& option) {
+    const Outcome outcome = run_program(portrait + option);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return read_result(folder / "out").result.mask;
+  };
+  const Image mask = mask_of("");
+  const Outcome sixteen = run_program(portrait + "--bf16");
+  if (sixteen.status == 2 && sixteen.err.find("bf16 needs a processor") != std::string::npos) {
+    expect_one_line_refusal(sixteen);
+    GTEST_SKIP() << sixteen.err;
+  }
+  const Image rounded = mask_of("--bf16");
+  ASSERT_TRUE(rounded.same_size(mask));
+  double sum = 0, difference = 0;
+  for (std::size_t i = 0; i < mask.data.size(); ++i) {
+    sum += mask.data[i];
+    difference += std::abs(mask.data[i] - rounded.data[i]);
+  }
+  EXPECT_GT(sum, 0.01 * static_cast<double>(mask.data.size()));
+  EXPECT_LT(difference, 0.01 * sum);
+  EXPECT_GT(difference, 0);
 }
 
 }  // namespace
