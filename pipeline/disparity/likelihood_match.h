@@ -41,9 +41,11 @@ struct LikelihoodMatchOptions {
 ///   - the spread of other shifts that step 2 cannot rule out (repetition, no texture);
 ///   - 0.02 d^2, at most 0.05 px: what matching mirrored half discs errs by from their centroids. Beyond |b| = 4 px of
 ///     blur one texture may err by more, 0.13 px were seen at |b| = 6;
-///   - 0.3 px times the root of the tile's share of pixels that are left out: what is left may be a highlight's rim;
-///   - half the spread of disparity over 3 x 3 tiles beyond what their errors explain: on a slope, at an edge, in
-///     foliage a tile measures where its texture is;
+///   - 0.3 px times the root of the share of pixels that are left out, of the tile's inside the views: what is left may
+///     be a highlight's rim;
+///   - half the spread of disparity over 3 x 3 tiles beyond what their errors explain, where it clearly is: on a slope,
+///   at
+///     an edge, in foliage a tile measures where its texture is;
 ///   - what a tile differs from its neighbours by, where fewer than 5 of 8 agree: highlights, structures narrower than
 ///     their blur, mistakes.
 /// `shared` is the share of sigma^2 that neighbours have in common: 0.2 of all but the noise, and what step 4 pooled.

@@ -62,9 +62,11 @@ TileSums sample_tile(const PreparedView& left, const PreparedView& right, int x0
           sum(er),  sum(bb), sum(be), sum(ee), sum(left_noise), sum(right_noise)};
 }
 
-/// Of a tile's pixels, those that lie in the picture, away from where its left and right border spoil interpolation.
-int inside(const PreparedViews& views, int x0, int y0) {
-  const int columns = std::min(x0 + kTile, views.width - kSpoiled) - std::max(x0, kSpoiled);
+/// Of a tile's pixels, those that both views show at this disparity, away from where their left and right border spoil
+/// interpolation.
+int inside(const PreparedViews& views, int x0, int y0, float disparity) {
+  const int edge = kSpoiled + static_cast<int>(std::lround(0.5f * std::abs(disparity)));
+  const int columns = std::min(x0 + kTile, views.width - edge) - std::max(x0, edge);
   return std::max(columns, 1) * (std::min(y0 + kTile, views.height) - y0);
 }
 
@@ -103,7 +105,7 @@ RefinedTile refine_shift(const PreparedViews& views, int x0, int y0, float start
     const float hessian =
         Da - mean_D * (s.b + s.e) - 0.25f * (s.right_noise * slope_D(rt) + s.left_noise * slope_D(lt));
     if (!(hessian > 0)) return {start};
-    const float step = std::clamp(-gradient / hessian, -0.5f, 0.5f);
+    const float at = out.disparity, step = std::clamp(-gradient / hessian, -0.5f, 0.5f);
     out.disparity += step;
     if (std::abs(out.disparity - start) > farthest) return {start};
     if (iteration < kIterations && std::abs(step) > kSmallStep) continue;
@@ -116,7 +118,7 @@ RefinedTile refine_shift(const PreparedViews& views, int x0, int y0, float start
     const float residual = (s.rr - s.r * s.r / (s.one + prior) - square(gradient) / hessian) / expected;
     const float chance = std::sqrt(2 / expected);  // standard deviation of the residual under noise alone
     // Beside clipped light stands a highlight, often the mirror image of something at another depth.
-    const float blind = std::max(1 - pixels / static_cast<float>(inside(views, x0, y0)), 0.0f);
+    const float blind = std::max(1 - pixels / static_cast<float>(inside(views, x0, y0, at)), 0.0f);
     out.model =
         out.noise * kCorrelatedPixels * std::max(residual - 1 - 1.5f * chance, 0.0f) + square(kBlindError) * blind;
     return out;
@@ -179,7 +181,7 @@ float predicted_variance(const std::vector<RefinedTile>& tiles, int columns, int
   constexpr float kKernelError = 0.02f;      // over the square of the shift, per DP px ...
   constexpr float kMostKernelError = 0.05f;  // ... and at most, DP px
   // A tile measures where its texture lies, not its mean. On a plane, texture in one place errs by 1/12 of the squared
-  // change from tile to tile, 1/8 of the roughness; the portrait scene's foliage needs twice that.
+  // change from tile to tile, 1/9 of the roughness; the portrait scene's foliage needs twice that.
   constexpr float kPlace = 0.25f;
   constexpr float kAgreement = 0.3f;  // difference on one surface, DP px, beside what both tiles' errors explain
   constexpr float kSupport = 0.625f;  // share of the neighbours that agree along a straight edge

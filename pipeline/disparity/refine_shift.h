@@ -23,10 +23,11 @@ RefinedTile refine_shift(const PreparedViews& views, int x0, int y0, float start
 /// kernels, and err differently: the mean over those that agree, by a weight that reaches as far as the shift is large.
 RefinedTile pooled_with_neighbours(const std::vector<RefinedTile>& tiles, int columns, int rows, int column, int row);
 
-/// Correlation of two neighbouring tiles' noise after pooling: that of means under its weights, as far as they reach.
+/// Correlation of two neighbouring tiles' errors after pooling: that of means under its weights, as far as they reach.
 float pooled_share(float disparity);
 
-/// Variance of disparity over the 3 x 3 tiles around, beyond what their errors explain: slopes, edges, foliage.
+/// Variance of disparity over the 3 x 3 tiles around, beyond what their errors explain, where that is three standard
+/// deviations or more; else 0. Slopes, edges, foliage.
 float roughness(const std::vector<RefinedTile>& tiles, int columns, int rows, int column, int row);
 
 /// Variance of the error as it is predicted: the tile's own, what mirrored kernels and rough surfaces do to any, and

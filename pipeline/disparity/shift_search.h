@@ -16,8 +16,8 @@ struct FoundShift {
   bool at_end = false;  ///< of the range: what is likelier may lie beyond
 };
 
-/// Tile after tile, row after row. A tile's costs are minus twice its
-/// log-likelihood, tempered by how well any shift explains it, and joined by those of the tiles around it.
+/// Tile after tile, row after row. A tile's costs are minus twice its log-likelihood, tempered by how well any shift
+/// explains it, and joined by those of the tiles around it.
 std::vector<FoundShift> search_shifts(const PreparedViews& views, const LikelihoodMatchOptions& options);
 
 }  // namespace dualpixel::pipeline::likelihood

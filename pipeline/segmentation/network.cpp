@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <oneapi/dnnl/dnnl.hpp>
@@ -157,15 +158,22 @@ struct PersonNetwork::Layers {
 bool has_person_network() { return true; }
 
 PersonNetwork::PersonNetwork(const NetworkWeights& weights, int threads, Precision precision) {
-  // Refused once a primitive has run, which then was one of ours, or the caller's own choice.
-  if (precision == Precision::f32) dnnl::set_max_cpu_isa(dnnl::cpu_isa::avx2);
+  static std::atomic<bool> has_run_bf16{false};
+  if (precision == Precision::f32) {
+    if (has_run_bf16) throw InputError("person network: f32 cannot follow bf16 in one process");
+    // Refused once a primitive has run, which then was one of f32's, or the caller's own choice.
+    dnnl::set_max_cpu_isa(dnnl::cpu_isa::avx2);
+  }
   const OpenMpThreads limit(threads);
   try {
     layers_ = std::make_unique<Layers>(weights, threads, precision);
-  } catch (const dnnl::error&) {
-    if (precision == Precision::f32) throw;
-    throw InputError("person network: bf16 needs a processor with AVX-512, before any network has run in f32; use f32");
+  } catch (const dnnl::error& error) {
+    if (precision == Precision::f32 || error.status != dnnl_unimplemented) throw;
+    throw InputError(
+        "person network: bf16 needs a processor with AVX-512, and a process that has built no network in f32; leave it "
+        "out (--bf16)");
   }
+  if (precision == Precision::bf16) has_run_bf16 = true;
 }
 
 PersonNetwork::~PersonNetwork() = default;

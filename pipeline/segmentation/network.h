@@ -26,11 +26,12 @@ enum class Precision {
 };
 
 /// The limit to AVX2 is oneDNN's, for the whole process and for good: bf16 can be had only by a process that has built
-/// no network in f32, and a program that has run oneDNN before keeps what it chose itself.
+/// no network in f32, and f32 only by one that has built none in bf16. A program that has run oneDNN before keeps what
+/// it chose itself.
 class PersonNetwork {
  public:
   /// One thread (22 ms a face) is not slowed down by a busy machine as several are, which wait for each other.
-  /// Throws InputError where bf16 cannot be had.
+  /// Throws InputError where the precision cannot be had.
   explicit PersonNetwork(const NetworkWeights& weights = built_in_weights(), int threads = 1,
                          Precision precision = Precision::f32);
   ~PersonNetwork();

@@ -22,6 +22,16 @@ void person_network(benchmark::State& state) {
 }
 BENCHMARK(person_network)->Unit(benchmark::kMillisecond);
 
+/// By itself (--benchmark_filter=bf16): a process that has run f32 cannot.
+void person_network_bf16(benchmark::State& state) try {
+  PersonNetwork network(built_in_weights(), 1, Precision::bf16);
+  const Image input = network_input(noise(256, 192), {100, 50, 40, 40});
+  for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(network(input));
+} catch (const std::exception& error) {
+  state.SkipWithError(error.what());
+}
+BENCHMARK(person_network_bf16)->Unit(benchmark::kMillisecond);
+
 void network_input_of_12_megapixels(benchmark::State& state) {
   const Image picture = noise(4000, 3000);
   for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(network_input(picture, {1000, 500, 400, 400}));

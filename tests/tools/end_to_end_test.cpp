@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/segmentation/network.h"
 #include "tests/capture/temporary_folder.h"
 #include "tests/tools/run_program.h"
 
@@ -38,8 +39,13 @@ TEST(SlowEndToEnd, SmallPortraitThroughAllSubcommands) {
   const Outcome info = run_program("info '" + (folder / "capture") + "' --json");
   EXPECT_EQ(json::parse(info.out).is_object(), true);
   for (const std::string mode : {"dp", "dp+seg", "seg"}) {
-    const std::string mask = mode == "dp" ? "" : " --true-mask";
+    const bool finds = mode == "dp+seg" && pipeline::has_person_network();
+    const std::string mask = mode == "dp" || finds ? "" : " --true-mask";
     must_run("portrait '" + (folder / "capture") + "' -o '" + (folder / mode) + "' --mode " + mode + mask);
+    if (finds) {
+      const json result = json::parse(read_bytes(folder / mode + "/result.json"));
+      EXPECT_EQ(result["provenance"]["mask"], "found");
+    }
     const Outcome score = run_program("score '" + (folder / "capture") + "' '" + (folder / mode) + "' --json");
     ASSERT_EQ(score.status, 0) << score.err;
     const json figures = json::parse(score.out);

@@ -436,16 +436,20 @@ TEST(SlowTraining, LearnsWhoIsMeantFromTheFace) {
   const TemporaryFolder folder;
   write_toy_people(folder.path.string() + "/train", 128, 1);
   write_toy_people(folder.path.string() + "/held_out", 32, 2, true);
-  TrainOptions options = toy_options(folder.path.string(), "run");
-  options.samples = 960;
-  options.half_size = 0;
-  train(options, never);
-  Network network = read_checkpoint(options.output + "/checkpoint.pt").network;
   const PeopleSet held_out({folder.path.string() + "/held_out"}, true);
   std::vector<std::size_t> all(held_out.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
-  // Two figures alike in each picture: whoever takes both, or cannot tell them apart, gets at most a half.
-  EXPECT_GT(evaluate(network, held_out, all).iou, 0.7);
+  TrainOptions options = toy_options(folder.path.string(), "run");
+  options.samples = 960;
+  options.half_size = 0;
+  for (const bool bf16 : {true, false}) {
+    options.bf16 = bf16;
+    options.output = folder.path.string() + (bf16 ? "/bf16" : "/run");
+    train(options, never);
+    Network network = read_checkpoint(options.output + "/checkpoint.pt").network;
+    // Two figures alike in each picture: whoever takes both, or cannot tell them apart, gets at most a half.
+    EXPECT_GT(evaluate(network, held_out, all).iou, 0.7) << bf16;
+  }
 
   options.output = folder.path.string() + "/fine";
   options.fine_tune = folder.path.string() + "/run";

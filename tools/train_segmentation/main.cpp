@@ -66,6 +66,7 @@ int main(int argc, char** argv) {
   program.add_option("--seed", options.seed, "Of the first weights, the order and the augmentation")
       ->type_name("N")
       ->capture_default_str();
+  program.add_flag("--bf16", options.bf16, "Convolve in 16-bit floats: faster where the processor has AMX");
   program.add_option("--threads", options.threads, "0: one for each core")->check(CLI::Range(0, 1024))->type_name("N");
   program.footer(
       "Example:\n  dualpixel_train --data out/people --held-out out/people_held_out -o out/run --hours 3\n"

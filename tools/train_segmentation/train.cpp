@@ -1,5 +1,6 @@
 #include "tools/train_segmentation/train.h"
 
+#include <ATen/autocast_mode.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -53,6 +54,21 @@ namespace {
 struct Losses {
   torch::Tensor mask, pose;
   torch::Tensor total() const { return pose.defined() ? mask + kPoseWeight * pose : mask; }
+};
+
+/// While it lives, LibTorch computes in bfloat16 what can bear it; weights and gradients stay f32.
+class Autocast {
+ public:
+  explicit Autocast(bool bf16) {
+    at::autocast::set_autocast_cpu_dtype(at::kBFloat16);
+    at::autocast::set_cpu_enabled(bf16);
+  }
+  ~Autocast() {
+    at::autocast::set_cpu_enabled(false);
+    at::autocast::clear_cache();
+  }
+  Autocast(const Autocast&) = delete;
+  Autocast& operator=(const Autocast&) = delete;
 };
 
 Losses losses_of(const std::vector<StageOutput>& outputs, const Batch& batch) {
@@ -130,6 +146,7 @@ Json recipe_of(const TrainOptions& options, const NetworkShape& shape, const Peo
                  {"seed", options.seed},
                  {"samples", options.samples},
                  {"hours", options.hours},
+                 {"bf16", options.bf16},
                  {"threads", threads},
                  {"data_hash", set.hash()}};
   if (options.fine_tune.empty()) {
@@ -272,7 +289,10 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
     if (half) batch = halved(batch);
     for (auto& group : state.optimiser->param_groups()) group.options().set_lr(learning_rate(fraction(), peak));
     state.network->train();
-    const Losses losses = losses_of(state.network->forward(batch.input), batch);
+    const Losses losses = [&] {
+      const Autocast autocast(options.bf16);
+      return losses_of(state.network->forward(batch.input), batch);
+    }();
     state.optimiser->zero_grad();
     losses.total().backward();
     state.optimiser->step();

@@ -28,7 +28,8 @@ struct TrainOptions {
   /// four times as many pictures in the same time teach it more (docs/segmentation.md).
   double half_size = 0.65;
   std::uint64_t seed = 1;
-  int threads = 0;  ///< 0: as many as there are cores
+  bool bf16 = false;  ///< convolutions in 16-bit floats, all else in f32: faster where the processor has AMX
+  int threads = 0;    ///< 0: as many as there are cores
   /// Phase two: starts from this run's weights, without pose loss and without the samples that it is worst at; at full
   /// size throughout.
   std::string fine_tune;
