@@ -179,7 +179,7 @@ float predicted_variance(const std::vector<RefinedTile>& tiles, int columns, int
   // How far the matched shift of mirrored half discs lies from that of their centroids, which what they blur decides:
   // measured on textures of 0.02 to 0.4 cycles a pixel.
   constexpr float kKernelError = 0.02f;      // over the square of the shift, per DP px ...
-  constexpr float kMostKernelError = 0.05f;  // ... and at most, DP px
+  constexpr float kMostKernelError = 0.08f;  // ... and at most, DP px
   // A tile measures where its texture lies, not its mean. On a plane, texture in one place errs by 1/12 of the squared
   // change from tile to tile, 1/9 of the roughness; the portrait scene's foliage needs twice that.
   constexpr float kPlace = 0.25f;
