@@ -46,7 +46,9 @@ void add_people(CLI::App& program) {
   auto arguments = std::make_shared<PeopleArguments>();
   CLI::App* command = program.add_subcommand(
       "people", "Make pictures of people with masks, keypoints and face boxes, to train segmentation with");
-  command->add_option("-o,--output", arguments->folder, "Folder for the set; a set that was begun is gone on with")
+  command
+      ->add_option("-o,--output", arguments->folder,
+                   "Folder for the set; one that was begun with the same options is gone on with")
       ->type_name("DIR");
   command->add_option("--count", arguments->options.count, "How many samples")->capture_default_str()->type_name("N");
   command->add_option("--seed", arguments->options.seed, "Which set: the same seed gives the same bytes")

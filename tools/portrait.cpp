@@ -307,10 +307,10 @@ void add_portrait(CLI::App& program) {
   sub->add_flag("--true-mask", command->true_mask, "Take the capture's true person mask")
       ->excludes(mask)
       ->excludes(left);
-  sub->add_flag(
-      "--bf16", command->bf16,
-      "Find people in 16-bit floats: several times as fast where the processor has AMX, but not the same bytes "
-      "on every one");
+  sub->add_flag("--bf16", command->bf16,
+                "Find people, where any are looked for, in 16-bit floats: several times as fast where the processor "
+                "has AMX, but not the same bytes "
+                "on every one");
   sub->add_option("--face", command->faces, "A face of a person to keep sharp, in pixels; repeat for several")
       ->type_name("X,Y,WIDTH,HEIGHT")
       ->take_all()

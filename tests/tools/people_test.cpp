@@ -402,8 +402,11 @@ TEST(SlowPeople, AnEndedRunGoesOnWhereItWas) {
   const std::string masks = read_bytes(folder / "set/shard_00000/masks.npy");
   write_people_set(options, folder / "set", {}, count);
   EXPECT_EQ(made, 1);
-  write_people_set({.count = 2, .seed = 5, .composites = 0}, folder / "set", {}, count);
-  EXPECT_EQ(made, 2);
+  // a whole set is not replaced by another, and nothing else is written into
+  EXPECT_THROW(write_people_set({.count = 2, .seed = 5, .composites = 0}, folder / "set", {}, count), InputError);
+  EXPECT_THROW(write_people_set({.count = 2, .seed = 4, .composites = 1}, folder / "set", {}, count), InputError);
+  EXPECT_THROW(write_people_set(options, folder.path.string(), {}, count), InputError);
+  EXPECT_EQ(made, 1);
   // a changed file, and one of another length, are noticed
   const std::string faces = folder / "set/shard_00000/faces.npy", whole = read_bytes(faces);
   std::string broken = whole;
@@ -411,14 +414,14 @@ TEST(SlowPeople, AnEndedRunGoesOnWhereItWas) {
   for (const std::string& bytes : {broken, whole.substr(0, 10)}) {
     folder.write("set/shard_00000/faces.npy", bytes);
     bool was_there = true;
-    write_people_set({.count = 2, .seed = 5, .composites = 0}, folder / "set",
+    write_people_set(options, folder / "set",
                      [&](double) { was_there = was_there && std::filesystem::exists(folder / "set/people.json"); });
     EXPECT_FALSE(was_there);  // while a shard was made
     EXPECT_EQ(read_bytes(faces), whole);
   }
   folder.write("set/shard_00001/shard.json", "{}");
-  EXPECT_THROW(write_people_set({.count = 2, .seed = 5, .composites = 0}, folder / "set"), InputError);
-  EXPECT_NE(read_bytes(folder / "set/shard_00000/masks.npy"), masks);
+  EXPECT_THROW(write_people_set(options, folder / "set"), InputError);
+  EXPECT_EQ(read_bytes(folder / "set/shard_00000/masks.npy"), masks);
   EXPECT_EQ(folder.names().size(), 1u);  // nothing temporary is left
 }
 

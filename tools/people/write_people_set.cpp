@@ -63,6 +63,37 @@ void refuse_shards_beyond(const std::string& folder, int shards) {
   }
 }
 
+/// What people.json says of the options that every sample depends on.
+nlohmann::ordered_json set_recipe(const PeopleOptions& options) {
+  return {{"seed", options.seed},
+          {"held_out", options.held_out},
+          {"composites", options.composites},
+          {"makehuman", options.makehuman != nullptr}};
+}
+
+/// A whole set of other options may be hours of somebody's work, and what is no set is not ours to write into.
+void refuse_what_is_another(const std::string& folder, const PeopleOptions& options) {
+  const fs::directory_iterator entries(folder), end;
+  const bool ours = std::any_of(entries, end, [](const fs::directory_entry& entry) {
+    const std::string name = entry.path().filename().string();
+    return name.starts_with("shard_") || name == "people.json";
+  });
+  if (!ours && !fs::is_empty(folder)) {
+    throw InputError(printable(folder) + ": holds something that is no set of people: choose another folder");
+  }
+  const std::string path = folder + "/people.json";
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) return;
+  const auto written = nlohmann::ordered_json::parse(read_file(path), nullptr, false);
+  if (!written.is_object()) return;
+  const nlohmann::ordered_json recipe = set_recipe(options);
+  for (const auto& [name, value] : recipe.items()) {
+    if (!written.contains(name) || written[name] == value) continue;
+    throw InputError(fmt::format("{}: is of a set with {} {}, not {}: remove it, or choose another folder",
+                                 printable(path), name, printable(written[name].dump()), value.dump()));
+  }
+}
+
 template <typename T>
 std::string_view bytes_of(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
@@ -126,6 +157,7 @@ void write_people_set(const PeopleOptions& options, const std::string& folder,
   fs::create_directories(folder, error);
   if (!fs::is_directory(folder)) throw InputError(fmt::format("{}: cannot be made a folder", printable(folder)));
   const int shards = (options.count + kShardSamples - 1) / kShardSamples;
+  refuse_what_is_another(folder, options);
   refuse_shards_beyond(folder, shards);
   for (int shard = 0; shard < shards; ++shard) {
     const std::string path = folder + "/" + shard_name(shard);
@@ -140,15 +172,10 @@ void write_people_set(const PeopleOptions& options, const std::string& folder,
     }
     if (progress) progress((shard + 1.0) / shards);
   }
-  const nlohmann::ordered_json json = {{"format", "dualpixel people"},
-                                       {"version", 1},
-                                       {"size_px", kPictureSide_px},
-                                       {"count", options.count},
-                                       {"seed", options.seed},
-                                       {"held_out", options.held_out},
-                                       {"composites", options.composites},
-                                       {"makehuman", options.makehuman != nullptr},
-                                       {"shards", shards}};
+  nlohmann::ordered_json json = {
+      {"format", "dualpixel people"}, {"version", 1}, {"size_px", kPictureSide_px}, {"count", options.count}};
+  json.update(set_recipe(options));
+  json["shards"] = shards;
   replace_file(folder + "/people.json", json.dump(2) + "\n");
 }
 
