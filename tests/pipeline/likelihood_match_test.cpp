@@ -282,15 +282,15 @@ TEST(LikelihoodMatch, PredictsItsErrorsUnderDefocus) {
 
 TEST(SlowLikelihoodMatch, PredictsItsErrorsUnderMoreDefocusOnAverage) {
   // Beyond 4 px of blur each texture's own centroid error, up to 0.13 px, takes over: single ones have 61 to 80 % here
-  // (38 to 88 % of all that were measured). The mean of eight has a standard deviation of 3 points or less.
+  // (38 to 88 % of all that were measured). Their mean has a standard deviation of 2.5 points.
   double one = 0, two = 0, count = 0;
   for (const auto& [seed, highest] :
        {std::pair{71u, 0.35}, {72u, 0.25}, {73u, 0.15}, {74u, 0.4}, {75u, 0.1}, {76u, 0.2}, {77u, 0.3}, {78u, 0.12}}) {
     const Errors errors = errors_of(defocused_pair(seed, highest, 0.15, 6), 3, 0.2, 500);
     one += errors.within_one, two += errors.within_two, count += 1;
   }
-  EXPECT_NEAR(one / count, 0.68, 0.06);
-  EXPECT_NEAR(two / count, 0.95, 0.04);
+  EXPECT_NEAR(one / count, 0.68, 0.05);
+  EXPECT_NEAR(two / count, 0.95, 0.03);
 }
 
 TEST(LikelihoodMatch, ATileThatStandsAloneIsNotBelieved) {
@@ -336,8 +336,9 @@ TEST(LikelihoodMatch, RoughSurfacesAreDoubted) {
 }
 
 TEST(LikelihoodMatch, BordersAreNoHighlights) {
-  // What a border tile cannot use is outside, not clipped: it is as sure as its pixels make it, 6 or 4 columns of 8.
-  for (const double d : {0.2, 4.0}) {
+  // What a border tile cannot use is outside, not clipped. With 6 columns of 8 its variance is 8/6 of an inner one's;
+  // with 4, at a shift that pools neighbours, theirs. Ratios of means over some fifty tiles: 5 % of sampling error.
+  for (const auto& [d, expected] : {std::pair{0.2, std::sqrt(8.0 / 6)}, {4.0, 1.0}}) {
     Pair pair = shifted_pair(62, 0.3, 0.2, d);
     add_view_noise(pair.left, 1);
     add_view_noise(pair.right, 2);
@@ -347,7 +348,7 @@ TEST(LikelihoodMatch, BordersAreNoHighlights) {
       inner += sigma.at(kBorder + 1, y) + sigma.at(sigma.width - kBorder - 2, y);
       outer += sigma.at(0, y) + sigma.at(sigma.width - 1, y);
     }
-    EXPECT_LT(outer, 1.8 * inner) << d;
+    EXPECT_NEAR(outer / inner, expected, 0.1 * expected) << d;
   }
 }
 
