@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <string>
 #include <thread>
 
 #include "capture/error.h"
@@ -81,6 +82,11 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
     const auto chosen = program.get_subcommands();
+    if (chosen.empty() && argc > 1 && argv[1][0] != '-') {
+      std::string names;
+      for (const CLI::App* command : program.get_subcommands({})) names += " " + command->get_name();
+      return report(kBadInput, fmt::format("{}: is no command; there are:{}", dualpixel::printable(argv[1]), names));
+    }
     return report(kBadInput, fmt::format("{} (see 'dualpixel {}--help')", dualpixel::printable(error.what()),
                                          chosen.empty() ? "" : chosen.front()->get_name() + " "));
   } catch (const dualpixel::InputError& error) {

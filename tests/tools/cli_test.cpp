@@ -35,6 +35,7 @@ TEST(Cli, BadUsageIsOneLineAndStatus2) {
     SCOPED_TRACE(arguments);
     expect_one_line_refusal(run_program(arguments));
   }
+  EXPECT_NE(run_program("frobnicate").err.find("frobnicate: is no command; there are: simulate"), std::string::npos);
 }
 
 TEST(CliInfo, DescribesACapture) {

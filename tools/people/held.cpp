@@ -3,8 +3,9 @@
 namespace dualpixel::tools {
 namespace {
 
-constexpr const char* kHeldNames[] = {"nothing", "phone",  "cup",    "bottle",     "book",     "bag",   "bouquet",
-                                      "ball",    "animal", "tablet", "microphone", "umbrella", "glass", "parcel"};
+constexpr const char* kHeldNames[] = {"nothing",    "phone",    "cup",   "bottle", "book",
+                                      "bag",        "bouquet",  "ball",  "animal", "tablet",
+                                      "microphone", "umbrella", "thing", "glass",  "parcel"};
 
 Look glossy(Dice& dice, float gloss) {
   Look look;
@@ -171,6 +172,31 @@ void add_held_thing(Stage& stage, Figure& figure, Dice dice) {
       look.kind = dice.chance(0.4f) ? Look::Kind::stripes_along : Look::Kind::plain;
       look.scale_m = 0.4f;
       break;
+    }
+    case Held::thing: {  // a few shapes joined: stands for toys, tools, instruments, food, clothes, baskets, ...
+      const float size_m = figure.pose.both_hands ? dice.in(0.08f, 0.24f) : dice.in(0.04f, 0.14f);
+      const int parts = 1 + dice.below(3);
+      vec3 at = grip + 0.3f * size_m * forward;
+      for (int i = 0; i < parts; ++i) {
+        const mat3 axes = axes_along(dice.in3(-1, 1) + vec3(0, 0.1f, 0), forward);
+        const vec3 half = size_m * dice.in3(0.15f, 1);
+        Piece part;
+        switch (dice.below(3)) {
+          case 0:
+            add_box(part, at, axes, 0.75f * half);
+            break;
+          case 1:
+            add_ball(part, at, half, axes, 10);
+            break;
+          default: {
+            const vec3 low = at - half.y * axes[1], high = at + half.y * axes[1];
+            add_tube(part, {low, low, at, high, high}, {0, 0.5f * half.x, 0.5f * half.z, 0.5f * half.x, 0}, 10);
+          }
+        }
+        add_piece(stage, figure, std::move(part), dice.chance(0.5f) ? cloth_look(dice) : wall_look(dice));
+        at += 0.7f * size_m * dice.in3(-1, 1);
+      }
+      return;
     }
     case Held::glass: {  // with a stem
       const float r = dice.in(0.026f, 0.04f), tall = dice.in(0.16f, 0.22f);

@@ -10,13 +10,14 @@ namespace {
 
 using Kind = Look::Kind;
 
-constexpr Kind kCloth[] = {Kind::plain,   Kind::plain,          Kind::plain,         Kind::heather,
-                           Kind::heather, Kind::stripes_across, Kind::stripes_along, Kind::checks,
-                           Kind::dots,    Kind::floral,         Kind::knit,          Kind::denim,
-                           Kind::print,   Kind::argyle,         Kind::zigzag,        Kind::camouflage};
-constexpr Kind kWall[] = {Kind::rough, Kind::rough,   Kind::plain,  Kind::bricks,        Kind::planks,
-                          Kind::tiles, Kind::collage, Kind::floral, Kind::stripes_along, Kind::facade,
-                          Kind::books, Kind::foliage, Kind::stones, Kind::herringbone,   Kind::graffiti};
+constexpr Kind kCloth[] = {
+    Kind::plain,  Kind::plain,  Kind::plain,  Kind::heather, Kind::heather, Kind::stripes_across, Kind::stripes_along,
+    Kind::checks, Kind::dots,   Kind::floral, Kind::knit,    Kind::denim,   Kind::print,          Kind::medley,
+    Kind::medley, Kind::medley, Kind::medley, Kind::medley,  Kind::argyle,  Kind::zigzag,         Kind::camouflage};
+constexpr Kind kWall[] = {Kind::rough,  Kind::rough,   Kind::plain,  Kind::bricks,        Kind::planks,
+                          Kind::tiles,  Kind::collage, Kind::floral, Kind::stripes_along, Kind::facade,
+                          Kind::books,  Kind::foliage, Kind::medley, Kind::medley,        Kind::medley,
+                          Kind::medley, Kind::medley,  Kind::stones, Kind::herringbone,   Kind::graffiti};
 
 /// 0 below 0, 1 above `width`, smooth between.
 float step(float x, float width = 1) {
@@ -207,6 +208,53 @@ vec3 crowd(const Look& look, vec3 p) {
   return glm::mix(look.a, look.b, fractal(look.seed, p, 3));
 }
 
+/// A pattern's tone, 0..1, where one repeat is 1.
+float tone_of(int pattern, std::uint32_t seed, vec2 q) {
+  switch (pattern) {
+    case 0:  // bands, straight to wavy
+      return triangle(q.x + 1.5f * hash01(seed, 1) * fractal(seed, vec3(0.6f * q, 0), 2));
+    case 1: {  // rings about scattered points
+      float own = 0;
+      return triangle(2 * cells(seed, q, own) + own);
+    }
+    case 2:  // a lattice
+      return std::max(triangle(q.x), triangle(q.y));
+    case 3:  // cells of a grid, each of its own
+      return hash01(seed, static_cast<int>(std::floor(q.x)), static_cast<int>(std::floor(q.y)));
+    case 4:  // contour lines
+      return triangle(5 * fractal(seed, vec3(q, 0), 2));
+    case 5: {  // scattered chips
+      float own = 0;
+      return cells(seed, q, own) < 0.15f + 0.3f * own ? own : 0;
+    }
+    default: {  // bands of dashes
+      const float row = std::floor(q.x);
+      const float end = 3 * hash01(seed, static_cast<int>(row));
+      return triangle(q.x) * (saw(0.4f * q.y + end) < 0.7f ? 1.0f : 0.0f);
+    }
+  }
+}
+
+vec3 medley(const Look& look, vec3 p) {
+  constexpr int kPatterns = 7;
+  const auto tone = [&](std::uint32_t layer, float repeats) {
+    const std::uint32_t seed = look.seed + 31 * layer;
+    const auto random = [&](int i) { return hash01(seed, i, 0, 3); };
+    const float angle = 2 * std::numbers::pi_v<float> * random(0), stretch = std::exp2(random(1) - 0.5f);
+    const vec2 u(p.x + 0.3f * p.z, p.y);
+    const vec2 q = vec2(std::cos(angle) * u.x + std::sin(angle) * u.y, std::cos(angle) * u.y - std::sin(angle) * u.x) *
+                   vec2(stretch, 1 / stretch) * (repeats / look.scale_m);
+    const float value = tone_of(std::min(static_cast<int>(kPatterns * random(2)), kPatterns - 1), seed, q);
+    const float softness = random(3) < 0.6f ? 0.04f : 0.8f;  // sharp edges or shades
+    return step(value - (0.3f + 0.4f * random(4)) + 0.5f * softness, softness);
+  };
+  const vec3 one = glm::mix(look.a, look.b, tone(0, 1));
+  const float kind = hash01(look.seed, 5, 0, 3);
+  if (kind < 0.35f) return one;
+  const vec3 other = glm::mix(look.c, kind < 0.7f ? look.a : look.b, tone(1, 1.7f));
+  return glm::mix(one, other, tone(2, 0.4f));
+}
+
 vec3 herringbone(const Look& look, vec3 p) {
   const float u = p.x / look.scale_m, w = p.y / look.scale_m;
   const float slant = static_cast<int>(std::floor(u)) % 2 == 0 ? u : -u;
@@ -281,6 +329,8 @@ vec3 reflectance(const Look& look, vec3 p) {
                                : glm::length(q) < 0.75f + 0.3f * (noise(look.seed, {q.x * 4, q.y * 4, 0}) - 0.5f);
       return ink ? glm::mix(look.b, look.c, step(noise(look.seed + 1, vec3(q, 0) * 4.0f) - 0.5f, 0.1f)) : look.a;
     }
+    case Kind::medley:
+      return medley(look, p);
     case Kind::argyle: {
       const float u = p.x / s + p.y / (1.5f * s), w = p.x / s - p.y / (1.5f * s);
       if (std::min(std::abs(saw(u) - 0.5f), std::abs(saw(w) - 0.5f)) < 0.03f) return look.c;

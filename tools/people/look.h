@@ -24,6 +24,7 @@ struct Look {
     denim,
     heather,
     print,
+    medley,  ///< patterns of many kinds, turned and mixed as the seed says: stands for all that are not here
     argyle,
     zigzag,
     camouflage,

@@ -29,6 +29,13 @@ Size any_size(Dice& dice) {
   return kSizes[dice.below(10)];
 }
 
+/// Of a hundred pictures, how many are as close as this or closer, and show so many people or fewer. Training sets have
+/// more of what is hard.
+struct Shares {
+  int close, portrait, half, one, two;
+};
+constexpr Shares kHeldOutShares = {22, 70, 90, 82, 95}, kTrainingShares = {18, 58, 84, 68, 88};
+
 /// One of the people in a picture.
 struct Sitter {
   PeopleSample truth;  ///< without picture and mask, in the photograph's own pixels
@@ -122,13 +129,14 @@ Sitting take_sitting(Dice dice, const MakeHumanAssets* makehuman) {
   Dice plan = dice.of(1);
   const Size size = any_size(plan);
   // head's share of the picture's height: close, portrait, half body, full body
+  const Shares shares = plan.held_out() ? kHeldOutShares : kTrainingShares;
   const int framing = plan.below(100);
-  const float share = framing < 22   ? plan.in(0.36f, 0.58f)
-                      : framing < 70 ? plan.in(0.22f, 0.36f)
-                      : framing < 90 ? plan.in(0.14f, 0.22f)
-                                     : plan.in(0.09f, 0.13f);
+  const float share = framing < shares.close      ? plan.in(0.36f, 0.58f)
+                      : framing < shares.portrait ? plan.in(0.22f, 0.36f)
+                      : framing < shares.half     ? plan.in(0.14f, 0.22f)
+                                                  : plan.in(0.09f, 0.13f);
   const int crowd = plan.below(100);
-  const int people = crowd < 82 || share > 0.45f ? 1 : crowd < 95 ? 2 : 3 + plan.below(kMostPeople - 2);
+  const int people = crowd < shares.one || share > 0.45f ? 1 : crowd < shares.two ? 2 : 3 + plan.below(kMostPeople - 2);
   const float aspect = static_cast<float>(size.width) / static_cast<float>(size.height);
   float height_m = 0.235f / share;
   if (people > 1) height_m = std::max(height_m, 0.5f * static_cast<float>(people) / aspect);

@@ -18,7 +18,7 @@ namespace dualpixel::tools {
 
 inline constexpr int kMostPeople = 5, kShardSamples = 512;
 /// Raised whenever the same options give other samples.
-inline constexpr int kPeopleGenerator = 2;
+inline constexpr int kPeopleGenerator = 3;
 
 class MakeHumanAssets;
 

@@ -82,7 +82,10 @@ Body make_body(Dice& dice) {
   return body;
 }
 
-Gesture any_gesture(Dice& dice) { return static_cast<Gesture>(dice.choose(kGestures, kReservedGestures)); }
+Gesture any_gesture(Dice& dice) {
+  if (!dice.held_out() && dice.chance(0.2f)) return dice.chance(0.6f) ? Gesture::anywhere : Gesture::with_thing;
+  return static_cast<Gesture>(dice.choose(kGestures, kReservedGestures));
+}
 
 Pose make_pose(Dice& dice, const Body& body, Gesture gesture) {
   Pose pose;
@@ -155,6 +158,24 @@ Pose make_pose(Dice& dice, const Body& body, Gesture gesture) {
       break;
     case Gesture::raised_both:
       one = other = kRaised;
+      break;
+    case Gesture::anywhere:
+      for (ArmPose& a : pose.arm) {
+        if (&a == &other && dice.chance(0.4f)) continue;
+        a.wrist = {dice.in(-0.06f, 0.25f), dice.in(-0.1f, 0.42f), dice.in(0.06f, 0.32f)};
+        a.elbow = vec3(0.6f, -0.6f, -0.3f) + 0.8f * dice.in3(-1, 1);
+        a.fingers = vec3(-0.2f, 0.5f, 0.4f) + dice.in3(-1, 1);
+        a.palm = vec3(-0.4f, 0, 0) + dice.in3(-1, 1);
+        a.curl = dice.unit();
+      }
+      if (dice.chance(0.4f)) pose.held = Held::thing;
+      break;
+    case Gesture::with_thing:
+      one = other = kHold;
+      one.wrist += vec3(dice.in(-0.02f, 0.06f), dice.in(-0.14f, 0.1f), dice.in(-0.04f, 0.06f));
+      other.wrist = one.wrist + vec3(0, dice.in(-0.03f, 0.03f), dice.in(-0.03f, 0.03f));
+      pose.held = Held::thing;
+      pose.both_hands = true;
       break;
     case Gesture::waving:
       one = kWave;

@@ -34,6 +34,7 @@ enum class Held : std::uint8_t {
   tablet,
   microphone,
   umbrella,
+  thing,  ///< of no particular kind
   // held-out
   glass,
   parcel
@@ -77,6 +78,8 @@ enum class Gesture : std::uint8_t {
   folded_in_front,
   on_strap,
   raised_both,
+  anywhere,    ///< each arm as it comes, at times with something in the hand
+  with_thing,  ///< something of no particular kind between both hands
   // held-out
   waving,
   at_chin,
@@ -84,7 +87,7 @@ enum class Gesture : std::uint8_t {
   toasting,
   carrying
 };
-inline constexpr int kGestures = 18, kReservedGestures = 5;
+inline constexpr int kGestures = 20, kReservedGestures = 5;
 
 Pose make_pose(Dice& dice, const Body& body, Gesture gesture);
 Gesture any_gesture(Dice& dice);

@@ -328,6 +328,69 @@ void add_painted(Builder& build, Dice& dice, float back) {
   }
 }
 
+/// Something of no particular kind about a place.
+void add_thing(Builder& build, Dice& dice, vec3 at, float size_m) {
+  const Look look = dice.chance(0.5f) ? wall_look(dice) : cloth_look(dice);
+  const vec3 half = size_m * dice.in3(0.15f, 1);
+  switch (dice.below(4)) {
+    case 0:
+      build.box(at, half, look, dice.in(-1.5f, 1.5f));
+      break;
+    case 1:
+      add_ball(build.piece(look), at, half, mat3(1), 7);
+      break;
+    case 2:  // a sheet
+      build.quad(at - half, vec3(2 * half.x, 0, half.z), vec3(0, 2 * half.y, -half.z), look);
+      break;
+    default: {
+      const vec3 along = size_m * dice.in3(-1, 1);
+      const float radius = 0.2f * half.x;
+      add_tube(build.piece(look), {at - along, at - along, at, at + along, at + along},
+               {0, radius, dice.in(0.5f, 1.5f) * radius, radius, 0}, 7);
+    }
+  }
+}
+
+/// Ground and a far wall, unless there is sky.
+void add_ground(Builder& build, Dice& dice, float back) {
+  build.quad({-30, 0, 8}, {60, 0, 0}, {0, 0, -50}, wall_look(dice));
+  if (dice.chance(0.7f)) build.quad({-20, 0, -back - dice.in(0.5f, 8)}, {40, 0, 0}, {0, 9, 0}, wall_look(dice));
+}
+
+/// Anything, anywhere behind the people.
+void add_jumble(Builder& build, Dice& dice, float back) {
+  add_ground(build, dice, back);
+  const int things = 8 + dice.below(40);
+  for (int i = 0; i < things; ++i) {
+    const float size_m = dice.in(0.08f, 0.6f), z = -1.5f * size_m - 0.5f - dice.in(0, 1) * back;
+    add_thing(build, dice, {dice.in(-1, 1) * (1 - 0.7f * z), dice.in(0, 2.4f), z}, size_m);
+  }
+}
+
+/// The same thing again and again, in rows: shelves, stalls, seats, fences, lamps.
+void add_rows(Builder& build, Dice& dice, float back) {
+  add_ground(build, dice, back);
+  const int kinds = 1 + dice.below(3);
+  for (int k = 0; k < kinds; ++k) {
+    const vec3 pitch(dice.in(0.12f, 1.2f), dice.in(0.2f, 1.2f), dice.in(0.4f, 2));
+    const int aside = 4, up = dice.chance(0.5f) ? 1 : 4, deep = 1 + dice.below(3);
+    const float low = dice.in(0, 1.2f), size_m = dice.in(0.25f, 0.7f) * std::min(pitch.x, pitch.y);
+    const float first = -back * dice.in(0.6f, 1) - 0.5f - size_m;
+    const Dice thing = dice.of(k);
+    for (int z = 0; z < deep; ++z) {
+      for (int y = 0; y < up; ++y) {
+        for (int x = -aside; x <= aside; ++x) {
+          Dice same = thing;
+          add_thing(
+              build, same,
+              vec3(static_cast<float>(x), static_cast<float>(y), -static_cast<float>(z)) * pitch + vec3(0, low, first),
+              size_m);
+        }
+      }
+    }
+  }
+}
+
 void add_market(Builder& build, Dice& dice, float back) {
   build.quad({-30, 0, 8}, {60, 0, 0}, {0, 0, -40}, wall_look(dice));
   build.quad({-20, 0, -back - 8}, {40, 0, 0}, {0, 9, 0}, wall_look(dice));
@@ -348,8 +411,8 @@ void add_market(Builder& build, Dice& dice, float back) {
 }  // namespace
 
 std::string add_surroundings(Stage& stage, Dice dice, float back_m) {
-  constexpr const char* kNames[] = {"studio",  "room",      "wall",  "garden", "street",
-                                    "painted", "landscape", "night", "market", "library"};
+  constexpr const char* kNames[] = {"studio",    "room",  "wall",   "garden", "street", "painted",
+                                    "landscape", "night", "jumble", "rows",   "market", "library"};
   const int index = dice.choose(kPlaces, kReservedPlaces);
   Builder build(stage, dice);
   stage.dome.seed = dice.seed();
@@ -393,6 +456,12 @@ std::string add_surroundings(Stage& stage, Dice dice, float back_m) {
       break;
     case Place::night:
       add_lights_at_night(build, dice, back_m);
+      break;
+    case Place::jumble:
+      add_jumble(build, dice, back_m);
+      break;
+    case Place::rows:
+      add_rows(build, dice, back_m);
       break;
     case Place::market:
       add_market(build, dice, back_m);

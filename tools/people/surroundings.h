@@ -7,8 +7,22 @@
 namespace dualpixel::tools {
 
 /// The last `kReservedPlaces` and `kReservedLights` are drawn for held-out sets only.
-enum class Place : std::uint8_t { studio, room, wall, garden, street, painted, landscape, night, market, library };
-inline constexpr int kPlaces = 10, kReservedPlaces = 2;
+enum class Place : std::uint8_t {
+  studio,
+  room,
+  wall,
+  garden,
+  street,
+  painted,
+  landscape,
+  night,
+  jumble,
+  rows,
+  // held-out
+  market,
+  library
+};
+inline constexpr int kPlaces = 12, kReservedPlaces = 2;
 enum class Light : std::uint8_t {
   overcast,
   sun_side,
