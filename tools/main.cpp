@@ -8,6 +8,7 @@
 #include <iostream>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "capture/error.h"
 #include "capture/files.h"
@@ -83,9 +84,10 @@ int main(int argc, char** argv) {
     if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
     const auto chosen = program.get_subcommands();
     if (chosen.empty() && argc > 1 && argv[1][0] != '-') {
-      std::string names;
-      for (const CLI::App* command : program.get_subcommands({})) names += " " + command->get_name();
-      return report(kBadInput, fmt::format("{}: is no command; there are:{}", dualpixel::printable(argv[1]), names));
+      std::vector<std::string> names;
+      for (const CLI::App* command : program.get_subcommands({})) names.push_back(command->get_name());
+      return report(kBadInput, fmt::format("'{}' is no command{}; there are {}", dualpixel::printable(argv[1]),
+                                           dualpixel::did_you_mean(argv[1], names), fmt::join(names, ", ")));
     }
     return report(kBadInput, fmt::format("{} (see 'dualpixel {}--help')", dualpixel::printable(error.what()),
                                          chosen.empty() ? "" : chosen.front()->get_name() + " "));

@@ -55,7 +55,7 @@ void add_people(CLI::App& program) {
       ->capture_default_str()
       ->type_name("SEED");
   command->add_flag("--held-out", arguments->options.held_out,
-                    "Draw poses, textures, places, lights and every number from what training sets never draw");
+                    "To judge with: kinds of poses, textures, places and lights, and numbers, that training sets never draw");
   command
       ->add_option("--composites", arguments->options.composites,
                    "How many copies of each rendered picture to cut out and set before other backgrounds")

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <functional>
 #include <limits>
 #include <random>
@@ -267,6 +269,21 @@ TEST(PersonNetwork, AbsurdWeightsAreSaidToBe) {
   for (float& weight : weights.layers.at("mask0.mix").weight) weight *= 1e30F;
   PersonNetwork network(weights);
   EXPECT_THROW(network(random_input(1)), InputError);
+}
+
+TEST(PersonNetworkDeathTest, EitherPrecisionExcludesTheOther) {
+  NEEDS_NETWORK();
+  if (!__builtin_cpu_supports("avx512bw")) GTEST_SKIP() << "a processor without AVX-512";
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // in processes of their own, in which no network was built before
+  const auto build = [](Precision precision) {
+    const std::string error = error_of([&] { const PersonNetwork network(random_network(1, 1), 1, precision); });
+    std::fputs((error + "|").c_str(), stderr);
+  };
+  EXPECT_EXIT((build(Precision::bf16), build(Precision::f32), std::exit(0)), testing::ExitedWithCode(0),
+              "^\\|person network: f32 cannot follow bf16 in one process\\|$");
+  EXPECT_EXIT(
+      (build(Precision::f32), build(Precision::bf16), std::exit(0)), testing::ExitedWithCode(0),
+      "^\\|person network: bf16 needs a processor with AVX-512, and a process that has built no network in f32");
 }
 
 TEST(SeedFaces, AThirdOfTheLargestAnd13PerMilleOfThePicture) {

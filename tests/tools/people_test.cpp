@@ -298,6 +298,38 @@ TEST(People, HeldOutDrawsNothingThatTrainingDraws) {
       EXPECT_EQ(std::count(pool.kinds, pool.kinds + pool.count - pool.reserved, pool.kinds[i]), 0);
     }
   }
+  std::set<Gesture> trained;
+  for (int i = 0; i < 500; ++i) {
+    trained.insert(any_gesture(training));
+    EXPECT_GE(static_cast<int>(any_gesture(held_out)), kGestures - kReservedGestures);
+  }
+  EXPECT_EQ(trained.size(), static_cast<std::size_t>(kGestures - kReservedGestures));
+  EXPECT_LT(static_cast<int>(*trained.rbegin()), kGestures - kReservedGestures);
+}
+
+TEST(People, LooksAreReflectancesWhereverTheyLie) {
+  Dice dice(11, false);
+  for (const LookPool& pool : {cloth_pool(), wall_pool()}) {
+    for (int i = 0; i < pool.count; ++i) {
+      for (int repeat = 0; repeat < 20; ++repeat) {
+        Look look = wall_look(dice);
+        look.kind = pool.kinds[i];
+        look.scale_m = dice.in(0.01f, 0.6f);
+        for (const float reach_m : {0.0f, 0.3f, 60.0f}) {
+          const vec3 color = reflectance(look, reach_m * dice.in3(-1, 1));
+          for (int c = 0; c < 3; ++c) EXPECT_TRUE(color[c] >= 0 && color[c] < 2) << i << " " << color[c];
+        }
+      }
+    }
+  }
+}
+
+TEST(People, SurroundingsDoNotStandBeforePeople) {
+  for (int seed = 0; seed < 40; ++seed) {
+    Upright upright({});
+    add_surroundings(upright.stage, Dice(seed, false), 1.5f);
+    EXPECT_LT(survey(World(upright.stage), upright.camera).covered, 0.002) << seed;  // soles may lie in a floor
+  }
 }
 
 TEST(People, HeldOutPeopleHoldThingsThatTrainingNeverHolds) {
@@ -406,6 +438,14 @@ TEST(SlowPeople, AnEndedRunGoesOnWhereItWas) {
   EXPECT_THROW(write_people_set({.count = 2, .seed = 5, .composites = 0}, folder / "set", {}, count), InputError);
   EXPECT_THROW(write_people_set({.count = 2, .seed = 4, .composites = 1}, folder / "set", {}, count), InputError);
   EXPECT_THROW(write_people_set(options, folder.path.string(), {}, count), InputError);
+  const std::string index = read_bytes(folder / "set/people.json"), generator = "\"generator\": 3";
+  ASSERT_NE(index.find(generator), std::string::npos);
+  for (const char* another : {"", "\"generator\": 4,"}) {  // none: from before it was written
+    std::string changed = index;
+    folder.write("set/people.json", changed.replace(changed.find(generator), generator.size() + 1, another));
+    EXPECT_THROW(write_people_set(options, folder / "set", {}, count), InputError) << another;
+  }
+  folder.write("set/people.json", index);
   EXPECT_EQ(made, 1);
   // a changed file, and one of another length, are noticed
   const std::string faces = folder / "set/shard_00000/faces.npy", whole = read_bytes(faces);

@@ -6,6 +6,7 @@ namespace {
 constexpr const char* kHeldNames[] = {"nothing",    "phone",    "cup",   "bottle", "book",
                                       "bag",        "bouquet",  "ball",  "animal", "tablet",
                                       "microphone", "umbrella", "thing", "glass",  "parcel"};
+static_assert(std::size(kHeldNames) == static_cast<std::size_t>(Held::parcel) + 1);
 
 Look glossy(Dice& dice, float gloss) {
   Look look;

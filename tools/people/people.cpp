@@ -29,8 +29,8 @@ Size any_size(Dice& dice) {
   return kSizes[dice.below(10)];
 }
 
-/// Of a hundred pictures, how many are as close as this or closer, and show so many people or fewer. Training sets have
-/// more of what is hard.
+/// Of a hundred pictures: how many are framed so close or closer, and how many show at most one or two people. Training
+/// sets have more of what is hard.
 struct Shares {
   int close, portrait, half, one, two;
 };

@@ -18,14 +18,14 @@ namespace dualpixel::tools {
 
 inline constexpr int kMostPeople = 5, kShardSamples = 512;
 /// Raised whenever the same options give other samples.
-inline constexpr int kPeopleGenerator = 3;
+inline constexpr int kTrainingGenerator = 3, kHeldOutGenerator = 2;
 
 class MakeHumanAssets;
 
 struct PeopleOptions {
   int count = kShardSamples;  ///< samples in all
   std::uint64_t seed = 1;
-  bool held_out = false;  ///< from pools and numbers that training never draws: see dice.h
+  bool held_out = false;  ///< from pools and uniform numbers that training never draws: see dice.h
   int composites = 4;     ///< of each rendered picture over other backgrounds
   /// Set: half of the people are made from these; see makehuman.h. A set's bytes then depend on them, too.
   std::shared_ptr<const MakeHumanAssets> makehuman;

@@ -78,7 +78,7 @@ enum class Gesture : std::uint8_t {
   folded_in_front,
   on_strap,
   raised_both,
-  anywhere,    ///< each arm as it comes, at times with something in the hand
+  anywhere,    ///< one or both wrists anywhere before the body, at times with something in the hand
   with_thing,  ///< something of no particular kind between both hands
   // held-out
   waving,
@@ -88,6 +88,7 @@ enum class Gesture : std::uint8_t {
   carrying
 };
 inline constexpr int kGestures = 20, kReservedGestures = 5;
+static_assert(static_cast<int>(Gesture::carrying) == kGestures - 1);
 
 Pose make_pose(Dice& dice, const Body& body, Gesture gesture);
 Gesture any_gesture(Dice& dice);

@@ -351,7 +351,7 @@ void add_thing(Builder& build, Dice& dice, vec3 at, float size_m) {
   }
 }
 
-/// Ground and a far wall, unless there is sky.
+/// Ground, and mostly a wall farther away.
 void add_ground(Builder& build, Dice& dice, float back) {
   build.quad({-30, 0, 8}, {60, 0, 0}, {0, 0, -50}, wall_look(dice));
   if (dice.chance(0.7f)) build.quad({-20, 0, -back - dice.in(0.5f, 8)}, {40, 0, 0}, {0, 9, 0}, wall_look(dice));
@@ -413,6 +413,7 @@ void add_market(Builder& build, Dice& dice, float back) {
 std::string add_surroundings(Stage& stage, Dice dice, float back_m) {
   constexpr const char* kNames[] = {"studio",    "room",  "wall",   "garden", "street", "painted",
                                     "landscape", "night", "jumble", "rows",   "market", "library"};
+  static_assert(std::size(kNames) == kPlaces && static_cast<int>(Place::library) == kPlaces - 1);
   const int index = dice.choose(kPlaces, kReservedPlaces);
   Builder build(stage, dice);
   stage.dome.seed = dice.seed();

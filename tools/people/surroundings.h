@@ -38,7 +38,8 @@ enum class Light : std::uint8_t {
 };
 inline constexpr int kLights = 11, kReservedLights = 2;
 
-/// Adds walls, ground, things behind and beside, from `back_m` behind the people on; returns the place's tag.
+/// Adds walls, ground, things behind and beside; what closes the place off stands about `back_m` behind the people.
+/// Returns the place's tag.
 std::string add_surroundings(Stage& stage, Dice dice, float back_m);
 
 /// Sets dome and key light; a lamp's strength is such that a white wall is about 1.

@@ -24,11 +24,13 @@ int samples_of_shard(const PeopleOptions& options, int shard) {
   return std::min(kShardSamples, options.count - shard * kShardSamples);
 }
 
+int generator_of(const PeopleOptions& options) { return options.held_out ? kHeldOutGenerator : kTrainingGenerator; }
+
 /// What a shard was made from, and so whether it need not be made again.
 nlohmann::ordered_json shard_recipe(const PeopleOptions& options, int shard) {
   return {{"format", "dualpixel people shard"},
           {"version", 1},
-          {"generator", kPeopleGenerator},
+          {"generator", generator_of(options)},
           {"shard", shard},
           {"count", samples_of_shard(options, shard)},
           {"seed", options.seed},
@@ -63,9 +65,10 @@ void refuse_shards_beyond(const std::string& folder, int shards) {
   }
 }
 
-/// What people.json says of the options that every sample depends on.
+/// What people.json says of that which every sample depends on.
 nlohmann::ordered_json set_recipe(const PeopleOptions& options) {
-  return {{"seed", options.seed},
+  return {{"generator", generator_of(options)},
+          {"seed", options.seed},
           {"held_out", options.held_out},
           {"composites", options.composites},
           {"makehuman", options.makehuman != nullptr}};
@@ -84,8 +87,9 @@ void refuse_what_is_another(const std::string& folder, const PeopleOptions& opti
   const std::string path = folder + "/people.json";
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) return;
-  const auto written = nlohmann::ordered_json::parse(read_file(path), nullptr, false);
+  auto written = nlohmann::ordered_json::parse(read_file(path), nullptr, false);
   if (!written.is_object()) return;
+  if (!written.contains("generator")) written["generator"] = 2;  // the last that did not write itself down
   const nlohmann::ordered_json recipe = set_recipe(options);
   for (const auto& [name, value] : recipe.items()) {
     if (!written.contains(name) || written[name] == value) continue;
