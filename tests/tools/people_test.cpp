@@ -324,7 +324,7 @@ TEST(People, LooksAreReflectancesWhereverTheyLie) {
   }
 }
 
-TEST(People, SurroundingsDoNotStandBeforePeople) {
+TEST(SlowPeople, SurroundingsDoNotStandBeforePeople) {
   for (int seed = 0; seed < 40; ++seed) {
     Upright upright({});
     add_surroundings(upright.stage, Dice(seed, false), 1.5f);

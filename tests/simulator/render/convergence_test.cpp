@@ -40,7 +40,7 @@ Scene soft_waves(const CameraView& camera) {
 // slopes. They are -1.08 to 2048 samples and -1.10 to 8192. At 4096 itself it is -.97: the pairs then take a net of
 // 2048 points, an unlucky one for this picture (unpaired, that net stands at 2048 samples); other direction numbers are
 // unlucky elsewhere.
-TEST(Convergence, ABlurredSmoothTextureErrsByOneOverTheSamplesOrLess) {
+TEST(SlowConvergence, ABlurredSmoothTextureErrsByOneOverTheSamplesOrLess) {
   for (const SplitPixel& split : {SplitPixel{SplitPixel::Kind::hard, 1}, SplitPixel{SplitPixel::Kind::ramp, 1.19}}) {
     const CameraView camera = phone_camera(0.2, kSide, kSide, split);
     const Scene scene = soft_waves(camera);
