@@ -54,8 +54,9 @@ void add_people(CLI::App& program) {
   command->add_option("--seed", arguments->options.seed, "Which set: the same seed gives the same bytes")
       ->capture_default_str()
       ->type_name("SEED");
-  command->add_flag("--held-out", arguments->options.held_out,
-                    "To judge with: kinds of poses, textures, places and lights, and numbers, that training sets never draw");
+  command->add_flag(
+      "--held-out", arguments->options.held_out,
+      "To judge with: kinds of poses, textures, places and lights, and numbers, that training sets never draw");
   command
       ->add_option("--composites", arguments->options.composites,
                    "How many copies of each rendered picture to cut out and set before other backgrounds")

@@ -249,9 +249,9 @@ vec3 medley(const Look& look, vec3 p) {
     return step(value - (0.3f + 0.4f * random(4)) + 0.5f * softness, softness);
   };
   const vec3 one = glm::mix(look.a, look.b, tone(0, 1));
-  const float kind = hash01(look.seed, 5, 0, 3);
-  if (kind < 0.35f) return one;
-  const vec3 other = glm::mix(look.c, kind < 0.7f ? look.a : look.b, tone(1, 1.7f));
+  const float mixing = hash01(look.seed, 5, 0, 3);
+  if (mixing < 0.35f) return one;
+  const vec3 other = glm::mix(look.c, mixing < 0.7f ? look.a : look.b, tone(1, 1.7f));
   return glm::mix(one, other, tone(2, 0.4f));
 }
 
