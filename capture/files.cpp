@@ -18,6 +18,7 @@
 #include <set>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include "capture/error.h"
 
@@ -58,6 +59,27 @@ std::string resolve(const std::string& path) {
   if (error || path.empty()) fail(path, "cannot be written: no such path");
   if (!resolved.has_filename()) resolved = resolved.parent_path();
   return resolved.string();
+}
+
+/// Makes the folders that `path` is to lie in. Returns those that were missing, innermost first.
+std::vector<std::string> make_parents(const std::string& path) {
+  std::error_code error;
+  std::vector<std::string> made;
+  const fs::path parent = fs::path(path).parent_path();
+  for (fs::path p = parent; !p.empty() && !fs::exists(p, error) && p != p.parent_path(); p = p.parent_path()) {
+    made.push_back(p.string());
+  }
+  fs::create_directories(parent, error);
+  if (!fs::is_directory(parent)) {
+    fail(path, "cannot be written: " + printable(parent.string()) + " cannot be made a folder");
+  }
+  return made;
+}
+
+/// Takes back what make_parents() made, where nobody else has put anything into it.
+void remove_parents(const std::vector<std::string>& made) {
+  std::error_code ignored;
+  for (const std::string& folder : made) fs::remove(folder, ignored);
 }
 
 void require_replaceable(const std::string& path, const std::string& marker) {
@@ -121,18 +143,19 @@ void replace_file(const std::string& path, std::string_view bytes) {
   const std::string target = resolve(path);
   std::error_code error;
   if (fs::exists(target, error) && !fs::is_regular_file(target, error)) fail(path, "exists and is not a regular file");
+  const std::vector<std::string> made = make_parents(target);
   const std::string temporary = temporary_sibling(target);
   {
     const std::lock_guard lock(unfinished_mutex);
     unfinished.insert(temporary);
   }
   try {
-    if (!fs::is_directory(fs::path(target).parent_path(), error)) fail(path, "cannot be written: no such folder");
     write_file(temporary, bytes);
     if (rename(temporary.c_str(), target.c_str()) != 0) fail_errno(path, "cannot be written");
   } catch (...) {
     fs::remove(temporary, error);
     forget(temporary);
+    remove_parents(made);
     throw;
   }
   forget(temporary);
@@ -141,11 +164,7 @@ void replace_file(const std::string& path, std::string_view bytes) {
 NewFolder::NewFolder(const std::string& final_path, const std::string& marker)
     : final_(resolve(final_path)), marker_(marker) {
   require_replaceable(final_, marker_);
-  const fs::path parent = fs::path(final_).parent_path();
-  std::error_code error;
-  if (!fs::is_directory(parent, error)) {
-    fail(final_path, "cannot be written: " + printable(parent.string()) + " is no folder");
-  }
+  made_parents_ = make_parents(final_);
   do {
     temporary_ = temporary_sibling(final_);
     const std::lock_guard lock(unfinished_mutex);
@@ -154,6 +173,10 @@ NewFolder::NewFolder(const std::string& final_path, const std::string& marker)
       return;
     }
   } while (errno == EEXIST);
+  const int error = errno;
+  temporary_.clear();
+  remove_parents(made_parents_);
+  errno = error;
   fail_errno(final_path, "cannot be written");
 }
 
@@ -162,6 +185,7 @@ NewFolder::~NewFolder() {
   std::error_code ignored;
   fs::remove_all(temporary_, ignored);
   forget(temporary_);
+  remove_parents(made_parents_);
 }
 
 void NewFolder::commit() {

@@ -82,7 +82,7 @@ json describe_json(const std::string& path) {
   json description = {{"kind", "JSON"}};
   if (document.contains("asset")) return describe_gltf(path);
   if (document.contains("camera") || document.contains("gltf")) description["kind"] = "scene";
-  if (document.contains("mode") && document.contains("stages")) description["kind"] = "portrait result";
+  if (document.contains("format") && document["format"] == "dualpixel-result") description["kind"] = "portrait result";
   for (const auto& [key, value] : document.items()) description[key] = value;
   return description;
 }

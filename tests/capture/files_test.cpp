@@ -81,13 +81,28 @@ TEST(NewFolder, TwoWritersAtOnceLeaveOneWholeFolder) {
 TEST(NewFolder, RefusesPlacesThatCannotBeWritten) {
   const TemporaryFolder folder;
   write_bytes(folder / "file", "text");
-  for (const std::string& path : {folder / "no/such/parent", folder / "file/out", std::string("/proc/dualpixel_out"),
-                                  std::string(), folder / std::string(1000, 'x')}) {
+  for (const std::string& path :
+       {folder / "file/out", folder / "file/new/out", folder / ("new/" + std::string(1000, 'x')),
+        std::string("/proc/dualpixel_out"), std::string(), folder / std::string(1000, 'x')}) {
     const std::string message = new_folder_refusal(path);
     EXPECT_NE(message, "") << path;
     EXPECT_EQ(message.find('\n'), std::string::npos);
   }
   EXPECT_EQ(folder.names(), std::set<std::string>{"file"});
+}
+
+TEST(NewFolder, MakesTheFoldersOnTheWayAndTakesThemBack) {
+  const TemporaryFolder folder;
+  { NewFolder abandoned(folder / "a/b/out", "capture.json"); }
+  EXPECT_TRUE(folder.names().empty());
+  NewFolder output(folder / "a/b/out", "capture.json");
+  write_file(output.path() + "/capture.json", "1");
+  output.commit();
+  EXPECT_EQ(read_bytes(folder / "a/b/out/capture.json"), "1");
+  replace_file(folder / "c/d/page.html", "2");
+  EXPECT_EQ(read_bytes(folder / "c/d/page.html"), "2");
+  { NewFolder beside(folder / "c/out", "capture.json"); }
+  EXPECT_EQ(folder.names(), (std::set<std::string>{"a", "c"}));
 }
 
 TEST(NewFolder, FollowsALinkToItsTarget) {
@@ -122,7 +137,7 @@ TEST(ReplaceFile, ReplacesWholeOrNotAtAll) {
   EXPECT_EQ(read_bytes(folder / "report.html"), "two");
   fs::create_directory(folder / "sub");
   EXPECT_THROW(replace_file(folder / "sub", "x"), InputError);
-  EXPECT_THROW(replace_file(folder / "none/x", "x"), InputError);
+  EXPECT_THROW(replace_file(folder / "report.html/x", "x"), InputError);
   EXPECT_THROW(replace_file("/dev/full", "x"), InputError);
   EXPECT_EQ(folder.names(), (std::set<std::string>{"report.html", "sub"}));
 }

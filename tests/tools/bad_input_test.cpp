@@ -149,7 +149,7 @@ TEST_F(BadInput, FramesCloserThanTheirExposure) {
   expect_refusal({"/burst/interval_s", "0.001"}, "--set burst.interval_s=0.001");
 }
 
-TEST_F(BadInput, OutputIntoAMissingFolder) { expect_refusal({"missing/out"}, "", "missing/out"); }
+TEST_F(BadInput, OutputIntoAFileForAFolder) { expect_refusal({"scene.json/out"}, "", "scene.json/out"); }
 
 TEST_F(BadInput, OutputThatIsAFile) {
   const Outcome outcome = simulate("", "scene.json");

@@ -25,5 +25,15 @@ TEST(ScoreCommand, WritesItsFiguresBesideTheResult) {
   EXPECT_EQ(score["stages"]["merge"]["ms"], 12.5);
 }
 
+TEST(InfoCommand, KnowsAPortraitResult) {
+  const TemporaryFolder folder;
+  write_result(synthetic_result(synthetic_capture()), {{"mode", "dp"}}, folder / "r");
+  CLI::App program;
+  add_info(program);
+  testing::internal::CaptureStdout();
+  program.parse(std::vector<std::string>{"--json", folder / "r", "info"});
+  EXPECT_EQ(nlohmann::json::parse(testing::internal::GetCapturedStdout())["kind"], "portrait result");
+}
+
 }  // namespace
 }  // namespace dualpixel::tools
