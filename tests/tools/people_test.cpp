@@ -347,6 +347,38 @@ TEST(People, HeldOutPeopleHoldThingsThatTrainingNeverHolds) {
   for (const Held held : held_out) EXPECT_EQ(training.count(held), 0u) << static_cast<int>(held);
 }
 
+TEST(People, ThingsReachFromHandToHandAndTheirPartsTouch) {
+  int things = 0, parts = 0;
+  for (int seed = 0; seed < 60; ++seed) {
+    FigureOptions options;
+    options.gesture = Gesture::with_thing;
+    Figure figure = pose_figure(Dice(seed, false), options);
+    Stage stage;
+    add_held_thing(stage, figure, Dice(seed, false));
+    if (figure.pose.held != Held::thing) continue;
+    ++things;
+    const vec3 hand = figure.skeleton.hand[0].origin, other = figure.skeleton.hand[1].origin;
+    const float apart_m = glm::distance(hand, other);
+    float nearest = apart_m, farthest = 0;
+    for (const vec3& p : stage.pieces[0].positions) {
+      const float along = glm::dot(p - hand, other - hand) / apart_m;
+      nearest = std::min(nearest, along), farthest = std::max(farthest, along);
+    }
+    constexpr float kPalm_m = 0.04f;
+    EXPECT_LT(nearest, kPalm_m) << seed;
+    EXPECT_GT(farthest, apart_m - kPalm_m) << seed;
+    for (std::size_t i = 1; i < stage.pieces.size(); ++i, ++parts) {
+      vec3 low(1e9f), high(-1e9f), middle(0);
+      for (const vec3& p : stage.pieces[i - 1].positions) low = glm::min(low, p), high = glm::max(high, p);
+      for (const vec3& p : stage.pieces[i].positions) middle += p;
+      middle /= static_cast<float>(stage.pieces[i].positions.size());
+      for (int c = 0; c < 3; ++c) EXPECT_TRUE(middle[c] > low[c] && middle[c] < high[c]) << seed;
+    }
+  }
+  EXPECT_GE(things, 50);
+  EXPECT_GE(parts, 30);
+}
+
 TEST(People, JointsKeepHumanLengths) {
   // Drillis & Contini 1966: upper arm .186 and forearm .146 (.332 in all), thigh .245, shank .246 of stature; every
   // pose moves hands and feet within reach, so no bone is stretched.

@@ -30,6 +30,12 @@ vec3 bend(vec3 a, vec3& b, float first_m, float second_m, vec3 pole) {
 
 ArmPose arm(vec3 wrist, vec3 elbow, vec3 fingers, vec3 palm, float curl) { return {wrist, elbow, fingers, palm, curl}; }
 
+/// About where the fore-arm points, before the skeleton is known.
+vec3 fore_arm(const ArmPose& pose) {
+  const vec3 shoulder(0.11f, 0.19f, 0), elbow = 0.5f * (shoulder + pose.wrist) + 0.09f * glm::normalize(pose.elbow);
+  return glm::normalize(pose.wrist - elbow);
+}
+
 const ArmPose kHanging = arm({0.15f, -0.105f, 0.015f}, {0.3f, 0, -1}, {0.05f, -1, 0.1f}, {-1, 0, -0.2f}, 0.45f);
 const ArmPose kBent = arm({0.15f, -0.02f, 0.09f}, {0.5f, -0.3f, -1}, {-0.2f, -0.4f, 1}, {-1, -0.2f, 0}, 0.5f);
 const ArmPose kOnHip =
@@ -163,8 +169,8 @@ Pose make_pose(Dice& dice, const Body& body, Gesture gesture) {
       for (ArmPose& a : pose.arm) {
         if (&a == &other && dice.chance(0.4f)) continue;
         a.wrist = {dice.in(-0.06f, 0.25f), dice.in(-0.1f, 0.42f), dice.in(0.06f, 0.32f)};
-        a.elbow = vec3(0.6f, -0.6f, -0.3f) + 0.8f * dice.in3(-1, 1);
-        a.fingers = vec3(-0.2f, 0.5f, 0.4f) + dice.in3(-1, 1);
+        a.elbow = vec3(0.8f, -0.6f, -0.3f) + vec3(0.7f, 0.8f, 0.8f) * dice.in3(-1, 1);
+        a.fingers = 1.2f * fore_arm(a) + 0.7f * dice.in3(-1, 1);
         a.palm = vec3(-0.4f, 0, 0) + dice.in3(-1, 1);
         a.curl = dice.unit();
       }

@@ -328,67 +328,75 @@ void add_painted(Builder& build, Dice& dice, float back) {
   }
 }
 
-/// Something of no particular kind about a place.
-void add_thing(Builder& build, Dice& dice, vec3 at, float size_m) {
-  const Look look = dice.chance(0.5f) ? wall_look(dice) : cloth_look(dice);
-  const vec3 half = size_m * dice.in3(0.15f, 1);
-  switch (dice.below(4)) {
-    case 0:
-      build.box(at, half, look, dice.in(-1.5f, 1.5f));
-      break;
-    case 1:
-      add_ball(build.piece(look), at, half, mat3(1), 7);
-      break;
-    case 2:  // a sheet
-      build.quad(at - half, vec3(2 * half.x, 0, half.z), vec3(0, 2 * half.y, -half.z), look);
-      break;
-    default: {
-      const vec3 along = size_m * dice.in3(-1, 1);
-      const float radius = 0.2f * half.x;
-      add_tube(build.piece(look), {at - along, at - along, at, at + along, at + along},
-               {0, radius, dice.in(0.5f, 1.5f) * radius, radius, 0}, 7);
+/// A thing of no particular kind about a place, at each of `places`.
+void add_things(Builder& build, Dice& dice, const std::vector<vec3>& places, float size_m) {
+  Look look = dice.chance(0.5f) ? wall_look(dice) : cloth_look(dice);
+  const vec3 half = size_m * dice.in3(0.15f, 1), along = size_m * dice.in3(-1, 1), rest_shift = dice.in3(0, 1);
+  const mat3 axes = about_y(dice.in(-1.5f, 1.5f));
+  const float radius = 0.2f * half.x, middle_radius = radius * dice.in(0.5f, 1.5f);
+  enum { kBox, kBall, kSheet, kTube, kShapes };
+  const int shape = dice.below(kShapes);
+  if (shape == kBall) look.scale_m /= half.y;  // a ball's rest places are of radius 1
+  Piece& piece = build.piece(look);
+  for (const vec3& at : places) {
+    switch (shape) {
+      case kBox:
+        add_box(piece, at, axes, half, rest_shift);
+        break;
+      case kBall:
+        add_ball(piece, at, half, mat3(1), 7);
+        break;
+      case kSheet:
+        add_quad(piece, at - half, vec3(2 * half.x, 0, half.z), vec3(0, 2 * half.y, -half.z), rest_shift);
+        break;
+      default:
+        add_tube(piece, {at - along, at - along, at, at + along, at + along}, {0, radius, middle_radius, radius, 0}, 7);
     }
   }
 }
 
-/// Ground, and mostly a wall farther away.
-void add_ground(Builder& build, Dice& dice, float back) {
+/// Ground, and mostly a wall beyond `deepest_m`.
+void add_ground(Builder& build, Dice& dice, float deepest_m) {
   build.quad({-30, 0, 8}, {60, 0, 0}, {0, 0, -50}, wall_look(dice));
-  if (dice.chance(0.7f)) build.quad({-20, 0, -back - dice.in(0.5f, 8)}, {40, 0, 0}, {0, 9, 0}, wall_look(dice));
+  if (!dice.chance(0.7f)) return;
+  const float z = -deepest_m - dice.in(0.5f, 8);
+  build.quad({-20, 0, z}, {40, 0, 0}, {0, 9, 0}, wall_look(dice));
 }
 
 /// Anything, anywhere behind the people.
 void add_jumble(Builder& build, Dice& dice, float back) {
-  add_ground(build, dice, back);
+  constexpr float kLargest_m = 0.6f;
+  add_ground(build, dice, back + 0.5f + 1.5f * kLargest_m);
   const int things = 8 + dice.below(40);
   for (int i = 0; i < things; ++i) {
-    const float size_m = dice.in(0.08f, 0.6f), z = -1.5f * size_m - 0.5f - dice.in(0, 1) * back;
-    add_thing(build, dice, {dice.in(-1, 1) * (1 - 0.7f * z), dice.in(0, 2.4f), z}, size_m);
+    const float size_m = dice.in(0.08f, kLargest_m), z = -1.5f * size_m - 0.5f - dice.in(0, 1) * back;
+    const float x = dice.in(-1, 1) * (1 - 0.7f * z), y = dice.in(0, 2.4f);
+    add_things(build, dice, {{x, y, z}}, size_m);
   }
 }
 
 /// The same thing again and again, in rows: shelves, stalls, seats, fences, lamps.
 void add_rows(Builder& build, Dice& dice, float back) {
-  add_ground(build, dice, back);
   const int kinds = 1 + dice.below(3);
+  float deepest_m = back;
   for (int k = 0; k < kinds; ++k) {
-    const vec3 pitch(dice.in(0.12f, 1.2f), dice.in(0.2f, 1.2f), dice.in(0.4f, 2));
+    const float across = dice.in(0.12f, 1.2f), upwards = dice.in(0.2f, 1.2f), inwards = dice.in(0.4f, 2);
     const int aside = 4, up = dice.chance(0.5f) ? 1 : 4, deep = 1 + dice.below(3);
-    const float low = dice.in(0, 1.2f), size_m = dice.in(0.25f, 0.7f) * std::min(pitch.x, pitch.y);
+    const float low = dice.in(0, 1.2f), size_m = dice.in(0.25f, 0.7f) * std::min(across, upwards);
     const float first = -back * dice.in(0.6f, 1) - 0.5f - size_m;
-    const Dice thing = dice.of(k);
+    std::vector<vec3> places;
     for (int z = 0; z < deep; ++z) {
       for (int y = 0; y < up; ++y) {
         for (int x = -aside; x <= aside; ++x) {
-          Dice same = thing;
-          add_thing(
-              build, same,
-              vec3(static_cast<float>(x), static_cast<float>(y), -static_cast<float>(z)) * pitch + vec3(0, low, first),
-              size_m);
+          places.emplace_back(across * static_cast<float>(x), low + upwards * static_cast<float>(y),
+                              first - inwards * static_cast<float>(z));
         }
       }
     }
+    deepest_m = std::max(deepest_m, size_m - places.back().z);
+    add_things(build, dice, places, size_m);
   }
+  add_ground(build, dice, deepest_m);
 }
 
 void add_market(Builder& build, Dice& dice, float back) {
