@@ -18,7 +18,6 @@
 #include <set>
 #include <string_view>
 #include <thread>
-#include <vector>
 
 #include "capture/error.h"
 
@@ -61,25 +60,14 @@ std::string resolve(const std::string& path) {
   return resolved.string();
 }
 
-/// Makes the folders that `path` is to lie in. Returns those that were missing, innermost first.
-std::vector<std::string> make_parents(const std::string& path) {
-  std::error_code error;
-  std::vector<std::string> made;
+/// Makes the folders that `path` is to lie in, where they are missing.
+void make_parents(const std::string& path) {
   const fs::path parent = fs::path(path).parent_path();
-  for (fs::path p = parent; !p.empty() && !fs::exists(p, error) && p != p.parent_path(); p = p.parent_path()) {
-    made.push_back(p.string());
-  }
+  std::error_code error;
   fs::create_directories(parent, error);
-  if (!fs::is_directory(parent)) {
+  if (!fs::is_directory(parent, error)) {
     fail(path, "cannot be written: " + printable(parent.string()) + " cannot be made a folder");
   }
-  return made;
-}
-
-/// Takes back what make_parents() made, where nobody else has put anything into it.
-void remove_parents(const std::vector<std::string>& made) {
-  std::error_code ignored;
-  for (const std::string& folder : made) fs::remove(folder, ignored);
 }
 
 void require_replaceable(const std::string& path, const std::string& marker) {
@@ -143,7 +131,7 @@ void replace_file(const std::string& path, std::string_view bytes) {
   const std::string target = resolve(path);
   std::error_code error;
   if (fs::exists(target, error) && !fs::is_regular_file(target, error)) fail(path, "exists and is not a regular file");
-  const std::vector<std::string> made = make_parents(target);
+  make_parents(target);
   const std::string temporary = temporary_sibling(target);
   {
     const std::lock_guard lock(unfinished_mutex);
@@ -155,7 +143,6 @@ void replace_file(const std::string& path, std::string_view bytes) {
   } catch (...) {
     fs::remove(temporary, error);
     forget(temporary);
-    remove_parents(made);
     throw;
   }
   forget(temporary);
@@ -164,7 +151,7 @@ void replace_file(const std::string& path, std::string_view bytes) {
 NewFolder::NewFolder(const std::string& final_path, const std::string& marker)
     : final_(resolve(final_path)), marker_(marker) {
   require_replaceable(final_, marker_);
-  made_parents_ = make_parents(final_);
+  make_parents(final_);
   do {
     temporary_ = temporary_sibling(final_);
     const std::lock_guard lock(unfinished_mutex);
@@ -173,10 +160,6 @@ NewFolder::NewFolder(const std::string& final_path, const std::string& marker)
       return;
     }
   } while (errno == EEXIST);
-  const int error = errno;
-  temporary_.clear();
-  remove_parents(made_parents_);
-  errno = error;
   fail_errno(final_path, "cannot be written");
 }
 
@@ -185,7 +168,6 @@ NewFolder::~NewFolder() {
   std::error_code ignored;
   fs::remove_all(temporary_, ignored);
   forget(temporary_);
-  remove_parents(made_parents_);
 }
 
 void NewFolder::commit() {

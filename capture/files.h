@@ -2,7 +2,6 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
-#include <vector>
 
 /// Files and folders, so that nothing is read that is no regular file and nothing half-written is ever left under its
 /// final name. All throw InputError with one line that names the path.
@@ -24,16 +23,16 @@ std::string file_hash(const std::string& path);
 void write_file(const std::string& path, std::string_view bytes);
 
 /// Writes a file under a temporary name beside `path`, then renames it: `path` is the old file or the new, whole.
-/// Folders on the way that are missing are made.
+/// Missing folders on the way are made, as `mkdir -p` does.
 void replace_file(const std::string& path, std::string_view bytes);
 
 /// Waits until a file's (or folder's) bytes have reached the disk.
 void sync_to_disk(const std::string& path);
 
 /// A folder while it is being written. It lives as a temporary sibling of its final place: commit() moves it there in
-/// one step; without commit() the destructor removes it, and the folders on the way that were missing and so were made.
-/// What stood there before is replaced where it is an empty folder, or a folder that holds the file `marker`
-/// ("capture.json"), which tells that it is one of ours; anything else is refused at construction.
+/// one step; without commit() the destructor removes it. Missing folders on the way are made, and stay. What stood
+/// there before is replaced where it is an empty folder, or a folder that holds the file `marker` ("capture.json"),
+/// which tells that it is one of ours; anything else is refused at construction.
 class NewFolder {
  public:
   NewFolder(const std::string& final_path, const std::string& marker);
@@ -49,7 +48,6 @@ class NewFolder {
   std::string final_;
   std::string marker_;
   std::string temporary_;
-  std::vector<std::string> made_parents_;
 };
 
 /// Removes what NewFolder and replace_file have under way in this process: for a program that a signal ends.
