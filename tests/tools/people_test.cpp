@@ -12,6 +12,7 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "simulator/render/camera_rays.h"
+#include "simulator/render/intersector.h"
 #include "tests/tools/run_program.h"
 #include "tests/tools/toy_people.h"
 #include "tools/npy.h"
@@ -347,36 +348,94 @@ TEST(People, HeldOutPeopleHoldThingsThatTrainingNeverHolds) {
   for (const Held held : held_out) EXPECT_EQ(training.count(held), 0u) << static_cast<int>(held);
 }
 
-TEST(People, ThingsReachFromHandToHandAndTheirPartsTouch) {
-  int things = 0, parts = 0;
-  for (int seed = 0; seed < 60; ++seed) {
+/// Of a closed surface.
+bool is_inside(const Piece& piece, vec3 p) {
+  simulator::Scene scene;
+  scene.materials.emplace_back();
+  simulator::Mesh& mesh = scene.meshes.emplace_back();
+  mesh.positions = piece.positions;
+  mesh.triangles = piece.triangles;
+  const simulator::Intersector intersector(scene);
+  int crossed = 0;
+  const vec3 d = glm::normalize(vec3(0.3f, 0.9f, 0.2f));
+  for (vec3 from = p; crossed < 50; ++crossed) {
+    const auto hit = intersector.intersect({from, d});
+    if (!hit) break;
+    from += (static_cast<float>(hit->t) + 1e-4f) * d;
+  }
+  return crossed % 2 == 1;
+}
+
+TEST(People, ThingsAreInTheHandsThatHoldThemAndTheirPartsTouch) {
+  int in_one = 0, parts = 0;
+  for (int seed = 0; seed < 80; ++seed) {
     FigureOptions options;
-    options.gesture = Gesture::with_thing;
+    options.gesture = seed % 2 == 0 ? Gesture::with_thing : Gesture::anywhere;
     Figure figure = pose_figure(Dice(seed, false), options);
     Stage stage;
     add_held_thing(stage, figure, Dice(seed, false));
     if (figure.pose.held != Held::thing) continue;
-    ++things;
-    const vec3 hand = figure.skeleton.hand[0].origin, other = figure.skeleton.hand[1].origin;
-    const float apart_m = glm::distance(hand, other);
-    float nearest = apart_m, farthest = 0;
-    for (const vec3& p : stage.pieces[0].positions) {
-      const float along = glm::dot(p - hand, other - hand) / apart_m;
-      nearest = std::min(nearest, along), farthest = std::max(farthest, along);
+    const Frame& hand = figure.skeleton.hand[figure.pose.held_side];
+    if (figure.pose.both_hands) {
+      const vec3 right = figure.skeleton.hand[1].origin, left = figure.skeleton.hand[0].origin;
+      const float apart_m = glm::distance(left, right);
+      float nearest = apart_m, farthest = 0;
+      for (const vec3& p : stage.pieces[0].positions) {
+        const float along = glm::dot(p - left, right - left) / apart_m;
+        nearest = std::min(nearest, along), farthest = std::max(farthest, along);
+      }
+      constexpr float kPalm_m = 0.045f;  // which the thing lies before
+      EXPECT_NEAR(nearest, 0, kPalm_m) << seed;
+      EXPECT_NEAR(farthest, apart_m, kPalm_m) << seed;
+    } else {
+      ++in_one;
+      EXPECT_TRUE(is_inside(stage.pieces[0], hand.out({0, 0.02f, 0.035f}))) << seed;
     }
-    constexpr float kPalm_m = 0.04f;
-    EXPECT_LT(nearest, kPalm_m) << seed;
-    EXPECT_GT(farthest, apart_m - kPalm_m) << seed;
     for (std::size_t i = 1; i < stage.pieces.size(); ++i, ++parts) {
-      vec3 low(1e9f), high(-1e9f), middle(0);
-      for (const vec3& p : stage.pieces[i - 1].positions) low = glm::min(low, p), high = glm::max(high, p);
-      for (const vec3& p : stage.pieces[i].positions) middle += p;
-      middle /= static_cast<float>(stage.pieces[i].positions.size());
-      for (int c = 0; c < 3; ++c) EXPECT_TRUE(middle[c] > low[c] && middle[c] < high[c]) << seed;
+      vec3 low(1e9f), high(-1e9f);
+      for (const vec3& p : stage.pieces[i].positions) low = glm::min(low, p), high = glm::max(high, p);
+      EXPECT_TRUE(is_inside(stage.pieces[i - 1], 0.5f * (low + high))) << seed << " " << i;
     }
   }
-  EXPECT_GE(things, 50);
+  EXPECT_GE(in_one, 8);
   EXPECT_GE(parts, 30);
+}
+
+TEST(People, HandsFollowTheirForeArms) {
+  Dice dice(4, false);
+  int bent_back = 0;
+  constexpr int kHands = 400;
+  for (int i = 0; i < kHands / 2; ++i) {
+    const Body body = make_body(dice);
+    const Skeleton k = make_skeleton(body, make_pose(dice, body, Gesture::anywhere), vec3(0), 0, proportions_of(body));
+    for (int side = 0; side < 2; ++side) {
+      const vec3 fore_arm = glm::normalize(k.wrist[side] - k.elbow[side]);
+      bent_back += glm::dot(fore_arm, k.hand[side].axes[1]) < -0.1f ? 1 : 0;
+    }
+  }
+  EXPECT_LT(bent_back, kHands / 50);
+}
+
+TEST(People, WallsStandBehindRowsAndJumbles) {
+  int walls = 0;
+  for (int seed = 0; seed < 200; ++seed) {
+    Stage stage;
+    const std::string place = add_surroundings(stage, Dice(seed, false), 2);
+    if (place != "place:rows" && place != "place:jumble") continue;
+    for (const Piece& wall : stage.pieces) {
+      const float width_m = glm::distance(wall.positions[0], wall.positions[1]);
+      if (wall.positions.size() != 4 || std::abs(width_m - 40) > 0.1f) continue;
+      ++walls;
+      const vec3 normal = wall.normals[0] * (glm::dot(wall.normals[0], wall.positions[0]) < 0 ? 1.0f : -1.0f);
+      for (const Piece& piece : stage.pieces) {
+        if (&piece == &wall || std::abs(piece.normals[0].y) > 0.999f) continue;  // the ground
+        for (const vec3& p : piece.positions) {
+          ASSERT_GT(glm::dot(p - wall.positions[0], normal), 0) << seed << " " << place;
+        }
+      }
+    }
+  }
+  EXPECT_GE(walls, 10);
 }
 
 TEST(People, JointsKeepHumanLengths) {
@@ -470,9 +529,12 @@ TEST(SlowPeople, AnEndedRunGoesOnWhereItWas) {
   EXPECT_THROW(write_people_set({.count = 2, .seed = 5, .composites = 0}, folder / "set", {}, count), InputError);
   EXPECT_THROW(write_people_set({.count = 2, .seed = 4, .composites = 1}, folder / "set", {}, count), InputError);
   EXPECT_THROW(write_people_set(options, folder.path.string(), {}, count), InputError);
-  const std::string index = read_bytes(folder / "set/people.json"), generator = "\"generator\": 3";
+  const std::string index = read_bytes(folder / "set/people.json"),
+                    generator = fmt::format("\"generator\": {}", kTrainingGenerator);
   ASSERT_NE(index.find(generator), std::string::npos);
-  for (const char* another : {"", "\"generator\": 4,"}) {  // none: from before it was written
+  for (const std::string& another :
+       {std::string(),
+        fmt::format("\"generator\": {},", kTrainingGenerator + 1)}) {  // none: from before it was written
     std::string changed = index;
     folder.write("set/people.json", changed.replace(changed.find(generator), generator.size() + 1, another));
     EXPECT_THROW(write_people_set(options, folder / "set", {}, count), InputError) << another;

@@ -178,22 +178,19 @@ void add_held_thing(Stage& stage, Figure& figure, Dice dice) {
       const float scale = h / 1.7f;
       const float size_m = scale * (figure.pose.both_hands ? dice.in(0.08f, 0.24f) : dice.in(0.04f, 0.14f));
       const int parts = 1 + dice.below(3);
-      vec3 at = grip + 0.3f * size_m * forward;
+      vec3 at = grip;
       for (int i = 0; i < parts; ++i) {
         mat3 axes = axes_along(dice.in3(-1, 1) + vec3(0, 0.1f, 0), forward);
-        vec3 half = size_m * dice.in3(0.15f, 1);
+        vec3 half = 0.75f * size_m * dice.in3(0.15f, 1);
         if (i == 0 && figure.pose.both_hands) {  // from one hand to the other
           const vec3 between = k.hand[1].origin - k.hand[0].origin;
           axes = axes_along(between, forward);
-          half.y = std::max(0.5f * glm::length(between) + 0.01f, half.y);
-          at = grip;
+          half.y = 0.5f * glm::length(between) + 0.01f;
         }
         Piece part;
         Look own = dice.chance(0.5f) ? cloth_look(dice) : wall_look(dice);
         switch (dice.below(3)) {
           case 0:
-            half *= 0.75f;
-            if (i == 0 && figure.pose.both_hands) half.y /= 0.75f;
             add_box(part, at, axes, half);
             break;
           case 1:
@@ -201,8 +198,9 @@ void add_held_thing(Stage& stage, Figure& figure, Dice dice) {
             own.scale_m /= half.y;  // a ball's rest places are of radius 1
             break;
           default: {
+            half.x = half.z = std::min(half.x, half.z);
             const vec3 low = at - half.y * axes[1], high = at + half.y * axes[1];
-            add_tube(part, {low, low, at, high, high}, {0, 0.5f * half.x, 0.5f * half.z, 0.5f * half.x, 0}, 10);
+            add_tube(part, {low, low, at, high, high}, {0, half.x, dice.in(1, 2) * half.x, half.x, 0}, 10);
           }
         }
         add_piece(stage, figure, std::move(part), own);

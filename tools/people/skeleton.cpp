@@ -30,10 +30,11 @@ vec3 bend(vec3 a, vec3& b, float first_m, float second_m, vec3 pole) {
 
 ArmPose arm(vec3 wrist, vec3 elbow, vec3 fingers, vec3 palm, float curl) { return {wrist, elbow, fingers, palm, curl}; }
 
-/// About where the fore-arm points, before the skeleton is known.
+/// About where the fore-arm points, before the skeleton and so its lengths are known.
 vec3 fore_arm(const ArmPose& pose) {
-  const vec3 shoulder(0.11f, 0.19f, 0), elbow = 0.5f * (shoulder + pose.wrist) + 0.09f * glm::normalize(pose.elbow);
-  return glm::normalize(pose.wrist - elbow);
+  vec3 wrist = pose.wrist;
+  const vec3 shoulder(0.109f, 0.192f, -0.004f), elbow = bend(shoulder, wrist, 0.182f, 0.15f, pose.elbow);
+  return glm::normalize(wrist - elbow);
 }
 
 const ArmPose kHanging = arm({0.15f, -0.105f, 0.015f}, {0.3f, 0, -1}, {0.05f, -1, 0.1f}, {-1, 0, -0.2f}, 0.45f);

@@ -328,7 +328,7 @@ void add_painted(Builder& build, Dice& dice, float back) {
   }
 }
 
-/// A thing of no particular kind about a place, at each of `places`.
+/// The same thing of no particular kind at each of `places`; it reaches up to 1.5 `size_m` from there.
 void add_things(Builder& build, Dice& dice, const std::vector<vec3>& places, float size_m) {
   Look look = dice.chance(0.5f) ? wall_look(dice) : cloth_look(dice);
   const vec3 half = size_m * dice.in3(0.15f, 1), along = size_m * dice.in3(-1, 1), rest_shift = dice.in3(0, 1);
@@ -347,7 +347,8 @@ void add_things(Builder& build, Dice& dice, const std::vector<vec3>& places, flo
         add_ball(piece, at, half, mat3(1), 7);
         break;
       case kSheet:
-        add_quad(piece, at - half, vec3(2 * half.x, 0, half.z), vec3(0, 2 * half.y, -half.z), rest_shift);
+        add_quad(piece, at - vec3(half.x, half.y, 0), vec3(2 * half.x, 0, half.z), vec3(0, 2 * half.y, -half.z),
+                 rest_shift);
         break;
       default:
         add_tube(piece, {at - along, at - along, at, at + along, at + along}, {0, radius, middle_radius, radius, 0}, 7);
@@ -366,7 +367,7 @@ void add_ground(Builder& build, Dice& dice, float deepest_m) {
 /// Anything, anywhere behind the people.
 void add_jumble(Builder& build, Dice& dice, float back) {
   constexpr float kLargest_m = 0.6f;
-  add_ground(build, dice, back + 0.5f + 1.5f * kLargest_m);
+  add_ground(build, dice, back + 0.5f + 3 * kLargest_m);
   const int things = 8 + dice.below(40);
   for (int i = 0; i < things; ++i) {
     const float size_m = dice.in(0.08f, kLargest_m), z = -1.5f * size_m - 0.5f - dice.in(0, 1) * back;
@@ -393,7 +394,7 @@ void add_rows(Builder& build, Dice& dice, float back) {
         }
       }
     }
-    deepest_m = std::max(deepest_m, size_m - places.back().z);
+    deepest_m = std::max(deepest_m, 1.5f * size_m - places.back().z);
     add_things(build, dice, places, size_m);
   }
   add_ground(build, dice, deepest_m);
