@@ -60,16 +60,6 @@ std::string resolve(const std::string& path) {
   return resolved.string();
 }
 
-/// Makes the folders that `path` is to lie in, where they are missing.
-void make_parents(const std::string& path) {
-  const fs::path parent = fs::path(path).parent_path();
-  std::error_code error;
-  fs::create_directories(parent, error);
-  if (!fs::is_directory(parent, error)) {
-    fail(path, "cannot be written: " + printable(parent.string()) + " cannot be made a folder");
-  }
-}
-
 void require_replaceable(const std::string& path, const std::string& marker) {
   std::error_code error;
   const fs::file_status status = fs::symlink_status(path, error);
@@ -125,6 +115,15 @@ void write_file(const std::string& path, std::string_view bytes) {
   file.close();
   if (!file) fail_errno(path, "cannot be written");
   sync_to_disk(path);
+}
+
+void make_parents(const std::string& path) {
+  const fs::path parent = fs::absolute(path).parent_path();
+  std::error_code error;
+  fs::create_directories(parent, error);
+  if (!fs::is_directory(parent, error)) {
+    fail(path, "cannot be written: " + printable(parent.string()) + " cannot be made a folder");
+  }
 }
 
 void replace_file(const std::string& path, std::string_view bytes) {

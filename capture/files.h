@@ -22,6 +22,9 @@ std::string file_hash(const std::string& path);
 /// Writes a new file and waits until the bytes have reached the disk.
 void write_file(const std::string& path, std::string_view bytes);
 
+/// Makes the folders that `path` is to lie in, where they are missing.
+void make_parents(const std::string& path);
+
 /// Writes a file under a temporary name beside `path`, then renames it: `path` is the old file or the new, whole.
 /// Missing folders on the way are made, as `mkdir -p` does.
 void replace_file(const std::string& path, std::string_view bytes);

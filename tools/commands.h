@@ -8,6 +8,9 @@
 /// ours (1). Data goes to stdout, progress and messages to stderr.
 namespace dualpixel::tools {
 
+/// For --seed, 0 .. 2^64 - 1: CLI11 by itself takes -1 for the largest.
+CLI::Validator any_seed();
+
 /// --threads N (0: all cores), for the subcommands that compute. Limits oneTBB for the life of the process.
 void add_threads_option(CLI::App& command);
 

@@ -1,11 +1,28 @@
 #include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
 
+#include <charconv>
+#include <cstdint>
+#include <limits>
 #include <memory>
 
+#include "capture/error.h"
 #include "tools/commands.h"
 
 namespace dualpixel::tools {
+
+CLI::Validator any_seed() {
+  const auto check = [](const std::string& text) {
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool whole = error == std::errc() && end == text.data() + text.size();
+    return whole ? std::string()
+                 : fmt::format("{}: must be an integer in [0, {}]", printable(text),
+                               std::numeric_limits<std::uint64_t>::max());
+  };
+  return {check, ""};
+}
 
 void add_threads_option(CLI::App& command) {
   command

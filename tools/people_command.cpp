@@ -2,6 +2,7 @@
 #include <mutex>
 
 #include "capture/error.h"
+#include "capture/files.h"
 #include "capture/image_io.h"
 #include "tools/commands.h"
 #include "tools/people/makehuman.h"
@@ -29,6 +30,7 @@ void run(PeopleArguments arguments) {
   if (arguments.folder.empty() && arguments.preview.empty())
     throw InputError("people: give -o DIR, --preview FILE, or both");
   bool previewed = arguments.preview.empty();
+  if (!previewed) make_parents(arguments.preview);
   const auto preview = [&](const std::vector<PeopleSample>& samples) {
     if (!previewed) write_png8(arguments.preview, contact_sheet(samples, kPreviewed, kColumns));
     previewed = true;
@@ -52,6 +54,7 @@ void add_people(CLI::App& program) {
       ->type_name("DIR");
   command->add_option("--count", arguments->options.count, "How many samples")->capture_default_str()->type_name("N");
   command->add_option("--seed", arguments->options.seed, "Which set: the same seed gives the same bytes")
+      ->check(any_seed())
       ->capture_default_str()
       ->type_name("SEED");
   command->add_flag(

@@ -39,6 +39,7 @@ void add_plan(CLI::App& program) {
   add_tolerance_option(*command, options->tolerance_dp_px);
   add_overrides_option(*command, options->overrides, "camera.focus_distance_m=0.9");
   command->add_option("--seed", options->seed, "Seed of the pilot renders and of where they lie")
+      ->check(any_seed())
       ->type_name("N")
       ->capture_default_str();
   command->add_flag("--json", options->json, "Print JSON");

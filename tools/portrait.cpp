@@ -235,6 +235,7 @@ void run(const PortraitCommand& command) {
     if (!command.pair.metadata.empty()) provenance["metadata"] = absolute(command.pair.metadata);
   } else {
     provenance["capture"] = absolute(command.capture);
+    provenance["capture_hash"] = file_hash(command.capture + "/capture.json");
   }
   provenance["mode"] = kModeNames.at(result.mode);
   if (result.mode != options.mode) provenance["mode_asked_for"] = command.mode;
@@ -338,7 +339,10 @@ void add_portrait(CLI::App& program) {
   sub->add_flag("--recover-highlights", command->recover_highlights,
                 "Blur clipped highlights as bright as they are likely to have been");
   sub->add_flag("--no-noise", command->no_noise, "Leave out the synthetic noise on what the blur has smoothed");
-  sub->add_option("--seed", command->seed, "Seed of the synthetic noise")->type_name("N")->capture_default_str();
+  sub->add_option("--seed", command->seed, "Seed of the synthetic noise")
+      ->check(any_seed())
+      ->type_name("N")
+      ->capture_default_str();
   add_threads_option(*sub);
   sub->footer(
       "Example:\n  dualpixel portrait out/capture -o out/portrait --mode dp+seg\n"

@@ -21,8 +21,9 @@ struct StoredResult {
 
 inline constexpr int kResultFormatVersion = 1;
 
-/// `provenance` says how the result came about: "mode" ("dp", "dp+seg", "seg"), "capture" (the capture's folder), all
-/// options. Throws InputError where `path` exists and is no result, or cannot be written.
+/// `provenance` says how the result came about: "mode" ("dp", "dp+seg", "seg"), "capture" (the capture's folder),
+/// "capture_hash" (of its capture.json), all options. Throws InputError where `path` exists and is no result, or cannot
+/// be written.
 void write_result(const pipeline::PortraitResult& result, const nlohmann::json& provenance, const std::string& path);
 
 /// Reads a result and checks that the pictures and maps of full size agree in size. Throws InputError.

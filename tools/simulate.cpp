@@ -46,8 +46,10 @@ void run(const SimulateOptions& options) {
                     printable(options.scene), *simulation.time_budget_s));
   }
   const simulator::Scene scene = simulator::load_scene(simulation);
-  simulator::place_camera(simulation, scene);                    // refuses a missing camera before anything is rendered
-  { const NewFolder writable(options.output, "capture.json"); }  // and a folder that could not be written in the end
+  simulator::place_camera(simulation, scene);  // refuses a missing camera before anything is rendered
+  if (!options.dry_run) {                      // and a folder that could not be written in the end
+    const NewFolder writable(options.output, "capture.json");
+  }
   for (const std::string& warning : scene.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
   nlohmann::json plan_of_capture;
   if (options.automatic) {
@@ -98,7 +100,9 @@ void add_simulate(CLI::App& program) {
   command->add_option("scene", options->scene, "Scene JSON file")->required()->type_name("SCENE.json");
   command->add_option("-o,--output", options->output, "Capture folder to write")->required()->type_name("DIR");
   add_overrides_option(*command, options->overrides, "camera.focus_distance_m=0.9");
-  command->add_option("--seed", options->seed, "Seed of rendering and noise (render.seed)")->type_name("N");
+  command->add_option("--seed", options->seed, "Seed of rendering and noise (render.seed)")
+      ->check(any_seed())
+      ->type_name("N");
   CLI::Option* automatic = command->add_flag(
       "--auto", options->automatic, "Lens model, bounces and samples by 'dualpixel plan' instead of the scene file's");
   add_tolerance_option(*command, options->tolerance_dp_px)->needs(automatic);

@@ -1,8 +1,12 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "capture/files.h"
 #include "tests/capture/temporary_folder.h"
+#include "tests/tools/run_program.h"
 #include "tests/tools/synthetic.h"
 #include "tools/commands.h"
 
@@ -23,6 +27,23 @@ TEST(ScoreCommand, WritesItsFiguresBesideTheResult) {
   const nlohmann::json score = nlohmann::json::parse(printed);
   EXPECT_NEAR(score["disparity"]["confident"]["rmse_affine_px"].get<double>(), 0, 1e-6);
   EXPECT_EQ(score["stages"]["merge"]["ms"], 12.5);
+}
+
+TEST(ScoreCommand, RefusesAResultOfAnotherCapture) {
+  const TemporaryFolder folder;
+  const Capture capture = synthetic_capture();
+  write_capture(capture, folder / "c");
+  const std::string command = fmt::format("score '{}' '{}'", folder / "c", folder / "r");
+  const auto write_with_hash = [&](const std::string& hash) {
+    write_result(synthetic_result(capture), {{"capture", "elsewhere"}, {"capture_hash", hash}}, folder / "r");
+  };
+  write_with_hash("0123456789abcdef");
+  const Outcome outcome = run_program(command);
+  expect_one_line_refusal(outcome);
+  EXPECT_NE(outcome.err.find("elsewhere"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "r/score.json"));
+  write_with_hash(file_hash(folder / "c/capture.json"));
+  EXPECT_EQ(run_program(command).status, 0);
 }
 
 TEST(InfoCommand, KnowsAPortraitResult) {
