@@ -332,6 +332,16 @@ TEST(Batches, HalvesAreMeansOfFour) {
   EXPECT_FALSE(halved({ramp, ramp, {}}).heatmaps.defined());
 }
 
+TEST(SoftIouLoss, WeighsSmallPeopleLikeLargeOnes) {
+  // logits of 0 are masks of 1/2: of n pixels, k of them the person's, (k/2 + 8) / (k + n/2 - k/2 + 8)
+  torch::Tensor mask = torch::zeros({2, 1, 8, 8});
+  mask[0].slice(1, 0, 4).fill_(1);  // 32 of 64
+  mask[1].slice(1, 0, 1).fill_(1);  // 8 of 64
+  const torch::Tensor logits = torch::zeros({2, 1, 8, 8});
+  EXPECT_NEAR(soft_iou_loss(logits, mask).item<double>(), 1 - 0.5 * (24.0 / 56 + 12.0 / 44), 1e-6);
+  EXPECT_NEAR(soft_iou_loss(100 * (mask - 0.5), mask).item<double>(), 0, 1e-6);
+}
+
 TEST(WorkDone, CountsHalfSizeForAQuarter) {
   // half of the work at half size: 4 samples for each one at full size
   EXPECT_EQ(work_done(0, 100, 0.5), 0);

@@ -63,6 +63,10 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.0, 0.9))
       ->needs(fine_tune)
       ->capture_default_str();
+  program
+      .add_option("--rate", options.rate, "Learning rate at its peak: 3e-3 where not given, 3e-4 in the second phase")
+      ->check(CLI::Range(1e-6, 1.0))
+      ->type_name("R");
   program.add_option("--seed", options.seed, "Of the first weights, the order and the augmentation")
       ->type_name("N")
       ->capture_default_str();

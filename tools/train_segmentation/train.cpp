@@ -28,8 +28,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kBatch = 16;         // as the paper
-constexpr double kPoseWeight = 5;  // as the paper
+constexpr int kBatch = 16;          // as the paper
+constexpr double kPoseWeight = 5;   // as the paper
+constexpr double kIouWeight = 0.5;  // makes the two terms about as large
+constexpr double kIouFloor_px = 8;  // a few pixels more or less of somebody hardly seen weigh no more than of others
 constexpr double kPeakRate = 3e-3, kFineTuneRate = 3e-4, kLastRate = 1e-6, kWarmUp = 0.05;
 constexpr double kCheckpointEvery_s = 300;
 constexpr std::size_t kWatchedHeldOut = 320;  // of the held-out samples, at each checkpoint; the end takes them all
@@ -42,6 +44,12 @@ double learning_rate(double done, double peak) {
 }
 
 }  // namespace
+
+torch::Tensor soft_iou_loss(const torch::Tensor& logits, const torch::Tensor& mask) {
+  const torch::Tensor found = torch::sigmoid(logits.to(torch::kFloat)).flatten(1), truth = mask.flatten(1);
+  const torch::Tensor common = (found * truth).sum(1), either = (found + truth).sum(1) - common;
+  return 1 - ((common + kIouFloor_px) / (either + kIouFloor_px)).mean();
+}
 
 double work_done(double samples, double total, double half_size) {
   const double work = total / (1 + 3 * half_size), halves = 4 * half_size * work;
@@ -71,10 +79,11 @@ class Autocast {
   Autocast& operator=(const Autocast&) = delete;
 };
 
-Losses losses_of(const std::vector<StageOutput>& outputs, const Batch& batch) {
+Losses losses_of(const std::vector<StageOutput>& outputs, const Batch& batch, bool soft_iou) {
   Losses losses;
   for (const StageOutput& output : outputs) {
-    const torch::Tensor mask = torch::binary_cross_entropy_with_logits(output.mask, batch.mask);
+    torch::Tensor mask = torch::binary_cross_entropy_with_logits(output.mask, batch.mask);
+    if (soft_iou) mask = mask + kIouWeight * soft_iou_loss(output.mask, batch.mask);
     losses.mask = losses.mask.defined() ? losses.mask + mask : mask;
     if (!batch.heatmaps.defined()) continue;
     const torch::Tensor pose = torch::binary_cross_entropy_with_logits(output.heatmaps, batch.heatmaps);
@@ -99,7 +108,7 @@ std::vector<std::size_t> kept_samples(Network& network, const PeopleSet& set, st
 }
 
 std::string chart_page(const Json& points) {
-  Plot loss{"Loss", "samples", "cross-entropy", {{"mask", {}}, {"5 × pose", {}}}, false, true};
+  Plot loss{"Loss", "samples", "loss", {{"mask", {}}, {"5 × pose", {}}}, false, true};
   const std::string half = fmt::format("at {} px", kNetworkSize_px / 2),
                     full = fmt::format("at {} px", kNetworkSize_px);
   Plot iou{"Held-out samples", "samples", "mean IoU", {{half, {}}, {full, {}}}};
@@ -136,6 +145,11 @@ struct Tally {
   int batches = 0;
 };
 
+double peak_rate(const TrainOptions& options) {
+  if (options.rate > 0) return options.rate;
+  return options.fine_tune.empty() ? kPeakRate : kFineTuneRate;
+}
+
 /// What the weights depend on.
 Json recipe_of(const TrainOptions& options, const NetworkShape& shape, const PeopleSet& set, int threads) {
   Json recipe = {{"version", DUALPIXEL_VERSION},
@@ -149,6 +163,7 @@ Json recipe_of(const TrainOptions& options, const NetworkShape& shape, const Peo
                  {"bf16", options.bf16},
                  {"threads", threads},
                  {"data_hash", set.hash()}};
+  if (options.rate > 0) recipe["rate"] = options.rate;
   if (options.fine_tune.empty()) {
     recipe["half_size"] = options.half_size;
   } else {
@@ -221,7 +236,7 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
   if (fine_tune) log["fine_tune"] = options.fine_tune;
 
   const bool pose = state.network->shape.pose && !fine_tune;
-  const double peak = fine_tune ? kFineTuneRate : kPeakRate;
+  const double peak = peak_rate(options);
   const double half_size = fine_tune ? 0 : options.half_size;
   AugmentedBatches batches(set, kept, kBatch, pose, options.seed, state.samples);
   const double started_s = now_s() - state.seconds;
@@ -291,7 +306,7 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
     state.network->train();
     const Losses losses = [&] {
       const Autocast autocast(options.bf16);
-      return losses_of(state.network->forward(batch.input), batch);
+      return losses_of(state.network->forward(batch.input), batch, fine_tune);
     }();
     state.optimiser->zero_grad();
     losses.total().backward();
