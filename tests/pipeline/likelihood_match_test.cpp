@@ -267,7 +267,7 @@ TEST(LikelihoodMatch, PredictsItsErrors) {
   }
 }
 
-TEST(LikelihoodMatch, PredictsItsErrorsUnderDefocus) {
+TEST(SlowLikelihoodMatch, PredictsItsErrorsUnderDefocus) {
   // Seeds that no constant was chosen on.
   double one = 0, two = 0, count = 0;
   for (const double b : {2.0, 3.0, -4.0}) {

@@ -179,7 +179,7 @@ double shift_of(const Image& image, const Image& truth) {
   return numerator / denominator;
 }
 
-TEST(Merge, KeepsTheDisparity) {
+TEST(SlowMerge, KeepsTheDisparity) {
   for (const double lux : {5.0, 100.0, 1000.0}) {
     const Exposure exposure = exposure_at(lux);
     const Target target(11);

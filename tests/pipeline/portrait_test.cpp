@@ -294,7 +294,7 @@ TEST(Portrait, WhereNobodyIsFoundDisparityDoes) {
   }
 }
 
-TEST(Portrait, SameBytesForAnyNumberOfThreads) {
+TEST(SlowPortrait, SameBytesForAnyNumberOfThreads) {
   const Capture capture = make_capture();
   for (const Mode mode : {Mode::dp, Mode::dp_seg, Mode::seg}) {
     std::vector<PortraitResult> results;

@@ -79,7 +79,7 @@ Agreement compare(const pipeline::FocusCalibration& lines, const FocusSweep& swe
           a.intercept_within / count};
 }
 
-TEST(CalibrationSweep, AThinLensHasTheClosedFormsLine) {
+TEST(SlowCalibrationSweep, AThinLensHasTheClosedFormsLine) {
   const simulator::Simulation simulation = camera_with("phone_thin_4.4mm_f1.8", 1344, 1008);
   for (const double focus_m : {0.6, 3.0}) {
     const FocusSweep sweep(simulation, focus_m, {});

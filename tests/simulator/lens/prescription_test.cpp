@@ -365,7 +365,7 @@ TEST(Prescriptions, ATinyStopPassesALittleAndNothingIsNaN) {
 }
 
 // Any number of a good file made wild: it is refused, or its rays are finite wherever they carry light.
-TEST(Prescriptions, WildNumbersGiveNoWildRays) {
+TEST(SlowPrescriptions, WildNumbersGiveNoWildRays) {
   const nlohmann::json good = read_json_file(shipped("phone_6p_4.2mm_f1.8"));
   int refused = 0, dark = 0, rendered = 0;
   for (std::uint64_t trial = 0; trial < 14; ++trial) {

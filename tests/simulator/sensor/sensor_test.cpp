@@ -35,7 +35,7 @@ SensorOptions fine_sensor() {
 // rules where counts are small), 0.1 % and 0.28 % over the four frames: 1 % is ten and 3.6 of
 // these. A mean has sigma/sqrt(n); read noise bounds what "within 1 %" can mean below one electron, so the mean's
 // tolerance is 1 % or four standard errors, whichever is more.
-TEST(Sensor, MeanAndVarianceFollowTheProfileOverFiveDecades) {
+TEST(SlowSensor, MeanAndVarianceFollowTheProfileOverFiveDecades) {
   const SensorOptions sensor = fine_sensor();
   const ExposureOptions exposure{0.01, 100};
   const Exposure described = describe_exposure(sensor, exposure);
