@@ -26,7 +26,7 @@ TEST(Cli, EachSubcommandHasHelpWithAnExample) {
 
 TEST(Cli, SeedsOutOfRangeAreRefused) {
   for (const char* arguments : {"simulate x.json -o y --seed=-1", "simulate x.json -o y --seed=1x",
-                                "portrait x -o y --seed=18446744073709551616", "people -o y --seed=-1"}) {
+                                "portrait x -o y --seed=18446744073709551616", "people -o /dev/null/y --seed=-1"}) {
     const Outcome outcome = run_program(arguments);
     expect_one_line_refusal(outcome);
     EXPECT_NE(outcome.err.find("--seed"), std::string::npos) << outcome.err;

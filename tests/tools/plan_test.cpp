@@ -233,7 +233,7 @@ TEST(SlowPlanProgram, BadOptionsGetOneLine) {
   expect_one_line_refusal(run_program("plan " + kScene + "--tolerance-px 0"));
   expect_one_line_refusal(run_program("plan " + kScene + "--tolerance-px fine"));
   expect_one_line_refusal(run_program("plan " + kScene + "--set sensor.width_px=8 --set sensor.height_px=8"));
-  expect_one_line_refusal(run_program("plan " + kScene + kSmall + "-o /nowhere/plan.json"));
+  expect_one_line_refusal(run_program("plan " + kScene + kSmall + "-o /dev/null/plan.json"));
   const TemporaryFolder folder;
   expect_one_line_refusal(run_program("simulate " + kScene + "-o '" + (folder / "capture") + "' --tolerance-px 0.1"));
 }
