@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # The main job from end to end: simulate a burst, run the portrait, score it, write the report.
 #   tools/demo.sh [OUTPUT_DIR]        (default: demo-output)
+out=$(realpath -m "${1:-$(dirname "${BASH_SOURCE[0]}")/../demo-output}")
+set --  # setup.sh would take them for packages
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
-out=${1:-demo-output}
 
 cmake --preset release -DDUALPIXEL_TESTS=OFF >/dev/null
 cmake --build --preset release >&2
