@@ -154,7 +154,7 @@ std::uint64_t fingerprint(const Scene& scene, const CameraView& camera, const st
   for (const Mesh& mesh : scene.meshes) add_mesh(mesh, sum);
   for (const Texture& t : scene.textures) {
     sum.add(t.width, t.height, t.srgb, t.nearest, t.wrap_u, t.wrap_v);
-    sum.add_bytes(t.rgba);
+    sum.add_bytes(t.bytes());
   }
   for (const Material& material : scene.materials) add_material(material, sum);
   for (const PunctualLight& l : scene.lights) {

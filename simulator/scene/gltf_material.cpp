@@ -4,6 +4,7 @@
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -12,12 +13,14 @@
 
 #include "capture/error.h"
 #include "simulator/scene/gltf_check.h"
+#include "simulator/scene/paged_bytes.h"
 
 namespace dualpixel::simulator {
 namespace {
 
 constexpr int kLongestSide = 16384;
-constexpr std::int64_t kMostTexels = std::int64_t{1} << 27;
+constexpr std::int64_t kMostTexels = std::int64_t{1} << 32;
+constexpr int kStripRows = 64;                        // that are decoded at a time
 constexpr std::int64_t kMostDecodedTexels = 1 << 25;  // half a gigabyte of them
 
 /// OpenImageIO's name of an image's format by its magic bytes; "" for what glTF does not allow.
@@ -29,8 +32,26 @@ std::string format_of(const std::vector<unsigned char>& bytes) {
   return "";
 }
 
+struct TexelsLeft {
+  std::int64_t in_memory, in_all;
+};
+
+/// Room for the texture's texels, in memory or paged.
+std::uint8_t* make_room(Texture& texture, std::int64_t texels, TexelsLeft& left) {
+  const std::size_t bytes = static_cast<std::size_t>(texels) * 4;
+  left.in_all -= texels;
+  if (texels <= left.in_memory) {
+    left.in_memory -= texels;
+    texture.rgba.resize(bytes);
+    return texture.rgba.data();
+  }
+  const std::shared_ptr<std::uint8_t[]> paged = paged_bytes(bytes);
+  texture.paged = paged;
+  return paged.get();
+}
+
 /// Decodes an image of 1 to 4 channels (grey, grey and alpha, RGB, RGBA) into `texture`.
-void decode_image(const GltfFile& file, int index, std::int64_t& texels_left, Texture& texture) {
+void decode_image(const GltfFile& file, int index, TexelsLeft& left, Texture& texture) {
   const auto fail = [&](const std::string& message) {
     fail_gltf(file.name, fmt::format("/images/{}", index), message);
   };
@@ -51,25 +72,26 @@ void decode_image(const GltfFile& file, int index, std::int64_t& texels_left, Te
     fail(fmt::format("{} x {} texels of {} channels: must be 1 to {} a side, of 1 to 4 channels", spec.width,
                      spec.height, spec.nchannels, kLongestSide));
   }
-  if (texels > texels_left) {
+  if (texels > left.in_all) {
     fail(fmt::format("{} x {} texels: all textures together must have at most {}", spec.width, spec.height,
                      kMostTexels));
   }
-  texels_left -= texels;
-  std::vector<std::uint8_t> decoded(static_cast<std::size_t>(texels) * spec.nchannels);
-  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, decoded.data())) {
-    fail("cannot be decoded: " + library_error());
-  }
   texture.width = spec.width;
   texture.height = spec.height;
-  texture.rgba.resize(static_cast<std::size_t>(texels) * 4);
+  std::uint8_t* to = make_room(texture, texels, left);
   const bool colour = spec.nchannels >= 3;
   const bool alpha = spec.nchannels % 2 == 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(texels); ++i) {
-    const std::uint8_t* from = &decoded[i * spec.nchannels];
-    std::uint8_t* to = &texture.rgba[i * 4];
-    for (int c = 0; c < 3; ++c) to[c] = from[colour ? c : 0];
-    to[3] = alpha ? from[spec.nchannels - 1] : 255;
+  std::vector<std::uint8_t> strip(static_cast<std::size_t>(spec.width) * spec.nchannels * kStripRows);
+  for (int y = 0; y < spec.height; y += kStripRows) {
+    const int end = std::min(y + kStripRows, spec.height);
+    if (!input->read_scanlines(0, 0, y, end, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, strip.data())) {
+      fail("cannot be decoded: " + library_error());
+    }
+    const std::uint8_t* from = strip.data();
+    for (std::int64_t i = 0; i < std::int64_t{end - y} * spec.width; ++i, from += spec.nchannels, to += 4) {
+      for (int c = 0; c < 3; ++c) to[c] = from[colour ? c : 0];
+      to[3] = alpha ? from[spec.nchannels - 1] : 255;
+    }
   }
 }
 
@@ -102,7 +124,8 @@ std::array<float, 6> affine_map(const tinygltf::Value& transform) {
 /// The textures in use, each once for linear and once for sRGB values.
 class TextureTable {
  public:
-  TextureTable(const GltfFile& file, std::vector<Texture>& textures) : file_(file), textures_(textures) {}
+  TextureTable(const GltfFile& file, std::vector<Texture>& textures, std::int64_t texels_in_memory)
+      : file_(file), textures_(textures), left_{texels_in_memory, kMostTexels} {}
 
   /// `info` is any of tinygltf's kinds of texture reference.
   template <typename Info>
@@ -132,15 +155,15 @@ class TextureTable {
       texture.wrap_u = wrap_of(sampler.wrapS);
       texture.wrap_v = wrap_of(sampler.wrapT);
     }
-    decode_image(file_, source.source, texels_left_, texture);
-    if (kMostTexels - texels_left_ < kMostDecodedTexels) keep_decoded(texture);
+    decode_image(file_, source.source, left_, texture);
+    if (kMostTexels - left_.in_all < kMostDecodedTexels) keep_decoded(texture);
     return known->second;
   }
 
   const GltfFile& file_;
   std::vector<Texture>& textures_;
   std::map<std::pair<int, bool>, int> indices_;
-  std::int64_t texels_left_ = kMostTexels;
+  TexelsLeft left_;
 };
 
 Material read_material(const tinygltf::Material& source, TextureTable& textures) {
@@ -171,8 +194,8 @@ Material read_material(const tinygltf::Material& source, TextureTable& textures)
 
 }  // namespace
 
-void read_materials(const GltfFile& file, Scene& scene) {
-  TextureTable textures(file, scene.textures);
+void read_materials(const GltfFile& file, Scene& scene, std::int64_t texels_in_memory) {
+  TextureTable textures(file, scene.textures, texels_in_memory);
   for (std::size_t i = 0; i < file.model.materials.size(); ++i) {
     scene.materials.push_back(read_material(file.model.materials[i], textures));
     if (file.model.materials[i].alphaMode == "BLEND") {

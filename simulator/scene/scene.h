@@ -2,7 +2,9 @@
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,8 +24,13 @@ struct Texture {
   bool nearest = false;  ///< no bilinear filtering
   Wrap wrap_u = Wrap::repeat;
   Wrap wrap_v = Wrap::repeat;
-  std::vector<std::uint8_t> rgba;
+  std::vector<std::uint8_t> rgba;               ///< empty where `paged` holds them
+  std::shared_ptr<const std::uint8_t[]> paged;  ///< where textures outgrow memory: see paged_bytes()
   std::vector<glm::vec4> decoded;  ///< the same as linear numbers, where it is small: see keep_decoded(); else empty
+
+  std::span<const std::uint8_t> bytes() const {
+    return paged ? std::span(paged.get(), std::size_t{4} * width * height) : std::span(rgba);
+  }
 };
 
 /// Fills `decoded` of a texture of up to 2048 x 2048 texels: four times the memory, a sixth off an unlit sample.
@@ -38,7 +45,7 @@ extern const DecodeTables kDecodeTables;
 /// One texel as linear numbers. Not for static initialisers, which may run before the tables are filled.
 inline glm::vec4 decode_texel(const Texture& texture, std::size_t index) {
   const auto& color = texture.srgb ? kDecodeTables.srgb : kDecodeTables.linear;
-  const std::uint8_t* t = &texture.rgba[4 * index];
+  const std::uint8_t* t = (texture.paged ? texture.paged.get() : texture.rgba.data()) + 4 * index;
   return {color[t[0]], color[t[1]], color[t[2]], kDecodeTables.linear[t[3]]};
 }
 

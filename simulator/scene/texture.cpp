@@ -22,7 +22,7 @@ const DecodeTables kDecodeTables = make_tables();
 
 void keep_decoded(Texture& texture) {
   constexpr std::size_t kMostTexels = 1 << 22;
-  const std::size_t texels = texture.rgba.size() / 4;
+  const std::size_t texels = texture.bytes().size() / 4;
   if (texels > kMostTexels) return;
   texture.decoded.resize(texels);
   for (std::size_t i = 0; i < texels; ++i) texture.decoded[i] = decode_texel(texture, i);

@@ -1,10 +1,13 @@
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 
 #include "capture/files.h"
 #include "capture/image_io.h"
+#include "simulator/scene/gltf_material.h"
 #include "tests/simulator/scene/gltf_builder.h"
 
 namespace dualpixel::simulator {
@@ -109,6 +112,51 @@ TEST(GltfMaterial, EmbeddedTextureTexelForTexel) {
   EXPECT_EQ(texture.wrap_u, Wrap::repeat);
   EXPECT_EQ(texture.rgba, kSmallPngTexels);
   EXPECT_EQ(scene.materials[0].base_color_texture.texture, 0);
+}
+
+TEST(GltfMaterial, TexturesThatOutgrowMemoryArePaged) {
+  Image image(5, 150, 3);
+  std::vector<std::uint8_t> texels;
+  for (int i = 0; i < 5 * 150; ++i) {
+    for (int c = 0; c < 3; ++c) {
+      image.data[3 * i + c] = static_cast<float>(i * 37 % 101 >> c & 1);
+      texels.push_back(image.data[3 * i + c] > 0 ? 255 : 0);
+    }
+    texels.push_back(255);
+  }
+  const TemporaryFolder folder;
+  const std::string path = (folder.path / "rows.png").string();
+  write_png8(path, image);
+  GltfBuilder gltf = textured(read_file(path, 1 << 20));
+  gltf.material()["normalTexture"]["index"] = 0;  // the same again, as linear numbers
+  const GltfFile file = load_gltf(gltf.glb(), "test.glb", "", false);
+  for (const std::int64_t room : {2 * 750, 750, 749}) {
+    Scene scene;
+    read_materials(file, scene, room);
+    ASSERT_EQ(scene.textures.size(), 2u);
+    for (int i = 0; i < 2; ++i) {
+      Texture& texture = scene.textures[i];
+      EXPECT_EQ(texture.paged != nullptr, (i + 1) * 750 > room) << room;
+      EXPECT_EQ(texture.rgba.empty(), (i + 1) * 750 > room) << room;
+      EXPECT_TRUE(std::ranges::equal(texture.bytes(), texels)) << room;
+      ASSERT_EQ(texture.decoded.size(), 750u);
+      texture.decoded.clear();
+      for (const std::size_t t : {0, 333, 749}) {
+        EXPECT_EQ(decode_texel(texture, t),
+                  glm::vec4(texels[4 * t], texels[4 * t + 1], texels[4 * t + 2], 255) / 255.0f);
+      }
+    }
+  }
+}
+
+TEST(GltfMaterial, NoRoomToPageToIsOneClearLine) {
+  const std::string before = std::getenv("TMPDIR") ? std::getenv("TMPDIR") : "";
+  const GltfFile file = load_gltf(textured(small_png()).glb(), "test.glb", "", false);
+  setenv("TMPDIR", "/dev/null/none", 1);
+  Scene scene;
+  EXPECT_EQ(refusal([&] { read_materials(file, scene, 0); }),
+            "/dev/null/none: cannot hold 16 bytes of textures: Not a directory: set TMPDIR to a folder that can");
+  before.empty() ? unsetenv("TMPDIR") : setenv("TMPDIR", before.c_str(), 1);
 }
 
 TEST(GltfMaterial, DataUriTexture) {
