@@ -1,5 +1,6 @@
 #include "pipeline/portrait.h"
 
+#include <fmt/format.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -116,6 +117,18 @@ TileDisparity match(const MergedBurst& burst, const Capture& capture, const Port
   return match_by_likelihood(burst.left, burst.right, likelihood);
 }
 
+void require_picture(const Image& picture, const Capture& capture) {
+  if (capture.frames.size() != 1) {
+    throw InputError(fmt::format("picture: beside {} frames: a finished one stands for one", capture.frames.size()));
+  }
+  const Camera& camera = capture.camera;
+  const bool fits = picture.width == camera.width_px && picture.height == camera.height_px && picture.channels == 3;
+  if (!fits || !std::all_of(picture.data.begin(), picture.data.end(), [](float v) { return v >= 0 && v <= 1; })) {
+    throw InputError(fmt::format("picture: must be {} x {} pixels of linear RGB, every value in [0, 1]",
+                                 camera.width_px, camera.height_px));
+  }
+}
+
 void require_mask(const Image& mask) {
   if (mask.empty() || mask.channels != 1) throw InputError("person mask: must have pixels, of one channel");
   for (const float value : mask.data) {
@@ -137,6 +150,7 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
   const bool find = options.mode != Mode::dp && !person_mask;
   if (find && !options.find_people) throw InputError("person mask: missing; modes dp+seg and seg need one");
   if (options.mode != Mode::dp && person_mask) require_mask(*person_mask);
+  if (options.picture) require_picture(*options.picture, capture);
   const int width = capture.camera.width_px, height = capture.camera.height_px;
   PortraitResult result;
   // before the work, not after it
@@ -156,7 +170,9 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
   expect_stages();
 
   MergedBurst burst = stage("merge", [&] { return align_and_merge(capture.frames, capture.exposure); });
-  result.input = stage("demosaic", [&] { return develop(burst, capture.camera, capture.exposure); });
+  result.input = stage("demosaic", [&] {
+    return options.picture ? *options.picture : develop(burst, capture.camera, capture.exposure);
+  });
   burst.mosaic = {};
   result.base_frame = burst.base_frame;
 

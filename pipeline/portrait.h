@@ -58,6 +58,9 @@ struct PortraitOptions {
   /// Finds the people of a linear RGB picture where a mode needs a mask and none is given; usually
   /// pipeline::find_people.
   std::function<FoundPeople(const Image& linear_rgb)> find_people;
+  /// The finished picture of a camera that gives no mosaic, as PortraitResult::input; in place of the
+  /// burst's, which must have one frame.
+  std::optional<Image> picture;
   MergeMaskOptions merge_mask;
   BilateralGridOptions grid;
   BilateralSolverOptions solver;
@@ -84,7 +87,7 @@ struct StageTime {
 /// balance, clipped where the first colour clips.
 struct PortraitResult {
   Mode mode = Mode::dp;           ///< as asked for; dp where that needed people and none were found
-  Image input;                    ///< linear RGB, merged burst, demosaicked: the picture before blurring
+  Image input;                    ///< linear RGB, merged burst, demosaicked, or as given: the picture before blurring
   Image portrait;                 ///< linear RGB with synthetic defocus and noise
   Image portrait_srgb;            ///< the same, exposed and gamma-encoded for display, 0..1
   Image disparity_dp_px;          ///< smoothed, DP pixels; empty in mode seg
@@ -108,16 +111,16 @@ using PortraitProgress = std::function<void(const std::string& stage, double fra
 /// Runs all stages on `capture`; its truth is never looked at. `person_mask` (one channel, 0..1, of any size: it is
 /// stretched over the picture) serves the modes dp_seg and seg; without it, options.find_people makes one from the
 /// merged picture, and where it finds nobody the mode becomes dp, with a warning. A capture without mosaic gives a grey
-/// picture. Mask and face that are given are those of the first frame; where the base is the second or third they are
-/// used as they are, a hand's motion of a few pixels aside.
+/// picture where none is given. Mask and face that are given are those of the first frame; where the base is the second
+/// or third they are used as they are, a hand's motion of a few pixels aside.
 ///
 /// d_focus (section 5.1) is the median disparity over the largest face that is well focused; where there is none, over
 /// the region tapped; without either the person's disparity in mode dp_seg, and 0 (trust the autofocus) in mode dp,
 /// which looks for no faces of its own.
 ///
 /// Throws InputError where a mode has neither mask nor find_people, or the mask is not one channel of finite values,
-/// and where the calibration is another camera's. Dense views (1 x 1) must be of one colour: half-photosites under a
-/// mosaic hold nothing that could be matched.
+/// where a given picture is not RGB of the sensor's size in 0..1, and where the calibration is another camera's. Dense
+/// views (1 x 1) must be of one colour: half-photosites under a mosaic hold nothing that could be matched.
 PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options = {},
                             const std::optional<Image>& person_mask = {}, const PortraitProgress& progress = {});
 

@@ -88,6 +88,14 @@ Image gray(const Image& view) {
   return result;
 }
 
+bool is_colored(const Image& view) {
+  if (view.channels == 1) return false;
+  for (std::size_t i = 0; i < view.data.size(); i += 3) {
+    if (view.data[i] != view.data[i + 1] || view.data[i] != view.data[i + 2]) return true;
+  }
+  return false;
+}
+
 std::uint16_t digital_number(float signal) { return static_cast<std::uint16_t>(std::lround(kFullScale * signal)); }
 
 }  // namespace
@@ -102,7 +110,7 @@ Image transposed(const Image& image) {
   return result;
 }
 
-Capture read_plain_pair(const PlainPair& pair) {
+PlainPairCapture read_plain_pair(const PlainPair& pair) {
   const Metadata metadata = read_metadata(pair.metadata);
   const Image left = read_view(pair.left, metadata, pair.vertical_split);
   const Image right = read_view(pair.right, metadata, pair.vertical_split);
@@ -127,8 +135,10 @@ Capture read_plain_pair(const PlainPair& pair) {
                     .focus_distance_m = metadata.focus_distance_m};
   capture.exposure = {.bits = 16,
                       .white_level_dn = kFullScale,
-                      .mosaic_noise = {0.5 * noise.shot * kFullScale, 0.5 * noise.read * kFullScale * kFullScale},
                       .dp_noise = {noise.shot * kFullScale, noise.read * kFullScale * kFullScale}};
+  if (is_colored(left) || is_colored(right)) {  // the noise of blurred regions is
+    capture.exposure.mosaic_noise = {0.5 * noise.shot * kFullScale, 0.5 * noise.read * kFullScale * kFullScale};
+  }
   capture.face_px = metadata.face_px;
   if (capture.face_px && pair.vertical_split) {
     auto& [x, y, width, height] = *capture.face_px;
@@ -136,17 +146,20 @@ Capture read_plain_pair(const PlainPair& pair) {
   }
   const int width = capture.camera.width_px, height = capture.camera.height_px;
   Frame& frame = capture.frames.emplace_back();
-  frame.mosaic = frame.left = frame.right = ImageU16(width, height);
+  frame.left = frame.right = ImageU16(width, height);
+  Image picture(width, height, 3);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const int u = std::min(x, left.width - 1), v = std::min(y, left.height - 1);
-      const int color = left.channels == 1 ? 0 : x % 2 + y % 2;  // RGGB
-      frame.mosaic.at(x, y) = digital_number(0.5f * (left.at(u, v, color) + right.at(u, v, color)));
+      for (int c = 0; c < 3; ++c) {
+        const int stored = left.channels == 1 ? 0 : c;
+        picture.at(x, y, c) = 0.5f * (left.at(u, v, stored) + right.at(u, v, stored));
+      }
       frame.left.at(x, y) = digital_number(left_gray.at(u, v));
       frame.right.at(x, y) = digital_number(right_gray.at(u, v));
     }
   }
-  return capture;
+  return {std::move(capture), std::move(picture)};
 }
 
 }  // namespace dualpixel::tools

@@ -13,10 +13,15 @@ struct PlainPair {
   bool vertical_split = false;  ///< stored on their side: disparity runs down the columns
 };
 
-/// One frame without truth, each pixel of the pictures a DP pixel. A view is (R + 2 G + B) / 4 in linear light, as
-/// Bayer photosites weigh it; the mosaic shows the mean of both pictures, so that the portrait has their colour. A
-/// vertical split is transposed, so that right(x, y + d) = left(x, y) of the pictures is right(x + d) = left(x) here;
-/// transpose what comes out. Pictures with odd sides get their last column or row twice.
+struct PlainPairCapture {
+  Capture capture;
+  Image picture;  ///< linear RGB, the mean of the two, for the portrait to blur: see PortraitOptions
+};
+
+/// One frame without mosaic or truth, each pixel of the pictures a DP pixel. A view is (R + 2 G + B) / 4 in linear
+/// light, as Bayer photosites weigh it. A vertical split is transposed, so that right(x, y + d) = left(x, y) of the
+/// pictures is right(x + d) = left(x) here; transpose what comes out. Pictures with odd sides get their last column or
+/// row twice.
 ///
 /// The metadata's fields, all optional; others are refused:
 ///   encoding               "srgb" (default: what 8-bit files and most 16-bit ones hold) or "linear"
@@ -26,8 +31,9 @@ struct PlainPair {
 ///                          estimated from the views, as shot noise
 ///   focus_distance_m       default 1; it sets how strongly the portrait is blurred, not the disparity
 ///   face_px                x, y, width, height of a face in the pictures
+/// Pictures that are grey, in one channel or in three, are given no new noise where they are blurred: it is coloured.
 /// Throws InputError where a file cannot be used, sizes differ, or a pixel is not finite or beyond [0, 1].
-Capture read_plain_pair(const PlainPair& pair);
+PlainPairCapture read_plain_pair(const PlainPair& pair);
 
 /// Columns as rows.
 Image transposed(const Image& image);

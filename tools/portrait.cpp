@@ -186,7 +186,14 @@ void run(const PortraitCommand& command) {
   }
   { const NewFolder writable(command.output, "result.json"); }  // before the work, not after it
 
-  Capture capture = plain ? read_plain_pair(command.pair) : read_capture(command.capture, command.true_mask);
+  Capture capture;
+  if (plain) {
+    PlainPairCapture pair = read_plain_pair(command.pair);
+    capture = std::move(pair.capture);
+    options.picture = std::move(pair.picture);
+  } else {
+    capture = read_capture(command.capture, command.true_mask);
+  }
   if (!plain && options.mode != pipeline::Mode::seg) {
     require_matchable(capture.camera, command.capture, "/camera/dp_downsample_x");
   }
