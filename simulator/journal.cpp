@@ -1,5 +1,7 @@
 #include "simulator/journal.h"
 
+#include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <vector>
 #define XXH_INLINE_ALL
@@ -86,8 +88,16 @@ Journal::Journal(const std::string& path, std::uint64_t key) : path_(path) {
   std::error_code error;
   if (std::filesystem::is_regular_file(path, error)) {
     file_.open(path, std::ios::in | std::ios::binary);
-    const bool known = file_.read(reinterpret_cast<char*>(&header), sizeof header) && header.magic == kMagic;
-    if (known && header.key == key) good = read_records();
+    file_.read(reinterpret_cast<char*>(&header), sizeof header);
+    const auto there = static_cast<std::size_t>(file_.gcount());
+    if (std::memcmp(&header, &ours, std::min(there, sizeof kMagic)) != 0) {
+      throw InputError(printable(path) + ": is no journal of a render: move it away, or choose another output folder");
+    }
+    if (std::memcmp(&header, &ours, there) != 0) {
+      throw InputError(printable(path) +
+                       ": was begun with another scene, other options or another version: remove it to begin anew");
+    }
+    if (file_) good = read_records();
     file_.close();
     file_.clear();
   }

@@ -18,8 +18,8 @@ namespace dualpixel::simulator {
 /// found and dropped.
 class Journal : public TileStore {
  public:
-  /// Goes on with the file at `path` where its key is `key`, which must stand for all that the tiles depend on;
-  /// otherwise the file is begun anew. This and all else throws InputError where the file cannot be read or written.
+  /// Begins the file at `path`, or goes on with it where its key is `key`, which must stand for all that the tiles
+  /// depend on. This and all else throws InputError where the file is another's, or cannot be read or written.
   Journal(const std::string& path, std::uint64_t key);
 
   bool restore(std::uint64_t render, const Tile& tile, Views& views) override;

@@ -250,11 +250,26 @@ struct Measured {
 };
 
 /// Bounces and samples, where enough windows have texture.
-std::optional<Measured> measure(const Pilots& pilots, const simulator::Simulation& simulation, Plan& plan) {
+std::optional<Measured> measure(const Pilots& pilots, const simulator::Simulation& simulation, Plan& plan,
+                                const simulator::ProgressCallback& progress) {
+  const auto work = [](int bounces, int samples) { return (1.0 + bounces) * samples; };
+  double work_done = 0, work_in_all = 0;
+  for (std::size_t n = 0; n < kPilotSamples.size(); ++n) {
+    work_in_all += kPilotRenders[n] * work(kReferenceBounces, kPilotSamples[n]);
+  }
+  for (int bounces : kBounces) {
+    if (bounces != kReferenceBounces) work_in_all += 2 * work(bounces, kPilotSamples[kBouncePilot]);
+  }
+  const auto render = [&](int bounces, int samples, int repeat) {
+    Pilot pilot = pilots.render(bounces, samples, repeat);
+    work_done += work(bounces, samples);
+    if (progress) progress(work_done / work_in_all);
+    return pilot;
+  };
   std::array<std::vector<Pilot>, kPilotSamples.size()> full;  // with the reference's bounces
   for (std::size_t n = 0; n < full.size(); ++n) {
     for (int repeat = 0; repeat < kPilotRenders[n]; ++repeat) {
-      full[n].push_back(pilots.render(kReferenceBounces, kPilotSamples[n], repeat));
+      full[n].push_back(render(kReferenceBounces, kPilotSamples[n], repeat));
     }
   }
   const Exposure exposure = simulator::describe_exposure(simulation.sensor, simulation.exposure);
@@ -285,8 +300,8 @@ std::optional<Measured> measure(const Pilots& pilots, const simulator::Simulatio
       m.bounces.push_back(rung);
       continue;
     }
-    const Pilot cheap[2] = {pilots.render(bounces, kPilotSamples[kBouncePilot], 0),
-                            pilots.render(bounces, kPilotSamples[kBouncePilot], 1)};
+    const Pilot cheap[2] = {render(bounces, kPilotSamples[kBouncePilot], 0),
+                            render(bounces, kPilotSamples[kBouncePilot], 1)};
     const std::vector<double> cheap_shifts[2] = {shifts(windows, cheap[0]), shifts(windows, cheap[1])};
     rung.seconds_per_sample = std::min(cheap[0].seconds_per_sample, cheap[1].seconds_per_sample);
     std::vector<double> squares;
@@ -354,7 +369,7 @@ double Plan::picture_s(std::size_t l, std::size_t b, std::size_t s) const {
 }
 
 Plan plan(const simulator::Simulation& simulation, const simulator::Scene& scene, double tolerance_dp_px,
-          std::uint64_t seed) {
+          std::uint64_t seed, const simulator::ProgressCallback& progress) {
   const SensorGrid sensor = simulator::sensor_grid(simulation);
   constexpr int kLeastWidth = (kWindowDpPx + 2) * kPhotositesPerDpPixelX;
   if (sensor.width_px < kLeastWidth || sensor.height_px < kTileHeight) {
@@ -374,13 +389,14 @@ Plan plan(const simulator::Simulation& simulation, const simulator::Scene& scene
     const Pilots pilots(simulation, world,
                         tiles(simulation, plan.lenses[plan.pilot_lens].model.lens, scene, hash(seed, 1)),
                         hash(seed, 2));
-    const std::optional<Measured> measured = measure(pilots, simulation, plan);
+    const std::optional<Measured> measured = measure(pilots, simulation, plan, progress);
     plan.measured = measured.has_value();
     if (measured) {
       plan.bounces = measured->bounces;
     } else {
       const int bounces = simulation.render.max_bounces;
       plan.bounces = {{.bounces = bounces, .seconds_per_sample = pilots.render(bounces, 16, 0).seconds_per_sample}};
+      if (progress) progress(1);
     }
     choose(plan, measured, simulation.render.samples_per_pixel);
   } catch (const std::invalid_argument& error) {

@@ -77,9 +77,10 @@ struct Plan {
   double picture_s(std::size_t l, std::size_t b, std::size_t s) const;
 };
 
-/// Throws InputError where the sensor is smaller than a window, and where the lens or the camera is no good.
+/// Throws InputError where the sensor is smaller than a window, and where the lens or the camera is no good. Progress
+/// is of the pilot renders.
 Plan plan(const simulator::Simulation& simulation, const simulator::Scene& scene, double tolerance_dp_px,
-          std::uint64_t seed);
+          std::uint64_t seed, const simulator::ProgressCallback& progress = {});
 
 /// The same simulation with the plan's choice; a measured one takes the place of all that the scene file says of
 /// samples.

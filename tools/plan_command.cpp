@@ -23,7 +23,7 @@ void run(const PlanCommandOptions& options) {
   for (const std::string& assignment : options.overrides) apply_override(json, assignment);
   const simulator::Simulation simulation = simulator::read_simulation(json, options.scene);
   const simulator::Scene scene = simulator::load_scene(simulation);
-  const Plan result = plan(simulation, scene, options.tolerance_dp_px, options.seed);
+  const Plan result = plan(simulation, scene, options.tolerance_dp_px, options.seed, Progress("plan"));
   const std::string as_json = plan_json(result, true).dump(2) + '\n';
   if (!options.output.empty()) replace_file(options.output, as_json);
   std::cout << (options.json ? as_json : plan_text(result));

@@ -53,7 +53,7 @@ void run(const SimulateOptions& options) {
   for (const std::string& warning : scene.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
   nlohmann::json plan_of_capture;
   if (options.automatic) {
-    const Plan chosen = plan(simulation, scene, options.tolerance_dp_px, simulation.render.seed);
+    const Plan chosen = plan(simulation, scene, options.tolerance_dp_px, simulation.render.seed, Progress("plan"));
     simulation = planned(std::move(simulation), chosen);
     plan_of_capture = plan_json(chosen, false);
     const std::string text = plan_text(chosen);
@@ -129,9 +129,10 @@ void add_simulate(CLI::App& program) {
   by_error->excludes(by_noise);
   by_time->excludes(by_noise)->excludes(by_error);
   command
-      ->add_flag(
-          "--resume", options->resume,
-          "Keep finished tiles in DIR.resume, and go on from there after an interruption: the same bytes come out")
+      ->add_flag("--resume", options->resume,
+                 "Keep finished tiles in DIR.resume, and go on from there after an interruption: the same bytes come "
+                 "out. Tiles of "
+                 "another scene or of other options are refused")
       ->excludes(by_time);
   command->add_flag("--dry-run", options->dry_run, "Check scene and options, render nothing");
   add_threads_option(*command);

@@ -32,8 +32,8 @@ Views render(Journal* journal, std::uint64_t seed = 5) {
 }
 
 /// How many tiles of render() with seed 5 and 16 samples the journal at `path` knows.
-std::size_t known(const std::string& path, std::uint64_t key = 1) {
-  Journal journal(path, key);
+std::size_t known(const std::string& path) {
+  Journal journal(path, 1);
   Views views{Image(kWidth, kHeight, 3), Image(kWidth, kHeight, 3)};
   const SampleMap map = uniform_map(kWidth, kHeight, 16);
   std::size_t count = 0;
@@ -98,9 +98,24 @@ TEST(Journal, DropsWhatItCannotTrust) {
   const std::size_t left = known(path);
   EXPECT_GT(left, 4u);
   EXPECT_LT(left, 10u);
-  EXPECT_EQ(known(path, 2), 0u);  // another scene's
-  write_bytes(path, "not a journal");
-  EXPECT_EQ(known(path), 0u);
+}
+
+TEST(Journal, RefusesAnothersAndLeavesItAsItIs) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "journal";
+  {
+    Journal journal(path, 1);
+    render(&journal);
+  }
+  const std::string bytes = read_bytes(path);
+  const auto refusal = [&](std::uint64_t key) { return message_of<InputError>([&] { Journal(path, key); }); };
+  EXPECT_NE(refusal(2).find(path + ": was begun with another scene"), std::string::npos) << refusal(2);
+  EXPECT_EQ(read_bytes(path), bytes);
+  for (const std::string foreign : {"mine", "not a journal, but some notes"}) {
+    write_bytes(path, foreign);
+    EXPECT_NE(refusal(1).find(path + ": is no journal"), std::string::npos) << refusal(1);
+    EXPECT_EQ(read_bytes(path), foreign);
+  }
 }
 
 TEST(Journal, RefusesWhatCannotBeWritten) {
