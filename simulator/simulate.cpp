@@ -185,11 +185,11 @@ void check_animation(const Simulation& s, const Scene& first) {
   }
 }
 
-/// What `scene` holds in its large arrays.
+/// What `scene` holds in its large arrays; paged textures need no memory.
 double bytes_of(const Scene& scene) {
   const auto size = [](const auto& values) { return static_cast<double>(values.size()) * sizeof(values[0]); };
   double bytes = size(scene.environment.radiance_nits);
-  for (const Texture& t : scene.textures) bytes += size(t.bytes()) + size(t.decoded);
+  for (const Texture& t : scene.textures) bytes += size(t.rgba) + size(t.decoded);
   for (const Mesh& m : scene.meshes) {
     bytes += size(m.positions) + size(m.normals) + size(m.uv0) + size(m.uv1) + size(m.colors) + size(m.triangles);
     bytes += size(m.placements);

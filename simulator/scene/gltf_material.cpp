@@ -78,7 +78,7 @@ void decode_image(const GltfFile& file, int index, TexelsLeft& left, Texture& te
   }
   texture.width = spec.width;
   texture.height = spec.height;
-  std::uint8_t* to = make_room(texture, texels, left);
+  std::uint8_t* to = nullptr;
   const bool colour = spec.nchannels >= 3;
   const bool alpha = spec.nchannels % 2 == 0;
   std::vector<std::uint8_t> strip(static_cast<std::size_t>(spec.width) * spec.nchannels * kStripRows);
@@ -87,6 +87,7 @@ void decode_image(const GltfFile& file, int index, TexelsLeft& left, Texture& te
     if (!input->read_scanlines(0, 0, y, end, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, strip.data())) {
       fail("cannot be decoded: " + library_error());
     }
+    if (y == 0) to = make_room(texture, texels, left);  // a header alone is not believed
     const std::uint8_t* from = strip.data();
     for (std::int64_t i = 0; i < std::int64_t{end - y} * spec.width; ++i, from += spec.nchannels, to += 4) {
       for (int c = 0; c < 3; ++c) to[c] = from[colour ? c : 0];

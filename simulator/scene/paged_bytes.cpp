@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <string>
 
 #include "capture/error.h"
@@ -26,9 +25,8 @@ struct File {
 }  // namespace
 
 std::shared_ptr<std::uint8_t[]> paged_bytes(std::size_t size) {
-  std::error_code missing;
-  std::string folder = std::filesystem::temp_directory_path(missing).string();
-  if (missing) folder = std::getenv("TMPDIR") ? std::getenv("TMPDIR") : "/tmp";
+  const char* chosen = std::getenv("TMPDIR");
+  const std::string folder = chosen && *chosen ? chosen : "/tmp";
   const auto fail = [&](int error) {
     throw InputError(fmt::format("{}: cannot hold {} bytes of textures: {}: set TMPDIR to a folder that can",
                                  printable(folder), size, std::strerror(error)));
