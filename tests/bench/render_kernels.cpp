@@ -1,9 +1,15 @@
-// The renderer's inner loops by themselves, sixteen samples an iteration: build/release/tests/bench_render_kernels
+// The renderer's inner loops by themselves, sixteen samples an iteration, and whole photosites:
+// build/release/tests/bench_render_kernels
 #include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <glm/gtc/constants.hpp>
 
 #include "simulator/lens/lens_file.h"
 #include "simulator/lens/lens_sampler.h"
 #include "simulator/render/lights.h"
+#include "simulator/render/pixel.h"
+#include "simulator/render/render_scene.h"
 #include "simulator/render/surface.h"
 #include "simulator/sampling/sobol.h"
 #include "tests/simulator/test_scenes.h"
@@ -121,6 +127,75 @@ void light_samples(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * kPacket);
 }
 BENCHMARK(light_samples);
+
+/// A ball of 6760 triangles, its texture wrapped around it.
+Mesh make_ball(glm::vec3 centre, float radius, int material) {
+  constexpr int kAround = 65, kDown = 53;
+  Mesh mesh;
+  mesh.material = material;
+  mesh.object_id = 1;
+  for (int j = 0; j <= kDown; ++j) {
+    for (int i = 0; i <= kAround; ++i) {
+      const float u = static_cast<float>(i) / kAround, v = static_cast<float>(j) / kDown;
+      const float ring = std::sin(glm::pi<float>() * v), angle = glm::two_pi<float>() * u;
+      const glm::vec3 n(ring * std::cos(angle), -std::cos(glm::pi<float>() * v), ring * std::sin(angle));
+      mesh.positions.push_back(centre + radius * n);
+      mesh.normals.push_back(n);
+      mesh.uv0.emplace_back(u, v);
+      if (i == kAround || j == kDown) continue;
+      const unsigned at = static_cast<unsigned>(j * (kAround + 1) + i), below = at + kAround + 1;
+      if (j > 0) mesh.triangles.emplace_back(at, at + 1, below + 1);
+      if (j < kDown - 1) mesh.triangles.emplace_back(at, below + 1, below);
+    }
+  }
+  return mesh;
+}
+
+/// Two textured planes and 15 balls, 101440 triangles, under a disc that shines: the scene on which renderers are
+/// compared. A 50 mm f/1.0 lens focused at 3 m, 640 x 480 photosites.
+Scene balls() {
+  Scene scene = wall();
+  scene.environment = {};
+  scene.lights = {};
+  scene.materials.push_back(glowing(20000));
+  scene.meshes = {make_quad({-8, 1, -1}, {16, 0, 0}, {0, 0, 12}, 0), make_quad({-8, -5, 7}, {16, 0, 0}, {0, 6, 0}, 0)};
+  for (int i = 0; i < 15; ++i) {
+    const int column = i % 5, row = i / 5;
+    const float x = 0.55f * static_cast<float>(column - 2);
+    const float z = 2 + 0.8f * static_cast<float>(row) + 0.1f * static_cast<float>(column);
+    scene.meshes.push_back(make_ball({x, row == 1 ? 0.2f : 0.7f, z}, 0.28f, 0));
+  }
+  Mesh disc;
+  disc.material = 1;
+  disc.object_id = 1;
+  disc.positions.emplace_back(0, -4, 2);
+  constexpr int kRim = 36;
+  for (int i = 0; i < kRim; ++i) {
+    const float angle = glm::two_pi<float>() * static_cast<float>(i) / kRim;
+    disc.positions.emplace_back(std::cos(angle), -4, 2 + std::sin(angle));
+    disc.triangles.emplace_back(0, i + 1, (i + 1) % kRim + 1);
+  }
+  scene.meshes.push_back(disc);
+  return scene;
+}
+
+/// Direct light: a camera ray and a shadow ray for each of 64 samples of photosites all over the picture.
+void balls_in_direct_light(benchmark::State& state) {
+  const Scene scene = balls();
+  const RenderScene world(scene);
+  Lens lens;
+  lens.thin = {50e-3, 1.0, 3};
+  const CameraView camera{glm::mat4(1), LensSampler(lens, phone_sensor(640, 480, 36e-3 / 640))};
+  constexpr int kSamples = 64;
+  std::uint32_t pixel = 0;
+  for ([[maybe_unused]] auto _ : state) {
+    pixel = (pixel + 7919) % (640 * 480);
+    benchmark::DoNotOptimize(
+        render_pixel(world, camera, {}, static_cast<int>(pixel % 640), static_cast<int>(pixel / 640), kSamples, pixel));
+  }
+  state.SetItemsProcessed(state.iterations() * kSamples);
+}
+BENCHMARK(balls_in_direct_light);
 
 }  // namespace
 }  // namespace dualpixel::simulator::testing
