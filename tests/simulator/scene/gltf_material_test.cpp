@@ -150,7 +150,8 @@ TEST(GltfMaterial, TexturesThatOutgrowMemoryArePaged) {
 }
 
 TEST(GltfMaterial, NoRoomToPageToIsOneClearLine) {
-  const std::string before = std::getenv("TMPDIR") ? std::getenv("TMPDIR") : "";
+  const char* set = std::getenv("TMPDIR");
+  const std::string before = set ? set : "";
   const GltfFile file = load_gltf(textured(small_png()).glb(), "test.glb", "", false);
   setenv("TMPDIR", "/dev/null/none", 1);
   Scene scene;
