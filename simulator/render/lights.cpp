@@ -37,13 +37,18 @@ glm::vec3 radiance_at(const Environment& e, float u, float v) {
 }
 
 /// First entry of an increasing sum that exceeds u; u becomes the position inside that entry, probability its share.
-template <typename Iterator>
-int pick_from(Iterator begin, Iterator end, float& u, float& probability) {
-  const auto it = std::min(std::upper_bound(begin, end, u), end - 1);
-  const float below = it == begin ? 0 : *(it - 1);
-  probability = *it - below;
+/// Without branches: where light comes from cannot be predicted.
+std::size_t pick_from(const std::vector<float>& cumulative, float& u, float& probability) {
+  std::size_t entry = 0;
+  for (std::size_t left = cumulative.size(); left > 1;) {
+    const std::size_t half = left / 2;
+    entry += cumulative[entry + half - 1] <= u ? half : 0;
+    left -= half;
+  }
+  const float below = entry == 0 ? 0 : cumulative[entry - 1];
+  probability = cumulative[entry] - below;
   u = std::clamp((u - below) / probability, 0.0f, 0x1.fffffep-1f);
-  return static_cast<int>(it - begin);
+  return entry;
 }
 
 /// The same for a table of `Size` entries, a power of two: no branches to mispredict.
@@ -215,8 +220,10 @@ void Lights::make_near_lights(float radius_squared) {
     for (unsigned t = 0; t < mesh.triangles.size(); ++t) {
       const glm::uvec3& corners = mesh.triangles[t];
       const glm::vec3 p = mesh.positions[corners.x];
-      const float area = 0.5f * glm::length(glm::cross(mesh.positions[corners.y] - p, mesh.positions[corners.z] - p));
-      triangles_.push_back({m, t, area});
+      const glm::vec3 first_edge = mesh.positions[corners.y] - p, second_edge = mesh.positions[corners.z] - p;
+      const glm::vec3 normal = glm::cross(first_edge, second_edge);
+      const float area = 0.5f * glm::length(normal);
+      triangles_.push_back({m, t, area, p, first_edge, second_edge, glm::normalize(normal)});
       powers.push_back(luminance(material.emission_nits) * area / (4 * radius_squared));
     }
   }
@@ -288,20 +295,9 @@ void Lights::sample(const int lanes[kPacket], const Vec3Packet& point, const Vec
       below[i] += lux;
     }
   }
-  for (int i = 0; any_waiting && i < kPacket; ++i) {
-    if (!waiting[i]) continue;
-    LightSample sample;
-    if (near_lux_ > 0) {
-      float at = std::min((u[i] * all_lux[i] - below[i]) / near_lux_, 0x1.fffffep-1f), share;
-      const auto entry = static_cast<std::size_t>(pick_from(near_.begin(), near_.end(), at, share));
-      const float probability = share * near_lux_ / all_lux[i];
-      sample = entry < scene_.lights.size() ? sample_punctual(scene_.lights[entry], point.at(i))
-                                            : sample_triangle(entry - scene_.lights.size(), point.at(i), at, v[i]);
-      sample.radiance /= probability;
-      sample.pdf *= probability;
-    }
-    out.set(i, sample);
-  }
+  if (!any_waiting) return;
+  for (int i = 0; i < kPacket; ++i) place[i] = (u[i] * all_lux[i] - below[i]) / near_lux_;
+  sample_near(waiting, point, place, v, all_lux, out);
 }
 
 void Lights::sample_environment(const int lanes[kPacket], const int cell[kPacket], const float u[kPacket],
@@ -362,31 +358,62 @@ LightSample Lights::sample_punctual(const PunctualLight& light, glm::vec3 point)
   return s;
 }
 
-LightSample Lights::sample_triangle(std::size_t index, glm::vec3 point, float u, float v) const {
-  const EmissiveTriangle& light = triangles_[index];
-  const Mesh& mesh = scene_.meshes[light.mesh];
-  LightSample s;
-  // uniform over the triangle (Heitz 2019, low distortion)
-  float b1 = u, b2 = v;
-  if (b2 > b1) {
-    b1 *= 0.5f;
-    b2 -= b1;
-  } else {
-    b2 *= 0.5f;
-    b1 -= b2;
+void Lights::sample_near(const int lanes[kPacket], const Vec3Packet& point, const float u[kPacket],
+                         const float v[kPacket], const float all_lux[kPacket], LightPacket& out) const {
+  struct Lane {
+    int triangle = -1;  // index into triangles_
+    float b1 = 0, b2 = 0;
+  };
+  std::array<Lane, kPacket> chosen;
+  Vec3Packet to_light, normal;
+  alignas(64) float area[kPacket], probability[kPacket];
+  for (int i = 0; i < kPacket; ++i) {
+    to_light.set(i, glm::vec3(0));
+    normal.set(i, glm::vec3(0));
+    area[i] = probability[i] = 1;
+    if (!lanes[i]) continue;
+    if (!(near_lux_ > 0)) {
+      out.set(i, {});
+      continue;
+    }
+    float along = std::min(u[i], 0x1.fffffep-1f), share;
+    const std::size_t entry = pick_from(near_, along, share);
+    probability[i] = share * near_lux_ / all_lux[i];
+    if (entry < scene_.lights.size()) {
+      LightSample sample = sample_punctual(scene_.lights[entry], point.at(i));
+      sample.radiance /= probability[i];
+      out.set(i, sample);
+      continue;
+    }
+    Lane& lane = chosen[i];
+    lane.triangle = static_cast<int>(entry - scene_.lights.size());
+    // uniform over the triangle (Heitz 2019, low distortion)
+    const float half = 0.5f * std::min(along, v[i]);
+    lane.b1 = along - half, lane.b2 = v[i] - half;
+    const EmissiveTriangle& light = triangles_[lane.triangle];
+    to_light.set(i, light.corner + lane.b1 * light.first_edge + lane.b2 * light.second_edge - point.at(i));
+    normal.set(i, light.normal);
+    area[i] = light.area_m2;
   }
-  const glm::uvec3& t = mesh.triangles[light.triangle];
-  const glm::vec3 p0 = mesh.positions[t.x], p1 = mesh.positions[t.y], p2 = mesh.positions[t.z];
-  const glm::vec3 to_light = (1 - b1 - b2) * p0 + b1 * p1 + b2 * p2 - point;
-  const float squared = glm::dot(to_light, to_light);
-  if (!(squared > 0)) return s;
-  s.distance_m = std::sqrt(squared);
-  s.direction = to_light / s.distance_m;
-  const float cosine = std::abs(glm::dot(glm::normalize(glm::cross(p1 - p0, p2 - p0)), s.direction));
-  if (!(cosine > 1e-6f)) return s;
-  s.pdf = squared / (cosine * light.area_m2);
-  s.radiance = emission_at(scene_, mesh, light.triangle, b1, b2) / s.pdf;
-  return s;
+  alignas(64) float distance[kPacket], pdf[kPacket];
+  for (int i = 0; i < kPacket; ++i) {
+    const float x = to_light.x[i], y = to_light.y[i], z = to_light.z[i];
+    const float squared = x * x + y * y + z * z, length = std::sqrt(squared), scale = 1 / length;
+    const float cosine = std::abs(normal.x[i] * x + normal.y[i] * y + normal.z[i] * z) * scale;
+    to_light.x[i] = x * scale, to_light.y[i] = y * scale, to_light.z[i] = z * scale;
+    distance[i] = length;
+    pdf[i] = cosine > 1e-6f ? squared / (cosine * area[i]) : 0.0f;  // 0 where a light is looked at from its edge
+  }
+  for (int i = 0; i < kPacket; ++i) {
+    if (chosen[i].triangle < 0) continue;
+    LightSample sample;
+    if (pdf[i] > 0) {
+      const EmissiveTriangle& light = triangles_[chosen[i].triangle];
+      const glm::vec3 nits = emission_at(scene_, scene_.meshes[light.mesh], light.triangle, chosen[i].b1, chosen[i].b2);
+      sample = {to_light.at(i), distance[i], nits / (pdf[i] * probability[i]), pdf[i] * probability[i]};
+    }
+    out.set(i, sample);
+  }
 }
 
 float Lights::environment_pdf(glm::vec3 normal, glm::vec3 direction) const {

@@ -71,11 +71,14 @@ class Lights {
   void sample_environment(const int lanes[kPacket], const int cell[kPacket], const float u[kPacket],
                           const float v[kPacket], const float all_lux[kPacket], LightPacket& out) const;
   LightSample sample_punctual(const PunctualLight& light, glm::vec3 point) const;
-  LightSample sample_triangle(std::size_t index, glm::vec3 point, float u, float v) const;
+  /// Of punctual lights and emissive triangles; `u`: where among their shares, 0..1.
+  void sample_near(const int lanes[kPacket], const Vec3Packet& point, const float u[kPacket], const float v[kPacket],
+                   const float all_lux[kPacket], LightPacket& out) const;
 
   struct EmissiveTriangle {
     unsigned mesh = 0, triangle = 0;
     float area_m2 = 0;
+    glm::vec3 corner{0}, first_edge{0}, second_edge{0}, normal{0};  ///< normal: unit, of either side
   };
   const Scene& scene_;
   struct Directional {

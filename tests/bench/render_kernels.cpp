@@ -187,11 +187,14 @@ void balls_in_direct_light(benchmark::State& state) {
   lens.thin = {50e-3, 1.0, 3};
   const CameraView camera{glm::mat4(1), LensSampler(lens, phone_sensor(640, 480, 36e-3 / 640))};
   constexpr int kSamples = 64;
-  std::uint32_t pixel = 0;
+  // tile by tile of 16 x 16, as pictures are rendered; the tiles all over the picture
+  constexpr int kColumns = 640 / 16, kTiles = kColumns * (480 / 16);
+  int tile = 0, place = 0;
   for ([[maybe_unused]] auto _ : state) {
-    pixel = (pixel + 7919) % (640 * 480);
-    benchmark::DoNotOptimize(
-        render_pixel(world, camera, {}, static_cast<int>(pixel % 640), static_cast<int>(pixel / 640), kSamples, pixel));
+    const int x = tile % kColumns * 16 + place % 16, y = tile / kColumns * 16 + place / 16;
+    benchmark::DoNotOptimize(render_pixel(world, camera, {}, x, y, kSamples, hash(x, y)));
+    place = (place + 1) % 256;
+    if (place == 0) tile = (tile + 769) % kTiles;
   }
   state.SetItemsProcessed(state.iterations() * kSamples);
 }
