@@ -36,26 +36,15 @@ glm::vec3 radiance_at(const Environment& e, float u, float v) {
   return (at(x0, y0) * (1 - fx) + at(x1, y0) * fx) * (1 - fy) + (at(x0, y1) * (1 - fx) + at(x1, y1) * fx) * fy;
 }
 
-/// First entry of an increasing sum that exceeds u; u becomes the position inside that entry, probability its share.
-/// Without branches: where light comes from cannot be predicted.
-std::size_t pick_from(const std::vector<float>& cumulative, float& u, float& probability) {
+/// First of `size` entries of an increasing sum that exceeds u; u becomes the position inside that entry, probability
+/// its share. Without branches: where light comes from cannot be predicted.
+inline std::size_t pick_from(const float* cumulative, std::size_t size, float& u, float& probability) {
   std::size_t entry = 0;
-  for (std::size_t left = cumulative.size(); left > 1;) {
+  for (std::size_t left = size; left > 1;) {
     const std::size_t half = left / 2;
     entry += cumulative[entry + half - 1] <= u ? half : 0;
     left -= half;
   }
-  const float below = entry == 0 ? 0 : cumulative[entry - 1];
-  probability = cumulative[entry] - below;
-  u = std::clamp((u - below) / probability, 0.0f, 0x1.fffffep-1f);
-  return entry;
-}
-
-/// The same for a table of `Size` entries, a power of two: no branches to mispredict.
-template <int Size>
-int pick_from(const float* cumulative, float& u, float& probability) {
-  int entry = 0;
-  for (int half = Size / 2; half > 0; half /= 2) entry += cumulative[entry + half - 1] <= u ? half : 0;
   const float below = entry == 0 ? 0 : cumulative[entry - 1];
   probability = cumulative[entry] - below;
   u = std::clamp((u - below) / probability, 0.0f, 0x1.fffffep-1f);
@@ -308,8 +297,8 @@ void Lights::sample_environment(const int lanes[kPacket], const int cell[kPacket
     if (!lanes[i]) continue;
     const EnvironmentTable& table = environment_tables_[cell[i]];
     float row_share, cell_share, place_u = std::min(u[i], 0x1.fffffep-1f), place_v = v[i];
-    const int row = pick_from<kRows>(table.rows.data(), place_v, row_share);
-    const int column = pick_from<kColumns>(table.cells[row].data(), place_u, cell_share);
+    const std::size_t row = pick_from(table.rows.data(), kRows, place_v, row_share);
+    const std::size_t column = pick_from(table.cells[row].data(), kColumns, place_u, cell_share);
     height[i] = kRowCosine[row] + place_v * (kRowCosine[row + 1] - kRowCosine[row]);
     around[i] = (static_cast<float>(column) + place_u) / kColumns;
     density[i] = environment_lux_[cell[i]] / all_lux[i] * row_share * cell_share * kCellsPerSteradian[row];
@@ -377,7 +366,7 @@ void Lights::sample_near(const int lanes[kPacket], const Vec3Packet& point, cons
       continue;
     }
     float along = std::min(u[i], 0x1.fffffep-1f), share;
-    const std::size_t entry = pick_from(near_, along, share);
+    const std::size_t entry = pick_from(near_.data(), near_.size(), along, share);
     probability[i] = share * near_lux_ / all_lux[i];
     if (entry < scene_.lights.size()) {
       LightSample sample = sample_punctual(scene_.lights[entry], point.at(i));

@@ -251,6 +251,20 @@ TEST(Portrait, MissingOrBrokenMasksAreTheUsersErrors) {
   EXPECT_THROW(run_portrait(capture, test_options(Mode::seg), Image(4, 4, 1, NAN)), InputError);
 }
 
+TEST(Portrait, AGivenPictureTakesTheBurstsPlace) {
+  Capture capture = make_capture();
+  PortraitOptions options = test_options();
+  options.picture = Image(kWidth, kHeight, 3, 0.25f);
+  EXPECT_THROW(run_portrait(capture, options), InputError);  // of which of the three frames?
+  capture.frames.resize(1);
+  EXPECT_EQ(run_portrait(capture, options).input.data, options.picture->data);
+  for (const Image& unfit : {Image(kWidth, kHeight / 2, 3, 0.25f), Image(kWidth, kHeight, 1, 0.25f),
+                             Image(kWidth, kHeight, 3, 1.5f), Image(kWidth, kHeight, 3, NAN)}) {
+    options.picture = unfit;
+    EXPECT_THROW(run_portrait(capture, options), InputError);
+  }
+}
+
 TEST(Portrait, PeopleAreFoundWhereNoMaskIsGiven) {
   const Capture capture = make_capture();
   for (const Mode mode : {Mode::dp_seg, Mode::seg}) {
