@@ -131,8 +131,7 @@ void add_simulate(CLI::App& program) {
   command
       ->add_flag("--resume", options->resume,
                  "Keep finished tiles in DIR.resume, and go on from there after an interruption: the same bytes come "
-                 "out. Tiles of "
-                 "another scene or of other options are refused")
+                 "out. Tiles of another scene or of other options are refused")
       ->excludes(by_time);
   command->add_flag("--dry-run", options->dry_run, "Check scene and options, render nothing");
   add_threads_option(*command);
