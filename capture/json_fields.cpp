@@ -114,7 +114,13 @@ json parse_json(const std::string& text, const std::string& file) {
   }
 }
 
-json read_json_file(const std::string& path) { return parse_json(read_file(path, kLargestJsonBytes), path); }
+json read_json_file(const std::string& path) {
+  const std::string text = read_file(path, kLargestJsonBytes);
+  if (text.starts_with("glTF")) {
+    throw InputError(printable(path) + ": is binary glTF; give a JSON file, such as a scene file that names it");
+  }
+  return parse_json(text, path);
+}
 
 void apply_override(json& root, const std::string& assignment) {
   const auto refuse = [&](const std::string& why) -> void {

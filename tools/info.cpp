@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "capture/capture.h"
@@ -12,6 +13,7 @@
 #include "capture/files.h"
 #include "capture/image_io.h"
 #include "capture/json_fields.h"
+#include "simulator/lens/lens_file.h"
 #include "simulator/scene/gltf.h"
 #include "tools/calibration_page.h"
 #include "tools/commands.h"
@@ -76,12 +78,16 @@ json describe_picture(const std::string& path) {
           {"channels", size.channels}};
 }
 
-/// A JSON file by what it holds: a scene names its glTF file and its camera.
+/// A JSON file by what it holds: a scene names its glTF file and its camera, a lens its model or another lens.
 json describe_json(const std::string& path) {
   const nlohmann::json document = read_json_file(path);
   json description = {{"kind", "JSON"}};
   if (document.contains("asset")) return describe_gltf(path);
   if (document.contains("camera") || document.contains("gltf")) description["kind"] = "scene";
+  if (document.contains("model") || document.contains("file")) {
+    simulator::read_lens_file(path, std::numeric_limits<double>::infinity());  // refuses what is none
+    description["kind"] = "lens";
+  }
   if (document.contains("format") && document["format"] == "dualpixel-result") description["kind"] = "portrait result";
   for (const auto& [key, value] : document.items()) description[key] = value;
   return description;

@@ -100,6 +100,27 @@ TEST(CliInfo, DescribesPicturesScenesAndGltf) {
   EXPECT_EQ(nlohmann::json::parse(gltf.out)["triangles"], 1);
 }
 
+TEST(CliInfo, TellsALensFromOtherJsonAndVerifiesIt) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "lens.json", R"({"model": "thin", "focal_length_mm": 4.4, "f_number": 1.8})");
+  write_bytes(folder / "on_it.json", R"({"file": "lens.json", "f_number": 4})");
+  write_bytes(folder / "bad.json", R"({"model": "thin", "focal_length_mm": -1, "f_number": 1.8})");
+  for (const char* name : {"lens.json", "on_it.json"}) {
+    const Outcome info = run_program("info --json '" + (folder / name) + "'");
+    ASSERT_EQ(info.status, 0) << info.err;
+    EXPECT_EQ(nlohmann::json::parse(info.out)["kind"], "lens");
+  }
+  expect_one_line_refusal(run_program("info '" + (folder / "bad.json") + "'"));
+}
+
+TEST(Cli, BinaryGltfInPlaceOfASceneFileIsNamedAsThat) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "a.glb", std::string("glTF\x02\0\0\0", 8));
+  const Outcome outcome = run_program("simulate '" + (folder / "a.glb") + "' -o '" + (folder / "out") + "'");
+  expect_one_line_refusal(outcome);
+  EXPECT_NE(outcome.err.find("binary glTF"), std::string::npos) << outcome.err;
+}
+
 TEST(CliInfo, RefusesWhatItDoesNotKnow) {
   const TemporaryFolder folder;
   write_bytes(folder / "a.txt", "hello");
