@@ -84,7 +84,8 @@ json describe_json(const std::string& path) {
   json description = {{"kind", "JSON"}};
   if (document.contains("asset")) return describe_gltf(path);
   if (document.contains("camera") || document.contains("gltf")) description["kind"] = "scene";
-  if (document.contains("model") || document.contains("file")) {
+  // the JSON that `dualpixel lens` prints has a model, too, but no version
+  if (document.contains("version") && (document.contains("model") || document.contains("file"))) {
     simulator::read_lens_file(path, std::numeric_limits<double>::infinity());  // refuses what is none
     description["kind"] = "lens";
   }
@@ -165,7 +166,9 @@ struct InfoOptions {
 void add_info(CLI::App& program) {
   CLI::App* command = program.add_subcommand("info", "Say what a file or folder is, and verify it");
   const auto options = std::make_shared<InfoOptions>();
-  command->add_option("path", options->path, "Capture, result or calibration folder, scene JSON, glTF file or picture")
+  command
+      ->add_option("path", options->path,
+                   "Capture, result or calibration folder, scene or lens JSON, glTF file or picture")
       ->required();
   command->add_option("-o,--output", options->page, "Write a page with the lines and maps of a calibration")
       ->type_name("PAGE.html");

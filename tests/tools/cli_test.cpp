@@ -102,9 +102,9 @@ TEST(CliInfo, DescribesPicturesScenesAndGltf) {
 
 TEST(CliInfo, TellsALensFromOtherJsonAndVerifiesIt) {
   const TemporaryFolder folder;
-  write_bytes(folder / "lens.json", R"({"model": "thin", "focal_length_mm": 4.4, "f_number": 1.8})");
-  write_bytes(folder / "on_it.json", R"({"file": "lens.json", "f_number": 4})");
-  write_bytes(folder / "bad.json", R"({"model": "thin", "focal_length_mm": -1, "f_number": 1.8})");
+  write_bytes(folder / "lens.json", R"({"version": 1, "model": "thin", "focal_length_mm": 4.4, "f_number": 1.8})");
+  write_bytes(folder / "on_it.json", R"({"version": 1, "file": "lens.json", "f_number": 4})");
+  write_bytes(folder / "bad.json", R"({"version": 1, "model": "thin", "focal_length_mm": -1, "f_number": 1.8})");
   for (const char* name : {"lens.json", "on_it.json"}) {
     const Outcome info = run_program("info --json '" + (folder / name) + "'");
     ASSERT_EQ(info.status, 0) << info.err;
