@@ -308,6 +308,36 @@ TEST(People, HeldOutDrawsNothingThatTrainingDraws) {
   EXPECT_LT(static_cast<int>(*trained.rbegin()), kGestures - kReservedGestures);
 }
 
+TEST(People, StrangePicturesAreMostlyOfNoParticularKindAndNeverHeldOut) {
+  constexpr int kDraws = 400;
+  // of each: cloth, wall, gesture, place
+  const auto shares = [](Dice dice) {
+    std::array<double, 4> share{};
+    for (int i = 0; i < kDraws; ++i) {
+      Dice part = dice.of(static_cast<std::uint64_t>(i));
+      Stage stage;
+      const std::string place = add_surroundings(stage, part.of(1), 2);
+      const Gesture gesture = any_gesture(part);
+      share[0] += cloth_look(part).kind == Look::Kind::medley;
+      share[1] += wall_look(part).kind == Look::Kind::medley;
+      share[2] += gesture == Gesture::anywhere || gesture == Gesture::with_thing;
+      share[3] +=
+          place == "place:painted" || place == "place:jumble" || place == "place:rows" || place == "place:mixed";
+    }
+    for (double& s : share) s /= kDraws;
+    return share;
+  };
+  Dice strange(3, false), strange_held_out(3, true);
+  strange.set_strange(), strange_held_out.set_strange();
+  const auto usual = shares(Dice(3, false)), odd = shares(strange), held_out = shares(strange_held_out);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_GT(odd[i], 0.6 - 4 * std::sqrt(0.6 * 0.4 / kDraws)) << i;  // .6 of them, and some of the others
+    EXPECT_LT(usual[i], 0.45) << i;
+    EXPECT_EQ(held_out[i], 0) << i;
+  }
+  EXPECT_FALSE(strange_held_out.strange());
+}
+
 TEST(People, LooksAreReflectancesWhereverTheyLie) {
   Dice dice(11, false);
   for (const LookPool& pool : {cloth_pool(), wall_pool()}) {
@@ -328,7 +358,9 @@ TEST(People, LooksAreReflectancesWhereverTheyLie) {
 TEST(SlowPeople, SurroundingsDoNotStandBeforePeople) {
   for (int seed = 0; seed < 40; ++seed) {
     Upright upright({});
-    add_surroundings(upright.stage, Dice(seed, false), 1.5f);
+    Dice dice(seed, false);
+    if (seed % 2 == 1) dice.set_strange();
+    add_surroundings(upright.stage, dice, 1.5f);
     EXPECT_LT(survey(World(upright.stage), upright.camera).covered, 0.002) << seed;  // soles may lie in a floor
   }
 }

@@ -18,8 +18,17 @@ class Dice {
 
   bool held_out() const { return (key_ & 1) != 0; }
 
+  /// Whether most of what is drawn is to be of no particular kind (see docs/people.md): cloth, walls, places and
+  /// gestures that nobody has seen come together, as they do in held-out sets. Never there.
+  bool strange() const { return strange_; }
+  void set_strange() { strange_ = !held_out(); }
+
   /// Dice for a part of what is made: its draws don't move when another part draws more.
-  Dice of(std::uint64_t part) const { return Dice(simulator::hash(key_, part), held_out()); }
+  Dice of(std::uint64_t part) const {
+    Dice dice(simulator::hash(key_, part), held_out());
+    dice.strange_ = strange_;
+    return dice;
+  }
 
   /// Uniform over this set's share of [0, 1).
   float unit() {
@@ -55,6 +64,7 @@ class Dice {
   std::uint64_t next() { return simulator::hash(key_, count_++); }
   std::uint64_t key_;
   std::uint64_t count_ = 0;
+  bool strange_ = false;
 };
 
 }  // namespace dualpixel::tools

@@ -176,7 +176,7 @@ void add_held_thing(Stage& stage, Figure& figure, Dice dice) {
     }
     case Held::thing: {  // a few shapes joined: stands for toys, tools, instruments, food, clothes, baskets, ...
       const float scale = h / 1.7f;
-      const float size_m = scale * (figure.pose.both_hands ? dice.in(0.08f, 0.24f) : dice.in(0.04f, 0.14f));
+      const float size_m = scale * (figure.pose.both_hands ? dice.in(0.08f, 0.3f) : dice.in(0.04f, 0.14f));
       const int parts = 1 + dice.below(3);
       vec3 at = grip;
       for (int i = 0; i < parts; ++i) {
@@ -189,8 +189,11 @@ void add_held_thing(Stage& stage, Figure& figure, Dice dice) {
         }
         Piece part;
         Look own = dice.chance(0.5f) ? cloth_look(dice) : wall_look(dice);
+        if (dice.chance(0.3f)) own.kind = Look::Kind::plain;
         switch (dice.below(3)) {
           case 0:
+            if (i == 0)
+              at += axes * (0.9f * half * vec3(1, 0, 1) * dice.in3(-1, 1));  // held by its sides, below, behind
             add_box(part, at, axes, half);
             break;
           case 1:

@@ -227,6 +227,31 @@ float tone_of(int pattern, std::uint32_t seed, vec2 q) {
       float own = 0;
       return cells(seed, q, own) < 0.15f + 0.3f * own ? own : 0;
     }
+    case 6: {  // halves of squares, each of its own
+      const vec2 cell = glm::floor(q), within = q - cell;
+      return hash01(seed, static_cast<int>(cell.x), static_cast<int>(cell.y), within.x > within.y ? 1 : 0);
+    }
+    case 7: {  // squares inside squares, or discs
+      const vec2 d = glm::abs(q - glm::floor(q) - 0.5f);
+      const float r = hash01(seed, 2) < 0.5f ? std::max(d.x, d.y) : glm::length(d);
+      return triangle(r * (1 + 4 * hash01(seed, 3)));
+    }
+    case 8: {  // marks, as of letters and signs
+      const vec2 fine = 5.0f * q;
+      const glm::ivec2 mark(glm::floor(q)), stroke(glm::floor(fine));
+      const bool gap = saw(q.x) > 0.8f || saw(q.y) > 0.6f;
+      return gap || hash01(seed, mark.x, mark.y, 7) < 0.15f ? 0 : hash01(seed, stroke.x, stroke.y, 5);
+    }
+    case 9: {  // rays about the middle of each square
+      const vec2 d = q - glm::floor(q) - 0.5f;
+      return triangle(std::atan2(d.y, d.x) * (2 + std::floor(4 * hash01(seed, 2))) / std::numbers::pi_v<float> / 2);
+    }
+    case 10: {  // slopes, one to a square
+      const vec2 cell = glm::floor(q);
+      return saw(q.x - cell.x + hash01(seed, static_cast<int>(cell.x), static_cast<int>(cell.y)));
+    }
+    case 11:  // cloth of two waves
+      return 0.5f + 0.5f * std::sin(5 * q.x + 2 * std::sin(3 * q.y)) * std::sin(4.1f * q.y + 2 * std::sin(2.3f * q.x));
     default: {  // bands of dashes
       const float row = std::floor(q.x);
       const float end = 3 * hash01(seed, static_cast<int>(row));
@@ -236,7 +261,7 @@ float tone_of(int pattern, std::uint32_t seed, vec2 q) {
 }
 
 vec3 medley(const Look& look, vec3 p) {
-  constexpr int kPatterns = 7;
+  constexpr int kPatterns = 13;
   const auto tone = [&](std::uint32_t layer, float repeats) {
     const std::uint32_t seed = look.seed + 31 * layer;
     const auto random = [&](int i) { return hash01(seed, i, 0, 3); };
@@ -244,7 +269,9 @@ vec3 medley(const Look& look, vec3 p) {
     const vec2 u(p.x + 0.3f * p.z, p.y);
     const vec2 q = vec2(std::cos(angle) * u.x + std::sin(angle) * u.y, std::cos(angle) * u.y - std::sin(angle) * u.x) *
                    vec2(stretch, 1 / stretch) * (repeats / look.scale_m);
-    const float value = tone_of(std::min(static_cast<int>(kPatterns * random(2)), kPatterns - 1), seed, q);
+    const float bend = random(5) < 0.7f ? 0 : 0.5f * random(6);
+    const vec2 bent = q + bend * glm::sin(2.0f * vec2(q.y, q.x) + 6.0f * vec2(random(7), random(8)));
+    const float value = tone_of(std::min(static_cast<int>(kPatterns * random(2)), kPatterns - 1), seed, bent);
     const float softness = random(3) < 0.6f ? 0.04f : 0.8f;  // sharp edges or shades
     return step(value - (0.3f + 0.4f * random(4)) + 0.5f * softness, softness);
   };
@@ -445,7 +472,9 @@ Look cloth_look(Dice& dice) {
   Look look;
   const LookPool pool = cloth_pool();
   // most cloth is plain: held-out sets have plain cloth, too, in colours of their own
-  look.kind = dice.chance(0.4f) ? Kind::heather : pool.kinds[dice.choose(pool.count, pool.reserved)];
+  look.kind = dice.strange() && dice.chance(0.6f) ? Kind::medley
+              : dice.chance(0.4f)                 ? Kind::heather
+                                                  : pool.kinds[dice.choose(pool.count, pool.reserved)];
   look.a = any_color(dice);
   look.b = any_color(dice);
   look.c = any_color(dice);
@@ -464,7 +493,9 @@ Look cloth_look(Dice& dice) {
 Look wall_look(Dice& dice) {
   Look look;
   const LookPool pool = wall_pool();
-  look.kind = dice.chance(0.35f) ? Kind::rough : pool.kinds[dice.choose(pool.count, pool.reserved)];
+  look.kind = dice.strange() && dice.chance(0.6f) ? Kind::medley
+              : dice.chance(0.35f)                ? Kind::rough
+                                                  : pool.kinds[dice.choose(pool.count, pool.reserved)];
   look.a = any_color(dice);
   look.b = dice.chance(0.6f) ? look.a * dice.in(0.4f, 0.9f) : any_color(dice);
   look.c = dice.chance(0.5f) ? glm::mix(look.a, any_color(dice), 0.4f) : any_color(dice);

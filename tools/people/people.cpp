@@ -124,7 +124,11 @@ vec3 middle_of(const std::vector<Figure>& figures) {
   return {0, 0.5f * (lowest->skeleton.head.origin.y + tallest->skeleton.head.origin.y), 0};
 }
 
+/// The share of training pictures in which most is of no particular kind.
+constexpr float kStrangeShare = 0.45f;
+
 Sitting take_sitting(Dice dice, const MakeHumanAssets* makehuman) {
+  if (dice.of(8).chance(kStrangeShare)) dice.set_strange();
   Sitting sitting;
   Dice plan = dice.of(1);
   const Size size = any_size(plan);
@@ -245,6 +249,7 @@ Sitting take_sitting(Dice dice, const MakeHumanAssets* makehuman) {
 
 /// A place with nobody in it, square, linear.
 Image take_background(Dice dice) {
+  if (dice.of(8).chance(kStrangeShare)) dice.set_strange();
   Stage stage;
   set_light(stage, dice.of(2));
   Dice plan = dice.of(1);

@@ -90,7 +90,8 @@ Body make_body(Dice& dice) {
 }
 
 Gesture any_gesture(Dice& dice) {
-  if (!dice.held_out() && dice.chance(0.2f)) return dice.chance(0.6f) ? Gesture::anywhere : Gesture::with_thing;
+  if (!dice.held_out() && dice.chance(dice.strange() ? 0.6f : 0.2f))
+    return dice.chance(0.6f) ? Gesture::anywhere : Gesture::with_thing;
   return static_cast<Gesture>(dice.choose(kGestures, kReservedGestures));
 }
 

@@ -364,20 +364,19 @@ void add_ground(Builder& build, Dice& dice, float deepest_m) {
   build.quad({-20, 0, z}, {40, 0, 0}, {0, 9, 0}, wall_look(dice));
 }
 
+constexpr float kLargestInJumble_m = 0.6f;
+
 /// Anything, anywhere behind the people.
-void add_jumble(Builder& build, Dice& dice, float back) {
-  constexpr float kLargest_m = 0.6f;
-  add_ground(build, dice, back + 0.5f + 3 * kLargest_m);
-  const int things = 8 + dice.below(40);
+void add_jumble(Builder& build, Dice& dice, float back, int things) {
   for (int i = 0; i < things; ++i) {
-    const float size_m = dice.in(0.08f, kLargest_m), z = -1.5f * size_m - 0.5f - dice.in(0, 1) * back;
+    const float size_m = dice.in(0.08f, kLargestInJumble_m), z = -1.5f * size_m - 0.5f - dice.in(0, 1) * back;
     const float x = dice.in(-1, 1) * (1 - 0.7f * z), y = dice.in(0, 2.4f);
     add_things(build, dice, {{x, y, z}}, size_m);
   }
 }
 
-/// The same thing again and again, in rows: shelves, stalls, seats, fences, lamps.
-void add_rows(Builder& build, Dice& dice, float back) {
+/// The same thing again and again, in rows: shelves, stalls, seats, fences, lamps. Returns how far back they reach.
+float add_rows(Builder& build, Dice& dice, float back) {
   const int kinds = 1 + dice.below(3);
   float deepest_m = back;
   for (int k = 0; k < kinds; ++k) {
@@ -397,7 +396,7 @@ void add_rows(Builder& build, Dice& dice, float back) {
     deepest_m = std::max(deepest_m, 1.5f * size_m - places.back().z);
     add_things(build, dice, places, size_m);
   }
-  add_ground(build, dice, deepest_m);
+  return deepest_m;
 }
 
 void add_market(Builder& build, Dice& dice, float back) {
@@ -417,16 +416,9 @@ void add_market(Builder& build, Dice& dice, float back) {
   }
 }
 
-}  // namespace
-
-std::string add_surroundings(Stage& stage, Dice dice, float back_m) {
-  constexpr const char* kNames[] = {"studio",    "room",  "wall",   "garden", "street", "painted",
-                                    "landscape", "night", "jumble", "rows",   "market", "library"};
-  static_assert(std::size(kNames) == kPlaces && static_cast<int>(Place::library) == kPlaces - 1);
-  const int index = dice.choose(kPlaces, kReservedPlaces);
-  Builder build(stage, dice);
-  stage.dome.seed = dice.seed();
-  switch (static_cast<Place>(index)) {
+/// What closes it off stands about `back` behind the people.
+void add_place(Builder& build, Dice& dice, Place place, float back) {
+  switch (place) {
     case Place::studio: {
       Look look = plain(any_color(dice));
       if (dice.chance(0.4f)) {
@@ -435,50 +427,73 @@ std::string add_surroundings(Stage& stage, Dice dice, float back_m) {
         look.b = look.a * dice.in(0.5f, 0.9f);
         look.seed = dice.seed();
       }
-      build.quad({-15, -1, -back_m}, {30, 0, 0}, {0, 12, 0}, look);
-      build.quad({-15, 0, 6}, {30, 0, 0}, {0, 0, -6 - back_m}, look);
+      build.quad({-15, -1, -back}, {30, 0, 0}, {0, 12, 0}, look);
+      build.quad({-15, 0, 6}, {30, 0, 0}, {0, 0, -6 - back}, look);
       break;
     }
     case Place::room:
-      add_room(build, dice, back_m, false);
+      add_room(build, dice, back, false);
       break;
     case Place::library:
-      add_room(build, dice, back_m, true);
+      add_room(build, dice, back, true);
       break;
     case Place::wall: {
-      const float z = -0.35f - 0.4f * back_m * dice.unit();
+      const float z = -0.35f - 0.4f * back * dice.unit();
       build.quad({-15, 0, z}, {30, 0, 0}, {0, 8, 0}, wall_look(dice));
       build.quad({-15, 0, 6}, {30, 0, 0}, {0, 0, -12}, wall_look(dice));
       if (dice.chance(0.3f)) build.box({dice.in(-1.5f, 1.5f), 1.2f, z}, {0.5f, 1.2f, 0.04f}, wall_look(dice));
       break;
     }
     case Place::garden:
-      add_garden(build, dice, back_m);
+      add_garden(build, dice, back);
       break;
     case Place::street:
-      add_street(build, dice, back_m);
+      add_street(build, dice, back);
       break;
     case Place::painted:
-      add_painted(build, dice, back_m);
+      add_painted(build, dice, back);
       break;
     case Place::landscape:
-      add_landscape(build, dice, back_m);
+      add_landscape(build, dice, back);
       break;
     case Place::night:
-      add_lights_at_night(build, dice, back_m);
+      add_lights_at_night(build, dice, back);
       break;
     case Place::jumble:
-      add_jumble(build, dice, back_m);
+      add_ground(build, dice, back + 0.5f + 3 * kLargestInJumble_m);
+      add_jumble(build, dice, back, 8 + dice.below(40));
       break;
     case Place::rows:
-      add_rows(build, dice, back_m);
+      add_ground(build, dice, add_rows(build, dice, back));
       break;
+    case Place::mixed: {
+      constexpr Place kOrdinary[] = {Place::studio, Place::room,      Place::garden,
+                                     Place::street, Place::landscape, Place::painted};
+      add_place(build, dice, kOrdinary[dice.below(6)], back);
+      if (dice.chance(0.6f)) add_rows(build, dice, 0.4f * back);
+      add_jumble(build, dice, back, dice.below(16));
+      break;
+    }
     case Place::market:
-      add_market(build, dice, back_m);
+      add_market(build, dice, back);
       break;
   }
+}
+
+}  // namespace
+
+std::string add_surroundings(Stage& stage, Dice dice, float back_m) {
+  constexpr const char* kNames[] = {"studio", "room",   "wall", "garden", "street", "painted", "landscape",
+                                    "night",  "jumble", "rows", "mixed",  "market", "library"};
+  static_assert(std::size(kNames) == kPlaces && static_cast<int>(Place::library) == kPlaces - 1);
+  constexpr Place kStrange[] = {Place::painted, Place::jumble, Place::rows, Place::mixed, Place::mixed};
+  const Place place = dice.strange() && dice.chance(0.6f) ? kStrange[dice.below(5)]
+                                                          : static_cast<Place>(dice.choose(kPlaces, kReservedPlaces));
+  Builder build(stage, dice);
+  stage.dome.seed = dice.seed();
+  add_place(build, dice, place, back_m);
   build.turn(0.22f * dice.normal());
-  return std::string("place:") + kNames[index];
+  return std::string("place:") + kNames[static_cast<int>(place)];
 }
 
 std::string set_light(Stage& stage, Dice dice) {

@@ -18,11 +18,12 @@ enum class Place : std::uint8_t {
   night,
   jumble,
   rows,
+  mixed,
   // held-out
   market,
   library
 };
-inline constexpr int kPlaces = 12, kReservedPlaces = 2;
+inline constexpr int kPlaces = 13, kReservedPlaces = 2;
 enum class Light : std::uint8_t {
   overcast,
   sun_side,
