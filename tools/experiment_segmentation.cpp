@@ -245,12 +245,13 @@ void run_pictures(const Command& command, pipeline::PersonNetwork& network, cons
   std::vector<double> iou;
   for (const Portrait& p : portraits) {
     iou.push_back(p.filtered_iou);
-    json["pictures"].push_back({{"name", printable(p.name)},
-                                {"faces", p.faces},
-                                {"iou", p.iou},
-                                {"iou_filtered", p.filtered_iou},
-                                {"gradient_error", p.gradient_error},
-                                {"gradient_error_filtered", p.filtered_gradient_error}});
+    nlohmann::ordered_json picture = {
+        {"name", printable(p.name)}, {"faces", p.faces}, {"iou", p.iou}, {"iou_filtered", p.filtered_iou}};
+    if (p.faces > 0) {
+      picture["gradient_error"] = p.gradient_error;
+      picture["gradient_error_filtered"] = p.filtered_gradient_error;
+    }
+    json["pictures"].push_back(std::move(picture));
   }
   const std::string body = fmt::format(
       "<p>{} pictures, {} without a face. Mean IoU {:.4f}, {:.4f} after edge-aware filtering; {:.4f} and {:.4f} where "

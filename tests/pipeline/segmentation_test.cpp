@@ -441,6 +441,16 @@ TEST(SlowFaces, TwentyAndHalfOnes) {
     draw_face(crowd, 64 + 128 * column, 70 + 115 * row, 84);
   }
   EXPECT_EQ(find_faces(crowd).size(), 20U);
+  if (has_person_network()) {
+    PersonNetwork network(face_follower());
+    const FoundPeople found = find_people(crowd, {}, network);
+    EXPECT_EQ(found.faces.size(), 20U);
+    for (const Face& face : found.faces) {  // each face's run is in the mask
+      const int x = static_cast<int>((face.x + face.width / 2) * found.mask.width / crowd.width);
+      const int y = static_cast<int>((face.y + face.height / 2) * found.mask.height / crowd.height);
+      EXPECT_GT(found.mask.at(x, y), 0.5F);
+    }
+  }
   for (const double x : {0.0, 600.0}) {  // cut by the border: found or not, but never beyond use
     Image picture(640, 480, 1, 0.2F);
     draw_face(picture, x, 240, 160);

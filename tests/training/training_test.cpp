@@ -423,6 +423,7 @@ TEST(SlowTraining, OtherRunsCheckpointsAreRefused) {
   EXPECT_NE(with([](TrainOptions& o) { o.half_size = 0; }).find("its half_size"), std::string::npos);
   EXPECT_NE(with([](TrainOptions& o) { o.threads = 2; }).find("its threads is 1, not 2"), std::string::npos);
   EXPECT_NE(with([](TrainOptions& o) { o.composites = false; }).find("its composites"), std::string::npos);
+  EXPECT_NE(with([](TrainOptions& o) { o.rate = 1e-3; }).find("its rate is 0.003, not 0.001"), std::string::npos);
   EXPECT_NE(with([](TrainOptions& o) { o.fine_tune = o.output; }).find("of another run"), std::string::npos);
   TrainOptions other = options;
   write_toy_people(folder.path.string() + "/other", 20, 3);
@@ -430,6 +431,9 @@ TEST(SlowTraining, OtherRunsCheckpointsAreRefused) {
   other.data = {folder.path.string() + "/other"};
   EXPECT_NE(refusal(other).find("its data_hash"), std::string::npos);
   other = options;
+  write_toy_people(folder.path.string() + "/other_held_out", 4, 4, true);
+  other.held_out = {folder.path.string() + "/other_held_out"};
+  EXPECT_NE(refusal(other).find("its held_out_hash"), std::string::npos);
   other.held_out = options.data;
   EXPECT_NE(refusal(other).find("/held_out: false"), std::string::npos);
   const std::string checkpoint = read_file(options.output + "/checkpoint.pt");

@@ -264,13 +264,13 @@ vec3 medley(const Look& look, vec3 p) {
   constexpr int kPatterns = 13;
   const auto tone = [&](std::uint32_t layer, float repeats) {
     const std::uint32_t seed = look.seed + 31 * layer;
-    const auto random = [&](int i) { return hash01(seed, i, 0, 3); };
+    const auto random = [&](int i) { return hash01(seed, i, 0, 3); };  // 5: `mixing` below
     const float angle = 2 * std::numbers::pi_v<float> * random(0), stretch = std::exp2(random(1) - 0.5f);
     const vec2 u(p.x + 0.3f * p.z, p.y);
     const vec2 q = vec2(std::cos(angle) * u.x + std::sin(angle) * u.y, std::cos(angle) * u.y - std::sin(angle) * u.x) *
                    vec2(stretch, 1 / stretch) * (repeats / look.scale_m);
-    const float bend = random(5) < 0.7f ? 0 : 0.5f * random(6);
-    const vec2 bent = q + bend * glm::sin(2.0f * vec2(q.y, q.x) + 6.0f * vec2(random(7), random(8)));
+    const float bend = random(6) < 0.7f ? 0 : 0.5f * random(7);
+    const vec2 bent = q + bend * glm::sin(2.0f * vec2(q.y, q.x) + 6.0f * vec2(random(8), random(9)));
     const float value = tone_of(std::min(static_cast<int>(kPatterns * random(2)), kPatterns - 1), seed, bent);
     const float softness = random(3) < 0.6f ? 0.04f : 0.8f;  // sharp edges or shades
     return step(value - (0.3f + 0.4f * random(4)) + 0.5f * softness, softness);

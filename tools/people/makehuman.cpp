@@ -358,6 +358,40 @@ struct Morphed {
   vec3 joint(int side, const std::string& name) const { return joint((side == 0 ? "l-" : "r-") + name); }
 };
 
+/// Hair and hats are meshed on cells of the head's size, so a body of no human size could want any amount of memory.
+void require_human_sizes(const Morphed& body, const std::string& whose) {
+  const float eyes_m = glm::distance(body.joint("l-eye"), body.joint("r-eye"));
+  if (!(eyes_m >= 0.02f && eyes_m <= 0.2f)) {
+    throw InputError(fmt::format("{}: the eyes are {:.3f} m apart; 0.02 to 0.2 m is allowed", whose, eyes_m));
+  }
+  for (const int v : body.assets->body.vertex) {
+    const vec3 p = body.rest[static_cast<std::size_t>(v)];
+    const float aside_m = std::max(std::abs(p.x), std::abs(p.z));
+    if (!(aside_m <= 1.5f)) {
+      throw InputError(fmt::format("{}: the body reaches {:.2f} m aside; up to 1.5 m is allowed", whose, aside_m));
+    }
+  }
+}
+
+/// Directions are taken along limbs and across hands.
+void require_limbs(const Morphed& body, const std::string& whose) {
+  constexpr const char* kLimbs[][2] = {
+      {"shoulder", "elbow"}, {"elbow", "hand"}, {"hand", "finger-3-1"}, {"upper-leg", "knee"}, {"knee", "ankle"}};
+  constexpr float kShortest_m = 0.01f;
+  const auto require = [&](float length_m, const std::string& what) {
+    if (length_m >= kShortest_m) return;
+    throw InputError(fmt::format("{}: {} is {:.4f} m; {} m or more is allowed", whose, what, length_m, kShortest_m));
+  };
+  for (int side = 0; side < 2; ++side) {
+    for (const auto& [from, to] : kLimbs) {
+      require(glm::distance(body.joint(side, from), body.joint(side, to)), fmt::format("from {} to {}", from, to));
+    }
+    const vec3 along = glm::normalize(body.joint(side, "finger-3-1") - body.joint(side, "hand"));
+    const vec3 across = body.joint(side, "finger-2-1") - body.joint(side, "finger-5-1");
+    require(glm::length(across - along * glm::dot(across, along)), "across a hand it");
+  }
+}
+
 void require_a_body(const MakeHumanAssets& assets, const std::string& path) {
   std::vector<std::string> names = {"neck", "jaw"};
   for (const char* side : {"l-", "r-"}) {
@@ -381,11 +415,7 @@ void require_a_body(const MakeHumanAssets& assets, const std::string& path) {
     throw InputError(fmt::format("{}: the body is {:.2f} m high; 1 to 2.5 m is allowed (a unit is 10 cm)",
                                  printable(path), high - low));
   }
-  const Morphed plain{assets.base, &assets};
-  const float eyes_m = glm::distance(plain.joint("l-eye"), plain.joint("r-eye"));
-  if (eyes_m < 0.02f || eyes_m > 0.2f) {
-    throw InputError(fmt::format("{}: the eyes are {:.3f} m apart; 0.02 to 0.2 m is allowed", printable(path), eyes_m));
-  }
+  require_human_sizes({assets.base, &assets}, printable(path));
 }
 
 struct RestFrames {
@@ -628,7 +658,7 @@ void add_shell_clothes(Dressing& dressing, Dice& dice) {
 
 }  // namespace
 
-MakeHumanAssets::MakeHumanAssets(const std::string& folder) : folder_(folder) {
+MakeHumanAssets::MakeHumanAssets(const std::string& root) : folder(root) {
   for (const char* part : {"3dobjs", "targets", "rigs", "skins", "hair", "clothes", "eyes", "eyebrows", "eyelashes"}) {
     for (const std::string& path : files_below(fs::path(folder) / part, ""))
       hash += fs::relative(path, folder).string() + " " + file_hash(path) + "\n";
@@ -691,7 +721,7 @@ const MorphTarget& MakeHumanAssets::target(const std::string& name) const {
   auto& slot = targets_[name];
   if (!slot) {
     auto read = std::make_unique<MorphTarget>();
-    Lines lines((fs::path(folder_) / "targets" / (name + ".target")).string());
+    Lines lines((fs::path(folder) / "targets" / (name + ".target")).string());
     std::vector<std::string_view> words;
     while (lines.next(words)) {
       if (words.size() < 4) lines.fail("a target's row is a vertex and three numbers");
@@ -764,12 +794,19 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
   if (of_body.chance(0.45f))
     apply(fmt::format("expression/units/{}/mouth-corner-puller", kOrigins[origin]), of_body.in(0.2f, 0.9f));
 
+  const std::string whose = printable(assets.folder) + "/targets: of a morphed body";
+  require_human_sizes(morphed, whose);
+
   // stand it on the floor, and scale it to its stature: the targets know no centimetres
   float low = 1e9f, high = -1e9f;
   for (const int v : assets.body.vertex) {
     low = std::min(low, morphed.rest[static_cast<std::size_t>(v)].y);
     high = std::max(high, morphed.rest[static_cast<std::size_t>(v)].y);
   }
+  if (!(high - low >= 0.4f && high - low <= 3)) {
+    throw InputError(fmt::format("{}: the height is {:.2f} m; 0.4 to 3 m is allowed", whose, high - low));
+  }
+  require_limbs(morphed, whose);
   const float grow = figure.body.child ? 1 : std::clamp(figure.body.stature_m / (high - low), 0.93f, 1.07f);
   for (vec3& p : morphed.rest) p = grow * (p - vec3(0, low, 0));
   const float h = grow * (high - low);
@@ -865,9 +902,9 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
     add_shell_clothes(dressing, of_clothes);
     figure.tags.emplace_back("top:shell");
   }
-  for (const FittedAsset& shoe : assets.shoes) {
-    if (figure.skeleton.ankle[0].y > figure.lowest_m)
-      add_fitted(dressing, shoe, dyed(shoe, any_color(of_clothes), false));
+  if (!assets.shoes.empty() && figure.skeleton.ankle[0].y > figure.lowest_m) {
+    const FittedAsset& shoes = one_of(of_clothes, assets.shoes);
+    add_fitted(dressing, shoes, dyed(shoes, any_color(of_clothes), false));
   }
   add_piece(
       stage, figure,
@@ -915,7 +952,7 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
       if (q.y < 0.03f * s) continue;
       reach = glm::max(reach, vec3(std::abs(q.x) / 0.078f, q.y / 0.136f, -q.z / 0.109f));
     }
-    figure.body.head_scale = std::max({reach.x, reach.y, reach.z});
+    figure.body.head_scale = std::min(std::max({reach.x, reach.y, reach.z}), 2 * s);  // whatever a morph made of it
     add_hair_and_hat(stage, figure, dice.of(7));
     figure.body.head_scale = s;
   }

@@ -56,8 +56,9 @@ struct PartWeights {
 class MakeHumanAssets {
  public:
   /// Reads all but targets, which are read when they are first wanted.
-  explicit MakeHumanAssets(const std::string& folder);
+  explicit MakeHumanAssets(const std::string& root);
 
+  std::string folder;
   std::string hash;  ///< of all files that may be read
 
   const MorphTarget& target(const std::string& name) const;  ///< "macrodetails/asian-female-young"
@@ -77,7 +78,6 @@ class MakeHumanAssets {
   std::vector<std::string> details;  ///< targets of the face and body that come in opposite pairs, all of them
 
  private:
-  std::string folder_;
   mutable std::mutex mutex_;
   mutable std::map<std::string, std::unique_ptr<const MorphTarget>> targets_;
 };

@@ -1,6 +1,7 @@
 #include "tools/people/people.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
@@ -47,6 +48,7 @@ struct Sitting {
   Exposure exposure;
   std::vector<Sitter> sitters;
   bool clear = true;  ///< nothing stands before the people, and no seat is left without its sitter: they can be cut out
+  bool strange = false;  ///< Dice::strange
   std::vector<std::string> tags;
 };
 
@@ -130,6 +132,8 @@ constexpr float kStrangeShare = 0.45f;
 Sitting take_sitting(Dice dice, const MakeHumanAssets* makehuman) {
   if (dice.of(8).chance(kStrangeShare)) dice.set_strange();
   Sitting sitting;
+  sitting.strange = dice.strange();
+  if (sitting.strange) sitting.tags.emplace_back("strange");
   Dice plan = dice.of(1);
   const Size size = any_size(plan);
   // head's share of the picture's height: close, portrait, half body, full body
@@ -249,7 +253,6 @@ Sitting take_sitting(Dice dice, const MakeHumanAssets* makehuman) {
 
 /// A place with nobody in it, square, linear.
 Image take_background(Dice dice) {
-  if (dice.of(8).chance(kStrangeShare)) dice.set_strange();
   Stage stage;
   set_light(stage, dice.of(2));
   Dice plan = dice.of(1);
@@ -332,14 +335,20 @@ void finish(const Sitting& sitting, const std::vector<Sitter>& people, Image lig
 }
 
 /// The backgrounds of a shard's composites, made when they are first wanted: a sample does not depend on how many
-/// there are.
+/// there are. Training's odd ones are strange, for people who are.
 class Backgrounds {
  public:
   explicit Backgrounds(const Dice& dice) : dice_(dice) {}
 
-  const Image& any(Dice& dice) {
-    const auto i = static_cast<std::size_t>(dice.below(kCount));
-    std::call_once(made_[i], [&] { images_[i] = take_background(dice_.of(1'000'000 + i)); });
+  const Image& any(Dice& dice, bool strange) {
+    auto i = static_cast<std::size_t>(dice.below(kCount));
+    if (!dice.held_out()) i = i / 2 * 2 + (strange ? 1 : 0);
+    std::call_once(made_[i], [&] {
+      Dice own = dice_.of(1'000'000 + i);
+      if (strange) own.set_strange();
+      // isolated, so that Embree's own tasks cannot make this thread wait for the flag that it holds
+      tbb::this_task_arena::isolate([&] { images_[i] = take_background(own); });
+    });
     return images_[i];
   }
 
@@ -417,7 +426,7 @@ std::vector<PeopleSample> make_people_shard(const PeopleOptions& options, int sh
       const int whole = static_cast<int>(out.size());
       for (int k = 0; k < options.composites && sitting.clear; ++k) {
         Dice mix = picture.of(100 + k);
-        const Image& background = backgrounds.any(mix);
+        const Image& background = backgrounds.any(mix, sitting.strange);
         // of several people one: the others are in the next
         const Sitter& one = sitting.sitters[static_cast<std::size_t>(k) % sitting.sitters.size()];
         finish(sitting, {one}, composite_of(sitting.exposure, background, mix.of(1)), mix.of(2), out);

@@ -10,7 +10,7 @@ using Kind = Look::Kind;
 
 mat3 about_y(float angle) { return mat3(glm::rotate(glm::mat4(1), angle, vec3(0, 1, 0))); }
 
-/// What builds one place: pieces are added with the look last set.
+/// What builds one place, piece by piece.
 class Builder {
  public:
   Builder(Stage& stage, Dice& dice) : stage_(stage), dice_(dice), first_(stage.pieces.size()) {}
@@ -466,12 +466,12 @@ void add_place(Builder& build, Dice& dice, Place place, float back) {
     case Place::rows:
       add_ground(build, dice, add_rows(build, dice, back));
       break;
-    case Place::mixed: {
+    case Place::mixed: {  // things before whatever closes an ordinary place off
       constexpr Place kOrdinary[] = {Place::studio, Place::room,      Place::garden,
                                      Place::street, Place::landscape, Place::painted};
-      add_place(build, dice, kOrdinary[dice.below(6)], back);
+      add_place(build, dice, kOrdinary[dice.below(static_cast<int>(std::size(kOrdinary)))], back);
       if (dice.chance(0.6f)) add_rows(build, dice, 0.4f * back);
-      add_jumble(build, dice, back, dice.below(16));
+      add_jumble(build, dice, 0.4f * back, dice.below(16));
       break;
     }
     case Place::market:
@@ -487,7 +487,7 @@ std::string add_surroundings(Stage& stage, Dice dice, float back_m) {
                                     "night",  "jumble", "rows", "mixed",  "market", "library"};
   static_assert(std::size(kNames) == kPlaces && static_cast<int>(Place::library) == kPlaces - 1);
   constexpr Place kStrange[] = {Place::painted, Place::jumble, Place::rows, Place::mixed, Place::mixed};
-  const Place place = dice.strange() && dice.chance(0.6f) ? kStrange[dice.below(5)]
+  const Place place = dice.strange() && dice.chance(0.6f) ? kStrange[dice.below(static_cast<int>(std::size(kStrange)))]
                                                           : static_cast<Place>(dice.choose(kPlaces, kReservedPlaces));
   Builder build(stage, dice);
   stage.dome.seed = dice.seed();

@@ -150,8 +150,9 @@ double peak_rate(const TrainOptions& options) {
   return options.fine_tune.empty() ? kPeakRate : kFineTuneRate;
 }
 
-/// What the weights depend on.
-Json recipe_of(const TrainOptions& options, const NetworkShape& shape, const PeopleSet& set, int threads) {
+/// What the weights and their scores depend on.
+Json recipe_of(const TrainOptions& options, const NetworkShape& shape, const PeopleSet& set, const PeopleSet& held_out,
+               int threads) {
   Json recipe = {{"version", DUALPIXEL_VERSION},
                  {"fcn", shape.fcn},
                  {"stages", shape.stages},
@@ -162,8 +163,9 @@ Json recipe_of(const TrainOptions& options, const NetworkShape& shape, const Peo
                  {"hours", options.hours},
                  {"bf16", options.bf16},
                  {"threads", threads},
-                 {"data_hash", set.hash()}};
-  if (options.rate > 0) recipe["rate"] = options.rate;
+                 {"rate", peak_rate(options)},
+                 {"data_hash", set.hash()},
+                 {"held_out_hash", held_out.hash()}};
   if (options.fine_tune.empty()) {
     recipe["half_size"] = options.half_size;
   } else {
@@ -175,11 +177,12 @@ Json recipe_of(const TrainOptions& options, const NetworkShape& shape, const Peo
 }
 
 /// Where the run starts: with the seed's weights, another run's, or its own.
-Checkpoint start_of(const TrainOptions& options, const std::string& path, const PeopleSet& set, int threads) {
+Checkpoint start_of(const TrainOptions& options, const std::string& path, const PeopleSet& set,
+                    const PeopleSet& held_out, int threads) {
   if (options.resume) {
     Checkpoint state = read_checkpoint(path);
     const bool fine_tunes = !options.fine_tune.empty();
-    const Json wanted = recipe_of(options, fine_tunes ? state.network->shape : options.shape, set, threads);
+    const Json wanted = recipe_of(options, fine_tunes ? state.network->shape : options.shape, set, held_out, threads);
     for (const auto& [name, value] : wanted.items()) {
       const Json was = state.recipe.value(name, Json());
       if (was == value) continue;
@@ -199,7 +202,7 @@ Checkpoint start_of(const TrainOptions& options, const std::string& path, const 
     state.network = read_checkpoint(options.fine_tune + "/checkpoint.pt").network;
     forget_optimiser(state);
   }
-  state.recipe = recipe_of(options, state.network->shape, set, threads);
+  state.recipe = recipe_of(options, state.network->shape, set, held_out, threads);
   return state;
 }
 
@@ -211,7 +214,7 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
   torch::set_num_threads(threads);
 
   const std::string checkpoint = options.output + "/checkpoint.pt";
-  Checkpoint state = start_of(options, checkpoint, set, threads);
+  Checkpoint state = start_of(options, checkpoint, set, held_out, threads);
   std::error_code error;
   std::filesystem::create_directories(options.output, error);
   if (!std::filesystem::is_directory(options.output)) {
@@ -230,7 +233,6 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
   }
   Json log = {{"data", options.data},
               {"held_out", options.held_out},
-              {"held_out_hash", held_out.hash()},
               {"recipe", state.recipe},
               {"training_samples", kept.size()}};
   if (fine_tune) log["fine_tune"] = options.fine_tune;
