@@ -47,7 +47,7 @@ double hand_held_error(double lux, bool with_mosaic) {
 // measured: 0.04 at 100 lux, where the quadratic's own bias prevails, and 0.09 at 5 lux
 TEST(Align, FollowsHandShakeAtHundredLux) { EXPECT_LT(hand_held_error(100, true), 0.15); }
 TEST(Align, FollowsHandShakeAtFiveLux) { EXPECT_LT(hand_held_error(5, true), 0.5); }
-TEST(Align, FollowsHandShakeOnViewsAlone) { EXPECT_LT(hand_held_error(100, false), 0.15); }
+TEST(SlowAlign, FollowsHandShakeOnViewsAlone) { EXPECT_LT(hand_held_error(100, false), 0.15); }
 
 TEST(Align, BaseAndFlatFramesStandStill) {
   const Frame frame = expose(see(Target(2), 64, 48, {}), exposure_at(100), 1);

@@ -51,7 +51,7 @@ TEST(MatchError, BrightnessAndOffsetAreNoShift) {
   for (const MatchWindow& w : windows_of(reference).textured) EXPECT_NEAR(w.shift_dp_px(brighter), 0, 1e-5);
 }
 
-TEST(MatchError, ScattersUnderNoiseByTheStatedBound) {
+TEST(SlowMatchError, ScattersUnderNoiseByTheStatedBound) {
   const DpViews reference{waves(0), waves(0)};
   const NoiseProfile noise = noisy().dp_noise;
   std::mt19937 random(1);

@@ -78,7 +78,7 @@ TEST(TracedFurnace, ShowsRelativeIlluminationAndNothingElse) {
 }
 
 // Ninety per cent of what is aimed at a lens's pupil ellipses passes, over the area of the sensor.
-TEST(PupilEllipses, PassNineRaysInTen) {
+TEST(SlowPupilEllipses, PassNineRaysInTen) {
   for (const char* name : {"phone_6p_4.2mm_f1.8", "phone_7p_4.9mm_f1.85", "full_frame_50mm_f1.8",
                            "double_gauss_100mm_f5", "portrait_100mm_f1.1", "telephoto_250mm_f5.4"}) {
     const Lens lens = read_monochrome(name, 20);
@@ -99,7 +99,7 @@ TEST(PupilEllipses, PassNineRaysInTen) {
 }
 
 // The polynomials' disparity against the exact trace's, which is what they are for; their stated limit is 0.01 DP px.
-TEST(RayPolynomials, KeepTheDisparityOfTheExactTrace) {
+TEST(SlowRayPolynomials, KeepTheDisparityOfTheExactTrace) {
   for (const char* name : {"phone_6p_4.2mm_f1.8", "phone_7p_4.9mm_f1.85", "full_frame_50mm_f1.8"}) {
     Lens lens = read_monochrome(name, 1.5);
     const SensorGrid sensor = full_sensor(lens, 2688);
@@ -117,7 +117,7 @@ TEST(RayPolynomials, KeepTheDisparityOfTheExactTrace) {
 }
 
 // Disparity by rendering a glowing square through the lens must be what the disparity field says.
-TEST(TracedLens, RenderedDisparityIsTheFields) {
+TEST(SlowTracedLens, RenderedDisparityIsTheFields) {
   Lens lens = read_monochrome("phone_6p_4.2mm_f1.8", 0.5);
   lens.split.kind = SplitPixel::Kind::hard;
   const double depth = 1.2, pitch = 1.4e-6;
@@ -354,7 +354,7 @@ TEST(Prescriptions, SurfacesThatCrossAreReported) {
   EXPECT_NE(overlaps(lens)[0].find("surfaces 1 and 2 cross"), std::string::npos);
 }
 
-TEST(Prescriptions, ATinyStopPassesALittleAndNothingIsNaN) {
+TEST(SlowPrescriptions, ATinyStopPassesALittleAndNothingIsNaN) {
   nlohmann::json json = read_json_file(shipped("phone_6p_4.2mm_f1.8"));
   json["surfaces"][0]["semi_diameter_mm"] = 1e-3;
   const Lens lens = read_lens(json, "tiny.json", "", 1.0);

@@ -69,7 +69,7 @@ double realised(const RenderScene& world, const CameraView& camera, const ErrorT
 /// leave 18 % of its error unsure, 24 tiles of the picture 4 %; the rest is room for drawing on the curve's last slope.
 constexpr double kOfItsTarget = 0.2;
 
-TEST(Adaptive, RealisesTheErrorThatItWasAskedFor) {
+TEST(SlowAdaptive, RealisesTheErrorThatItWasAskedFor) {
   const Scene scene = barred_wall();
   const RenderScene world(scene);
   const CameraView camera = phone_camera(0.8, kWidth, kHeight);

@@ -55,7 +55,7 @@ std::pair<float, float> range_of(const Scene& scene, const CameraView& camera, i
 
 // A box that is closed but for rounding keeps a sky of a million nits out, of the corners too, after two reflections
 // as well: not one of the 800 000 paths of each size gets out.
-TEST(Robustness, ClosedBoxesLetNothingIn) {
+TEST(SlowRobustness, ClosedBoxesLetNothingIn) {
   for (float half : {0.01f, 0.97f, 1.3e4f}) {
     Scene scene;
     scene.materials = {diffuse(0.9f)};

@@ -105,7 +105,7 @@ TEST(Sensor, MosaicAndViewsShareTheirPhotons) {
 // Per photosite over 100 frames: the temporal mean holds the pattern, whose deviation over the photosites is prnu (of
 // sensitivity) and dark_offset (of darkness). 16384 photosites: a deviation has a standard error of 0.55 %, to which
 // the temporal noise left in the means adds (taken out below); 3 % is five of these.
-TEST(Sensor, FixedPatternIsTheCamerasOwnAndStaysFromFrameToFrame) {
+TEST(SlowSensor, FixedPatternIsTheCamerasOwnAndStaysFromFrameToFrame) {
   SensorOptions sensor = fine_sensor();
   sensor.width_px = sensor.height_px = 128;
   sensor.prnu = 0.01;
