@@ -3,9 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <limits>
 #include <numbers>
@@ -413,30 +411,6 @@ TEST(Calibration, ReadsWhateverCameraACaptureMayHave) {
   EXPECT_EQ(read.camera.f_number, 1e6);
   EXPECT_EQ(read.camera.principal_point_px[0], -20);
   EXPECT_EQ(read.camera.principal_point_px[1], 5000);
-}
-
-TEST(SlowCalibrationSpeed, FlowUnder400MsAndCorrectionUnder2MsAt1344x504) {
-  const Texture texture(3, 1.0 / 48);
-  const Image left = textured(texture, 1344, 504, 0), right = textured(texture, 1344, 504, 1.2);
-  const auto best_ms = [](const auto& work) {
-    double best = kInfinity;
-    for (int i = 0; i < 5; ++i) {
-      const auto start = std::chrono::steady_clock::now();
-      work();
-      best =
-          std::min(best, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-    }
-    return best;
-  };
-  const double flow_ms = best_ms([&] { match_target(left, right); });
-  const Correction correction = make_correction(fit_calibration(test_camera(), sweep({0.8})), test_camera());
-  Image d(1344, 504, 1, 1.0f), confidence(1344, 504, 1, 1.0f);
-  const double correct_ms = best_ms([&] { correct_disparity(correction, d, confidence); });
-  RecordProperty("flow_ms", std::to_string(flow_ms));
-  RecordProperty("correct_ms", std::to_string(correct_ms));
-  std::printf("flow %.1f ms, correction %.2f ms\n", flow_ms, correct_ms);
-  EXPECT_LT(flow_ms, 400);
-  EXPECT_LT(correct_ms, 2);
 }
 
 }  // namespace
