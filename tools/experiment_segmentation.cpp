@@ -185,7 +185,7 @@ void write_results(const std::string& output, const nlohmann::ordered_json& json
 struct Means {
   std::size_t count = 0, without_face = 0;
   double iou = 0, filtered_iou = 0;              ///< over all
-  double iou_found = 0, filtered_iou_found = 0;  ///< over those with a face, as the following
+  double iou_found = 0, filtered_iou_found = 0;  ///< over those with a face, as the following; 0 of none
   double gradient_error = 0, filtered_gradient_error = 0;
 };
 
@@ -223,10 +223,14 @@ void run_pictures(const Command& command, pipeline::PersonNetwork& network, cons
   fmt::print("{:<34}{:>12}{:>12}\n", "", "network", "filtered");
   fmt::print("{:<34}{:12.4f}{:12.4f}\n", fmt::format("mean IoU, {} pictures", means.count), means.iou,
              means.filtered_iou);
-  fmt::print("{:<34}{:12.4f}{:12.4f}\n",
-             fmt::format("... where a face was found, {}", means.count - means.without_face), means.iou_found,
-             means.filtered_iou_found);
-  fmt::print("{:<34}{:12.6f}{:12.6f}\n", "gradient error there", means.gradient_error, means.filtered_gradient_error);
+  const std::size_t found = means.count - means.without_face;
+  if (found > 0) {
+    fmt::print("{:<34}{:12.4f}{:12.4f}\n", fmt::format("... where a face was found, {}", found), means.iou_found,
+               means.filtered_iou_found);
+    fmt::print("{:<34}{:12.6f}{:12.6f}\n", "gradient error there", means.gradient_error, means.filtered_gradient_error);
+  } else {
+    fmt::print("no face was found\n");
+  }
   if (command.output.empty()) return;
 
   nlohmann::ordered_json json = {{"format", "dualpixel-experiment-segmentation"},
@@ -236,12 +240,14 @@ void run_pictures(const Command& command, pipeline::PersonNetwork& network, cons
                                  {"count", means.count},
                                  {"without_face", means.without_face},
                                  {"mean_iou", means.iou},
-                                 {"mean_iou_filtered", means.filtered_iou},
-                                 {"mean_iou_where_found", means.iou_found},
-                                 {"mean_iou_filtered_where_found", means.filtered_iou_found},
-                                 {"gradient_error", means.gradient_error},
-                                 {"gradient_error_filtered", means.filtered_gradient_error},
-                                 {"pictures", nlohmann::ordered_json::array()}};
+                                 {"mean_iou_filtered", means.filtered_iou}};
+  if (found > 0) {
+    json["mean_iou_where_found"] = means.iou_found;
+    json["mean_iou_filtered_where_found"] = means.filtered_iou_found;
+    json["gradient_error"] = means.gradient_error;
+    json["gradient_error_filtered"] = means.filtered_gradient_error;
+  }
+  json["pictures"] = nlohmann::ordered_json::array();
   std::vector<double> iou;
   for (const Portrait& p : portraits) {
     iou.push_back(p.filtered_iou);
@@ -253,12 +259,14 @@ void run_pictures(const Command& command, pipeline::PersonNetwork& network, cons
     }
     json["pictures"].push_back(std::move(picture));
   }
-  const std::string body = fmt::format(
-      "<p>{} pictures, {} without a face. Mean IoU {:.4f}, {:.4f} after edge-aware filtering; {:.4f} and {:.4f} where "
-      "a "
-      "face was found. Gradient error there {:.6f}, {:.6f} filtered.</p>",
-      means.count, means.without_face, means.iou, means.filtered_iou, means.iou_found, means.filtered_iou_found,
-      means.gradient_error, means.filtered_gradient_error);
+  std::string body =
+      fmt::format("<p>{} pictures, {} without a face. Mean IoU {:.4f}, {:.4f} after edge-aware filtering", means.count,
+                  means.without_face, means.iou, means.filtered_iou);
+  if (found > 0) {
+    body += fmt::format("; {:.4f} and {:.4f} where a face was found. Gradient error there {:.6f}, {:.6f} filtered",
+                        means.iou_found, means.filtered_iou_found, means.gradient_error, means.filtered_gradient_error);
+  }
+  body += ".</p>";
   std::string worst;
   for (const std::size_t i : worst_of(iou)) {
     Portrait& p = portraits[i];

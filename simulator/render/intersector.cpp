@@ -229,7 +229,7 @@ namespace {
 /// How all scenes are built, those of shared meshes too.
 void commit(RTCDevice device, RTCScene scene) {
   // Without this flag one ray in a quarter of a million slips between the triangles of a closed box
-  // (Robustness.ClosedBoxesLetNothingIn); it costs 5 to 10 % of a render.
+  // (SlowRobustness.ClosedBoxesLetNothingIn); it costs 5 to 10 % of a render.
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
   // spatial splits: hair and leaves are long, thin and aslant, and rendering is far longer than building
   rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);

@@ -251,9 +251,11 @@ TEST(People, NothingInThePictureIsLowerThanItsLowest) {
 }
 
 TEST(SlowPeople, SamplesDoNotDependOnHowManyThereAre) {
-  const auto two = make_people_shard({.count = 2, .seed = 17, .composites = 2}, 0, 2);
-  ASSERT_EQ(two.size(), 2u);
-  for (std::size_t i = 0; i < two.size(); ++i) EXPECT_EQ(all_of(two[i]), all_of(few_samples()[i])) << i;
+  const auto four = make_people_shard({.count = 4, .seed = 17, .composites = 2}, 0, 4);
+  ASSERT_EQ(four.size(), 4u);
+  for (std::size_t i = 0; i < four.size(); ++i) EXPECT_EQ(all_of(four[i]), all_of(few_samples()[i])) << i;
+  EXPECT_FALSE(four[0].composite);
+  EXPECT_TRUE(four[3].composite);  // whose background is shared by a shard's
 }
 
 TEST(SlowPeople, SamplesOfOnePictureShareItAndNotTheirPeople) {
@@ -340,6 +342,25 @@ TEST(People, StrangePicturesAreMostlyOfNoParticularKindAndNeverHeldOut) {
     EXPECT_EQ(held_out[i], 0) << i;
   }
   EXPECT_FALSE(strange_held_out.strange());
+}
+
+TEST(SlowPeople, ThereAreStrangePicturesInTrainingSetsAlone) {
+  const auto strange_of = [](bool held_out) {
+    const auto samples = make_people_shard({.count = 16, .seed = 3, .held_out = held_out, .composites = 1}, 0, 16);
+    std::map<int, std::set<bool>> strange;  // of each figure, its rendering and its composites
+    for (const PeopleSample& s : samples) {
+      const bool is_strange = std::count(s.tags.begin(), s.tags.end(), "strange") == 1;
+      strange[s.picture_index / 2].insert(is_strange);
+    }
+    std::set<bool> seen;
+    for (const auto& [picture, kinds] : strange) {
+      EXPECT_EQ(kinds.size(), 1u) << picture;
+      seen.insert(kinds.begin(), kinds.end());
+    }
+    return seen;
+  };
+  EXPECT_EQ(strange_of(false), (std::set<bool>{false, true}));
+  EXPECT_EQ(strange_of(true), std::set<bool>{false});
 }
 
 TEST(People, LooksAreReflectancesWhereverTheyLie) {
@@ -474,6 +495,32 @@ TEST(People, WallsStandBehindRowsAndJumbles) {
   EXPECT_GE(walls, 10);
 }
 
+TEST(People, ThingsOfMixedPlacesStandBeforeTheirWalls) {
+  int walls = 0;
+  for (int seed = 0; seed < 400; ++seed) {
+    Stage stage;
+    Dice dice(seed, false);
+    dice.set_strange();
+    if (add_surroundings(stage, dice, 0.6f) != "place:mixed") continue;
+    const auto wall = std::find_if(stage.pieces.begin(), stage.pieces.end(), [](const Piece& piece) {
+      const float width_m = glm::distance(piece.positions[0], piece.positions[1]);
+      const bool studio = std::abs(width_m - 30) < 0.1f, painted = std::abs(width_m - 24) < 0.1f;
+      return piece.positions.size() == 4 && (studio || painted) && std::abs(piece.normals[0].y) < 0.5f;
+    });
+    if (wall == stage.pieces.end()) continue;
+    ++walls;
+    const vec3 at = wall->positions[0],
+               inwards = wall->normals[0] * (glm::dot(wall->normals[0], at) < 0 ? 1.0f : -1.0f);
+    for (const Piece& piece : stage.pieces) {
+      if (&piece == &*wall) continue;
+      float nearest_m = -1;
+      for (const vec3& p : piece.positions) nearest_m = std::max(nearest_m, glm::dot(p - at, inwards));
+      EXPECT_GT(nearest_m, 0.05f) << seed;
+    }
+  }
+  EXPECT_GE(walls, 10);
+}
+
 TEST(People, JointsKeepHumanLengths) {
   // Drillis & Contini 1966: upper arm .186 and forearm .146 (.332 in all), thigh .245, shank .246 of stature; every
   // pose moves hands and feet within reach, so no bone is stretched.
@@ -594,19 +641,29 @@ TEST(SlowPeople, AnEndedRunGoesOnWhereItWas) {
   EXPECT_EQ(folder.names().size(), 1u);  // nothing temporary is left
 }
 
-/// A body of one triangle with every joint: hands and feet are where the belly is, but they are there.
+/// A body of one triangle with every joint, the two sides' in the same places but for the eyes.
 std::string smallest_body(const std::string& tall = "17") {
-  std::string obj = "v 0 0 0\nv 1 0 0\nv 0 " + tall + " 0\nv 0.6 0 0\ng body\nf 1 2 3\n";
-  const auto joint = [&](const std::string& name, const char* corners) {
-    obj += "g joint-" + name + "\nf " + corners + "\n";
+  std::string obj = "v 0 0 0\nv 1 0 0\nv 0 " + tall + " 0\nv 0.6 0 0\n";
+  // from the fifth on: shoulder, elbow, hand, three knuckles (middle, first, last), upper leg, knee, ankle
+  obj += "v 0 14 0\nv 0 11 0\nv 0 8.5 0\nv 0 7.7 0\nv 0.3 7.7 0\nv -0.3 7.7 0\nv 0 9 0\nv 0 5 0\nv 0 1 0\n";
+  obj += "g body\nf 1 2 3\n";
+  const auto joint = [&](const std::string& name, int vertex) {
+    obj += fmt::format("g joint-{0}\nf {1} {1} {1}\n", name, vertex);
   };
-  joint("neck", "1 2 3");
-  joint("jaw", "1 2 3");
+  joint("neck", 5);
+  joint("jaw", 5);
   for (const std::string side : {"l-", "r-"}) {
-    joint(side + "eye", side == "l-" ? "1 1 1" : "4 4 4");
-    for (const char* name : {"shoulder", "elbow", "hand", "upper-leg", "knee", "ankle"}) joint(side + name, "1 2 3");
-    for (int i = 0; i < 12; ++i)
-      joint(side + "finger-" + std::to_string(i / 3 + 2) + "-" + std::to_string(i % 3 + 1), "1 2 3");
+    joint(side + "eye", side == "l-" ? 1 : 4);
+    joint(side + "shoulder", 5);
+    joint(side + "elbow", 6);
+    joint(side + "hand", 7);
+    joint(side + "upper-leg", 11);
+    joint(side + "knee", 12);
+    joint(side + "ankle", 13);
+    for (int finger = 2; finger <= 5; ++finger) {
+      for (int bone = 1; bone <= 3; ++bone)
+        joint(fmt::format("{}finger-{}-{}", side, finger, bone), finger == 2 ? 9 : finger == 5 ? 10 : 8);
+    }
   }
   return obj;
 }
@@ -641,6 +698,10 @@ TEST(People, BrokenMakeHumanAssetsAreRefusedByFileAndLine) {
   std::string wide = smallest_body();
   wide.replace(wide.find("v 1 0 0"), 7, "v 300 0 0");
   EXPECT_NE(message(wide, weights, "").find("reaches 30.00 m aside; up to 1.5 m"), std::string::npos);
+  std::string armless = good;
+  armless.replace(armless.find("v 0 11 0"), 8, "v 0 14 0");
+  EXPECT_NE(message(armless, weights, "").find("base.obj: from l-shoulder to l-elbow is 0.0000 m; 0.01 m or more"),
+            std::string::npos);
   for (const char* weight : {"-0.1", "1.5", "1e300"}) {
     EXPECT_NE(message(good, fmt::format(R"({{"weights": {{"head": [[0, {}]]}}}})", weight), "").find("0 to 1"),
               std::string::npos);
@@ -649,10 +710,10 @@ TEST(People, BrokenMakeHumanAssetsAreRefusedByFileAndLine) {
             std::string::npos);
   EXPECT_NE(message("v 0 0 0\n", weights, "").find("no group 'body'"), std::string::npos);
   EXPECT_NE(message(good, "{", "").find("default_weights.mhw"), std::string::npos);
-  EXPECT_NE(message(good, R"({"weights": {"head": [[4, 1.0]]}})", "").find("'head'"), std::string::npos);
+  EXPECT_NE(message(good, R"({"weights": {"head": [[13, 1.0]]}})", "").find("'head'"), std::string::npos);
   EXPECT_EQ(message(good, weights, "obj_file a.obj\nverts 0\n0\n"), "");
   EXPECT_NE(message(good, weights, "obj_file ../a.obj\nverts 0\n0\n").find("obj_file must name"), std::string::npos);
-  EXPECT_NE(message(good, weights, "obj_file a.obj\nverts 0\n4\n").find("a.mhclo:3"), std::string::npos);
+  EXPECT_NE(message(good, weights, "obj_file a.obj\nverts 0\n13\n").find("a.mhclo:3"), std::string::npos);
   EXPECT_NE(message(good, weights, "obj_file a.obj\nverts 0\n").find("0 vertices are fitted"), std::string::npos);
 }
 
@@ -684,10 +745,14 @@ TEST(People, MorphsThatMakeNoHumanAreRefused) {
     }
   };
   EXPECT_NE(message("1 500 0 0\n").find("m aside; up to 1.5 m"), std::string::npos);
-  EXPECT_NE(message("3 5 0 0\n").find("m apart; 0.02 to 0.2 m"), std::string::npos);
+  EXPECT_NE(message("3 5 0 0\n").find("m apart; 0.03 to 0.09 m"), std::string::npos);
   EXPECT_NE(message("2 0 50 0\n").find("0.4 to 3 m is allowed"), std::string::npos);
-  // the smallest body's joints are all in one place
-  EXPECT_NE(message("").find("from shoulder to elbow is 0.0000 m; 0.01 m or more"), std::string::npos);
+  // the elbow (its vertex is 5): by the shoulder, far from the body, too near to the shoulder
+  EXPECT_NE(message("5 0 3 0\n").find("from l-shoulder to l-elbow is 0.0000 m; 0.01 m or more"), std::string::npos);
+  EXPECT_NE(message("5 30 0 0\n").find("joint-l-elbow is at 3.00, 1.10, 0.00 m; at most 0.1 m outside the body"),
+            std::string::npos);
+  EXPECT_NE(message("5 0 2.5 0\n").find("from l-shoulder to l-elbow is 0.050 m, to l-hand 0.500 m; one may be 2 times"),
+            std::string::npos);
 }
 
 TEST(SlowPeople, MakeHumanFiguresStandWhereTheirJointsAre) {

@@ -168,6 +168,23 @@ TEST_F(SlowSegmentationExperiment, ScoresWhatItFinds) {
   EXPECT_GT(json["mean_iou_where_found"], 0.92);
   EXPECT_NEAR(json["mean_iou"].get<double>(), json["mean_iou_where_found"].get<double>() / 2, 1e-9);
   EXPECT_NE(read_bytes(folder / "out/segmentation.html").find("wall"), std::string::npos);
+  const nlohmann::json &face_png = json["pictures"][0], &wall_png = json["pictures"][1];
+  EXPECT_EQ(wall_png["faces"], 0);
+  EXPECT_TRUE(face_png.contains("gradient_error"));
+  EXPECT_FALSE(wall_png.contains("gradient_error"));  // of no mask
+}
+
+TEST_F(SlowSegmentationExperiment, WithoutAnyFaceThereIsNoMeanOfThoseFound) {
+  if (!pipeline::has_person_network() || !pipeline::has_face_detector()) GTEST_SKIP() << "built without";
+  write_picture(folder / "images/wall.png", Image(64, 48, 3, 0.2F));
+  write_png8(folder / "masks/wall.png", Image(64, 48, 1, 1));
+  const Outcome outcome = run();
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("no face was found"), std::string::npos);
+  EXPECT_EQ(outcome.out.find("gradient error"), std::string::npos);
+  const nlohmann::json json = nlohmann::json::parse(read_bytes(folder / "out/segmentation.json"));
+  EXPECT_EQ(json["mean_iou"], 0);
+  for (const char* name : {"mean_iou_where_found", "gradient_error"}) EXPECT_FALSE(json.contains(name)) << name;
 }
 
 TEST_F(SlowSegmentationExperiment, ScoresPeopleSets) {

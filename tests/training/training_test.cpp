@@ -436,6 +436,12 @@ TEST(SlowTraining, OtherRunsCheckpointsAreRefused) {
   EXPECT_NE(refusal(other).find("its held_out_hash"), std::string::npos);
   other.held_out = options.data;
   EXPECT_NE(refusal(other).find("/held_out: false"), std::string::npos);
+  Checkpoint older = read_checkpoint(options.output + "/checkpoint.pt");
+  older.recipe.erase("rate");
+  std::filesystem::create_directories(folder.path / "older");
+  write_checkpoint(older, folder.path.string() + "/older/checkpoint.pt");
+  EXPECT_NE(with([&](TrainOptions& o) { o.output = folder.path.string() + "/older"; }).find("without its rate"),
+            std::string::npos);
   const std::string checkpoint = read_file(options.output + "/checkpoint.pt");
   for (const std::size_t length : {std::size_t{0}, std::size_t{1000}, checkpoint.size() / 2}) {
     replace_file(options.output + "/checkpoint.pt", checkpoint.substr(0, length));

@@ -359,10 +359,13 @@ struct Morphed {
 };
 
 /// Hair and hats are meshed on cells of the head's size, so a body of no human size could want any amount of memory.
+constexpr float kLeastEyes_m = 0.03f, kMostEyes_m = 0.09f;
+
 void require_human_sizes(const Morphed& body, const std::string& whose) {
   const float eyes_m = glm::distance(body.joint("l-eye"), body.joint("r-eye"));
-  if (!(eyes_m >= 0.02f && eyes_m <= 0.2f)) {
-    throw InputError(fmt::format("{}: the eyes are {:.3f} m apart; 0.02 to 0.2 m is allowed", whose, eyes_m));
+  if (!(eyes_m >= kLeastEyes_m && eyes_m <= kMostEyes_m)) {
+    throw InputError(fmt::format("{}: the eyes are {:.3f} m apart; {} to {} m is allowed", whose, eyes_m, kLeastEyes_m,
+                                 kMostEyes_m));
   }
   for (const int v : body.assets->body.vertex) {
     const vec3 p = body.rest[static_cast<std::size_t>(v)];
@@ -373,26 +376,7 @@ void require_human_sizes(const Morphed& body, const std::string& whose) {
   }
 }
 
-/// Directions are taken along limbs and across hands.
-void require_limbs(const Morphed& body, const std::string& whose) {
-  constexpr const char* kLimbs[][2] = {
-      {"shoulder", "elbow"}, {"elbow", "hand"}, {"hand", "finger-3-1"}, {"upper-leg", "knee"}, {"knee", "ankle"}};
-  constexpr float kShortest_m = 0.01f;
-  const auto require = [&](float length_m, const std::string& what) {
-    if (length_m >= kShortest_m) return;
-    throw InputError(fmt::format("{}: {} is {:.4f} m; {} m or more is allowed", whose, what, length_m, kShortest_m));
-  };
-  for (int side = 0; side < 2; ++side) {
-    for (const auto& [from, to] : kLimbs) {
-      require(glm::distance(body.joint(side, from), body.joint(side, to)), fmt::format("from {} to {}", from, to));
-    }
-    const vec3 along = glm::normalize(body.joint(side, "finger-3-1") - body.joint(side, "hand"));
-    const vec3 across = body.joint(side, "finger-2-1") - body.joint(side, "finger-5-1");
-    require(glm::length(across - along * glm::dot(across, along)), "across a hand it");
-  }
-}
-
-void require_a_body(const MakeHumanAssets& assets, const std::string& path) {
+std::vector<std::string> joint_names() {
   std::vector<std::string> names = {"neck", "jaw"};
   for (const char* side : {"l-", "r-"}) {
     for (const char* joint : {"eye", "shoulder", "elbow", "hand", "upper-leg", "knee", "ankle"})
@@ -402,7 +386,55 @@ void require_a_body(const MakeHumanAssets& assets, const std::string& path) {
         names.push_back(fmt::format("{}finger-{}-{}", side, finger + 2, bone + 1));
     }
   }
-  for (const std::string& name : names) {
+  return names;
+}
+
+/// Directions are taken along limbs and across hands, and elbows and knees must bend: joints lie in or about the body,
+/// and the two bones of a limb are alike.
+void require_limbs(const Morphed& body, const std::string& whose) {
+  vec3 low(1e9f), high(-1e9f);
+  for (const int v : body.assets->body.vertex) {
+    low = glm::min(low, body.rest[static_cast<std::size_t>(v)]);
+    high = glm::max(high, body.rest[static_cast<std::size_t>(v)]);
+  }
+  constexpr float kAbout_m = 0.1f;
+  for (const std::string& name : joint_names()) {
+    const vec3 at = body.joint(name);
+    if (at == glm::clamp(at, low - kAbout_m, high + kAbout_m)) continue;
+    throw InputError(
+        fmt::format("{}: joint-{} is at {:.2f}, {:.2f}, {:.2f} m; at most {} m outside the body is allowed", whose,
+                    name, at.x, at.y, at.z, kAbout_m));
+  }
+
+  constexpr float kShortest_m = 0.01f, kMostUnlike = 2;
+  const auto require = [&](float length_m, const std::string& what) {
+    if (length_m >= kShortest_m) return;
+    throw InputError(fmt::format("{}: {} is {:.4f} m; {} m or more is allowed", whose, what, length_m, kShortest_m));
+  };
+  constexpr const char* kLimbs[][3] = {{"shoulder", "elbow", "hand"}, {"upper-leg", "knee", "ankle"}};
+  for (const std::string side : {"l-", "r-"}) {
+    const auto length_m = [&](const char* from, const char* to) {
+      return glm::distance(body.joint(side + from), body.joint(side + to));
+    };
+    for (const auto& [from, middle, to] : kLimbs) {
+      const float first_m = length_m(from, middle), second_m = length_m(middle, to);
+      require(first_m, fmt::format("from {0}{1} to {0}{2}", side, from, middle));
+      require(second_m, fmt::format("from {0}{1} to {0}{2}", side, middle, to));
+      if (std::max(first_m, second_m) <= kMostUnlike * std::min(first_m, second_m)) continue;
+      throw InputError(
+          fmt::format("{0}: from {1}{2} to {1}{3} is {4:.3f} m, to {1}{5} {6:.3f} m; one may be {7} times "
+                      "the other at most",
+                      whose, side, from, middle, first_m, to, second_m, kMostUnlike));
+    }
+    require(length_m("hand", "finger-3-1"), fmt::format("from {0}hand to {0}finger-3-1", side));
+    const vec3 along = glm::normalize(body.joint(side + "finger-3-1") - body.joint(side + "hand"));
+    const vec3 across = body.joint(side + "finger-2-1") - body.joint(side + "finger-5-1");
+    require(glm::length(across - along * glm::dot(across, along)), fmt::format("across {}hand it", side));
+  }
+}
+
+void require_a_body(const MakeHumanAssets& assets, const std::string& path) {
+  for (const std::string& name : joint_names()) {
     if (assets.joints.count("joint-" + name) == 0)
       throw InputError(fmt::format("{}: no group 'joint-{}'", printable(path), name));
   }
@@ -415,7 +447,9 @@ void require_a_body(const MakeHumanAssets& assets, const std::string& path) {
     throw InputError(fmt::format("{}: the body is {:.2f} m high; 1 to 2.5 m is allowed (a unit is 10 cm)",
                                  printable(path), high - low));
   }
-  require_human_sizes({assets.base, &assets}, printable(path));
+  const Morphed body{assets.base, &assets};
+  require_human_sizes(body, printable(path));
+  require_limbs(body, printable(path));
 }
 
 struct RestFrames {
@@ -521,12 +555,31 @@ Piece piece_of(const TexturedMesh& mesh, const std::vector<vec3>& posed, const s
   return piece;
 }
 
-/// One of a list; of two or more the last fifth, and one at least, is for held-out sets only.
-template <typename T>
-const T& one_of(Dice& dice, const std::vector<T>& list) {
-  const int n = static_cast<int>(list.size());
-  return list[n > 1 ? static_cast<std::size_t>(dice.choose(n, std::max(n / 5, 1))) : 0];
+/// One of a kind of asset, of the group that is wanted where this set has any of it (see makehuman.h); null where there
+/// is none of the kind.
+template <typename T, typename GroupOf>
+const T* one_of(Dice& dice, const std::vector<T>& kind, GroupOf group_of, int wanted) {
+  std::map<int, int> sizes, before;
+  for (const T& asset : kind) ++sizes[group_of(asset)];
+  std::vector<const T*> any, own, fitting;
+  for (const T& asset : kind) {
+    const int group = group_of(asset), n = sizes[group];
+    const bool held_out = n > 1 && before[group]++ >= n - std::max(n / 5, 1);
+    any.push_back(&asset);
+    if (held_out != dice.held_out()) continue;
+    own.push_back(&asset);
+    if (group == wanted) fitting.push_back(&asset);
+  }
+  const std::vector<const T*>& from = !fitting.empty() ? fitting : !own.empty() ? own : any;
+  return from.empty() ? nullptr : from[static_cast<std::size_t>(dice.below(static_cast<int>(from.size())))];
 }
+template <typename T>
+const T* one_of(Dice& dice, const std::vector<T>& kind) {
+  return one_of(
+      dice, kind, [](const T&) { return 0; }, 0);
+}
+
+bool is_for_women(const std::string& name) { return name.find("female") != std::string::npos; }
 
 /// A figure under way.
 struct Dressing {
@@ -756,14 +809,13 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
       morphed.rest[static_cast<std::size_t>(target.vertex[i])] += weight * target.offset[i];
   };
   constexpr const char* kOrigins[] = {"african", "asian", "caucasian"};
-  std::vector<const MakeHumanAssets::Skin*> fitting, any;
-  for (const MakeHumanAssets::Skin& one : assets.skins) {
-    any.push_back(&one);
-    const bool of_a_woman = one.name.find("female") != std::string::npos, of_the_old = one.name.starts_with("old");
-    if (of_a_woman != man && of_the_old == figure.body.old) fitting.push_back(&one);
-  }
-  if (fitting.empty()) fitting = any;
-  const MakeHumanAssets::Skin* skin = fitting.empty() ? nullptr : one_of(of_looks, fitting);
+  const auto sex_and_age = [](bool woman, bool old) { return (woman ? 1 : 0) + (old ? 2 : 0); };
+  const MakeHumanAssets::Skin* skin = one_of(
+      of_looks, assets.skins,
+      [&](const MakeHumanAssets::Skin& one) {
+        return sex_and_age(is_for_women(one.name), one.name.starts_with("old"));
+      },
+      sex_and_age(!man, figure.body.old));
   int origin = of_body.below(3);
   for (int i = 0; i < 3; ++i) {
     if (skin && skin->name.find(kOrigins[i]) != std::string::npos) origin = i;
@@ -885,13 +937,9 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
 
   // clothes, and the body where they do not hide it
   Dice of_clothes = dice.of(5);
-  std::vector<const FittedAsset*> suits;
-  for (const FittedAsset& asset : assets.clothes) {
-    const bool for_women = asset.name.find("female") != std::string::npos;
-    if (for_women != man) suits.push_back(&asset);
-  }
-  if (!suits.empty() && of_clothes.chance(0.5f)) {
-    const FittedAsset& suit = *one_of(of_clothes, suits);
+  if (!assets.clothes.empty() && of_clothes.chance(0.5f)) {
+    const FittedAsset& suit = *one_of(
+        of_clothes, assets.clothes, [](const FittedAsset& one) { return is_for_women(one.name) ? 1 : 0; }, man ? 0 : 1);
     Look look = dyed(suit, any_color(of_clothes), false);
     if (suit.texture && of_clothes.chance(0.5f)) look.a = vec3(of_clothes.in(0.6f, 1.3f));
     if (!suit.texture) look = cloth_look(of_clothes);
@@ -903,7 +951,7 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
     figure.tags.emplace_back("top:shell");
   }
   if (!assets.shoes.empty() && figure.skeleton.ankle[0].y > figure.lowest_m) {
-    const FittedAsset& shoes = one_of(of_clothes, assets.shoes);
+    const FittedAsset& shoes = *one_of(of_clothes, assets.shoes);
     add_fitted(dressing, shoes, dyed(shoes, any_color(of_clothes), false));
   }
   add_piece(
@@ -913,26 +961,24 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
 
   // eyes, brows, lashes
   Dice of_head = dice.of(6);
-  const auto any_of = [&](const std::vector<FittedAsset>& list) -> const FittedAsset* {
-    return list.empty() ? nullptr : &one_of(of_head, list);
-  };
-  if (const FittedAsset* eye = any_of(assets.eyes)) {
+  if (const FittedAsset* eye = one_of(of_head, assets.eyes)) {
     Look look;
     look.a = vec3(0.9f);
     look.gloss = 0.4f;
     look.gloss_power = 200;
     if (!assets.irises.empty()) {
       look.kind = Look::Kind::textured;
-      look.texture = one_of(of_head, assets.irises);
+      look.texture = *one_of(of_head, assets.irises);
     }
     add_fitted(dressing, *eye, look);
   }
-  if (const FittedAsset* brow = any_of(assets.brows))
+  if (const FittedAsset* brow = one_of(of_head, assets.brows))
     add_fitted(dressing, *brow, dyed(*brow, glm::min(hair_look.a, vec3(0.15f)), true));
-  if (const FittedAsset* lash = any_of(assets.lashes)) add_fitted(dressing, *lash, dyed(*lash, vec3(0.02f), true));
+  if (const FittedAsset* lash = one_of(of_head, assets.lashes))
+    add_fitted(dressing, *lash, dyed(*lash, vec3(0.02f), true));
 
   // hair: a fitted one, or ours, as large as the skull under it
-  const FittedAsset* cut = any_of(assets.hair);
+  const FittedAsset* cut = one_of(of_head, assets.hair);
   if (cut && of_head.chance(0.55f) && (!man || cut->name.rfind("short", 0) == 0 || of_head.chance(0.15f))) {
     Look look = dyed(*cut, hair_look.a, true);
     look.gloss = hair_look.gloss;
@@ -940,7 +986,7 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
     add_fitted(dressing, *cut, look);
     figure.tags.push_back("hair:" + cut->name);
     if (of_head.chance(0.12f)) {
-      if (const FittedAsset* hat = any_of(assets.hats)) {
+      if (const FittedAsset* hat = one_of(of_head, assets.hats)) {
         add_fitted(dressing, *hat, cloth_look(of_head), 0.004f);
         figure.tags.push_back("hat:" + hat->name);
       }
@@ -952,7 +998,8 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
       if (q.y < 0.03f * s) continue;
       reach = glm::max(reach, vec3(std::abs(q.x) / 0.078f, q.y / 0.136f, -q.z / 0.109f));
     }
-    figure.body.head_scale = std::min(std::max({reach.x, reach.y, reach.z}), 2 * s);  // whatever a morph made of it
+    // whatever a morph made of it
+    figure.body.head_scale = std::clamp(std::max({reach.x, reach.y, reach.z}), 0.7f * s, 1.5f * s);
     add_hair_and_hat(stage, figure, dice.of(7));
     figure.body.head_scale = s;
   }

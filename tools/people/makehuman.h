@@ -11,8 +11,10 @@
 /// targets and skinning weights, and hair, clothes, eyes, brows and lashes that are fitted to it. Nothing of theirs is
 /// in the program: the folder is the user's, and must hold 3dobjs/base.obj, targets/, rigs/default_weights.mhw, and may
 /// hold skins/, hair/, clothes/, eyes/, eyebrows/, eyelashes/ (what lacks its texture is dyed plain, hair left out).
-/// Of each kind of thing that there are two or more of, the last fifth by name (one at least) is for held-out sets
-/// only. All throws InputError with the file, the line and what is wrong with it.
+/// Of what stands in for each other (skins of one sex and age, suits of one sex, all else of its kind) and is not
+/// alone, the last fifth by name, one at least, is for held-out sets only, and the rest for training's. Where a set has
+/// none that suits, it takes any of its own of that kind; one of a kind is in both. All throws InputError with the
+/// file, the line and what is wrong with it; bodies that targets make, with the folder of those.
 namespace dualpixel::tools {
 
 /// Faces with corners that have a place and a texture coordinate: corners are split where texture coordinates differ.

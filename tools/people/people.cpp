@@ -133,7 +133,6 @@ Sitting take_sitting(Dice dice, const MakeHumanAssets* makehuman) {
   if (dice.of(8).chance(kStrangeShare)) dice.set_strange();
   Sitting sitting;
   sitting.strange = dice.strange();
-  if (sitting.strange) sitting.tags.emplace_back("strange");
   Dice plan = dice.of(1);
   const Size size = any_size(plan);
   // head's share of the picture's height: close, portrait, half body, full body
@@ -437,6 +436,7 @@ std::vector<PeopleSample> make_people_shard(const PeopleOptions& options, int sh
         Dice own = picture.of(7);
         out[k].seed = own.seed();
         if (!out[k].composite) out[k].tags.insert(out[k].tags.end(), sitting.tags.begin(), sitting.tags.end());
+        if (sitting.strange) out[k].tags.emplace_back("strange");
       }
     });
     for (auto& several : made) {

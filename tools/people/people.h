@@ -18,7 +18,7 @@ namespace dualpixel::tools {
 
 inline constexpr int kMostPeople = 5, kShardSamples = 512;
 /// Raised whenever the same options give other samples.
-inline constexpr int kTrainingGenerator = 7, kHeldOutGenerator = 2;
+inline constexpr int kTrainingGenerator = 8, kHeldOutGenerator = 2, kHeldOutMakeHumanGenerator = 3;
 
 class MakeHumanAssets;
 

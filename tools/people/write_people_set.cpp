@@ -24,7 +24,10 @@ int samples_of_shard(const PeopleOptions& options, int shard) {
   return std::min(kShardSamples, options.count - shard * kShardSamples);
 }
 
-int generator_of(const PeopleOptions& options) { return options.held_out ? kHeldOutGenerator : kTrainingGenerator; }
+int generator_of(const PeopleOptions& options) {
+  if (!options.held_out) return kTrainingGenerator;
+  return options.makehuman ? kHeldOutMakeHumanGenerator : kHeldOutGenerator;
+}
 
 /// What a shard was made from, and so whether it need not be made again.
 nlohmann::ordered_json shard_recipe(const PeopleOptions& options, int shard) {

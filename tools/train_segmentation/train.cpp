@@ -183,14 +183,22 @@ Checkpoint start_of(const TrainOptions& options, const std::string& path, const 
     Checkpoint state = read_checkpoint(path);
     const bool fine_tunes = !options.fine_tune.empty();
     const Json wanted = recipe_of(options, fine_tunes ? state.network->shape : options.shape, set, held_out, threads);
+    if (state.recipe.contains("prune") != fine_tunes) {
+      throw InputError(printable(path) + ": is of another run: one that fine-tuned, or did not");
+    }
     for (const auto& [name, value] : wanted.items()) {
-      const Json was = state.recipe.value(name, Json());
+      if (!state.recipe.contains(name)) {
+        throw InputError(
+            fmt::format("{}: an older program wrote it, without its {}: it can be fine-tuned from "
+                        "(--fine-tune), not gone on with",
+                        printable(path), name));
+      }
+      const Json was = state.recipe[name];
       if (was == value) continue;
       throw InputError(fmt::format("{}: is of another run: its {} is {}, not {}; give that to go on with it",
                                    printable(path), name, printable(was.dump()), value.dump()));
     }
-    if (state.recipe.size() == wanted.size()) return state;
-    throw InputError(printable(path) + ": is of another run: one that fine-tuned, or did not");
+    return state;
   }
   if (std::filesystem::exists(path)) {
     throw InputError(printable(options.output) + ": holds a run; go on with it by --resume, or name another folder");
