@@ -196,8 +196,8 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
       expect_stages();
       result.warnings.emplace_back(
           found.detected.empty() ? "no face found: blurred in mode dp, by disparity alone"
-                                 : "no face is large enough to be the subject's: blurred in mode dp, by disparity "
-                                   "alone");
+                                 : "no face is large enough to be the subject's, or nobody is seen about it: blurred "
+                                   "in mode dp, by disparity alone");
     } else {
       require_mask(found.mask);
     }

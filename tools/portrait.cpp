@@ -204,7 +204,7 @@ void run(const PortraitCommand& command) {
   options.tap = known.tap;
   if (find_people) {
     std::vector<pipeline::Face> seeds = known.faces;
-    if (known.tap) seeds.push_back(*known.tap);
+    if (known.tap && seeds.empty()) seeds.push_back(*known.tap);
     if (seeds.empty() && !pipeline::has_face_detector()) {
       throw InputError(
           fmt::format("--mode {}: this build has no face detector (dlib): give --face, --tap or --mask", command.mode));

@@ -472,6 +472,17 @@ TEST(FindPeople, GivenFacesWin) {
   EXPECT_EQ(found.mask.data, person_mask(picture, {small}, network).data);
 }
 
+TEST(FindPeople, WhereNobodyIsSeenNobodyIsFound) {
+  NEEDS_NETWORK();
+  NetworkWeights weights = face_follower();
+  weights.layers["mask0.sub_pixels"].bias.assign(4, -17);  // the toy's mask is at most 1 / (1 + e) now
+  PersonNetwork network(weights);
+  const FoundPeople found = find_people(Image(320, 240, 3, 0.2F), {{100, 100, 40, 40}}, network);
+  EXPECT_TRUE(found.faces.empty());
+  EXPECT_TRUE(found.mask.empty());
+  EXPECT_EQ(found.detected.size(), 1U);
+}
+
 TEST(FindPeople, FindsWhoIsThereAndLeavesBystandersOut) {
   NEEDS_NETWORK();
   NEEDS_FACES();
