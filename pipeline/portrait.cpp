@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "capture/error.h"
@@ -188,17 +189,17 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
   FoundPeople found;
   if (find) {
     found = stage("people", [&] { return options.find_people(result.input); });
-    result.faces = found.faces;
     if (faces.empty()) faces = found.faces.empty() ? found.detected : found.faces;
-    if (found.faces.empty()) {
+    if (!anybody_seen(found)) {
       if (result.mode == Mode::seg) prepare_correction();
       result.mode = Mode::dp;
       expect_stages();
-      result.warnings.emplace_back(
-          found.detected.empty() ? "no face found: blurred in mode dp, by disparity alone"
-                                 : "no face is large enough to be the subject's, or nobody is seen about it: blurred "
-                                   "in mode dp, by disparity alone");
+      const std::string_view why = found.detected.empty() ? "no face found"
+                                   : found.faces.empty()  ? "no face is large enough to be the subject's"
+                                                          : "nobody is seen about the face";
+      result.warnings.push_back(fmt::format("{}: blurred in mode dp, by disparity alone", why));
     } else {
+      result.faces = found.faces;
       require_mask(found.mask);
     }
   }

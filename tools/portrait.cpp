@@ -211,7 +211,7 @@ void run(const PortraitCommand& command) {
     }
     options.find_people = [&, seeds](const Image& picture) {
       pipeline::FoundPeople found = people_in(picture, seeds, turned, *network);
-      if (found.faces.empty() && !plain) require_matchable(capture.camera, command.capture, "/camera/dp_downsample_x");
+      if (!anybody_seen(found) && !plain) require_matchable(capture.camera, command.capture, "/camera/dp_downsample_x");
       return found;
     };
   }

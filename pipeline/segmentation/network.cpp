@@ -1,6 +1,7 @@
 #include "pipeline/segmentation/network.h"
 
 #include "capture/error.h"
+#include "capture/files.h"
 
 #ifdef DUALPIXEL_ONEDNN
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <cstring>
 #include <oneapi/dnnl/dnnl.hpp>
+#include <string>
 #include <unordered_map>
 #include <utility>
 
@@ -64,7 +66,11 @@ int side_of(const memory& m) { return static_cast<int>(m.get_desc().dims()[2]); 
 
 struct PersonNetwork::Layers {
   Layers(const NetworkWeights& weights, int threads_, Precision precision)
-      : threads(threads_), layout(layout_of(precision)), engine(dnnl::engine::kind::cpu, 0), stream(engine) {
+      : threads(threads_),
+        file(weights.file),
+        layout(layout_of(precision)),
+        engine(dnnl::engine::kind::cpu, 0),
+        stream(engine) {
     const auto layer = [&](const std::string& name) -> const ConvWeights& { return weights.layers.at(name); };
     input =
         memory({{1, 4, kNetworkSize_px, kNetworkSize_px}, memory::data_type::f32, memory::format_tag::nchw}, engine);
@@ -148,6 +154,7 @@ struct PersonNetwork::Layers {
   }
 
   int threads;
+  std::string file;  ///< the weights'
   Layout layout;
   dnnl::engine engine;
   dnnl::stream stream;
@@ -197,7 +204,8 @@ Image PersonNetwork::operator()(const Image& input) {
   for (int y = 0; y < kNetworkSize_px; ++y) {
     for (int x = 0; x < kNetworkSize_px; ++x) {
       const float logit = logits[(y / 2 * kHalf + x / 2) * layers_->layout.logits_stride + 2 * (y % 2) + x % 2];
-      if (!std::isfinite(logit)) throw InputError("person network: its weights give results that are not finite");
+      if (!std::isfinite(logit))
+        throw InputError(printable(layers_->file) + ": its weights give results that are not finite");
       mask.at(x, y) = 1 / (1 + std::exp(-logit));
     }
   }

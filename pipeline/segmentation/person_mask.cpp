@@ -93,14 +93,13 @@ FoundPeople find_people(const Image& linear_rgb, const std::vector<Face>& given,
   std::stable_sort(found.detected.begin(), found.detected.end(),
                    [](const Face& a, const Face& b) { return a.area() > b.area(); });
   found.faces = given.empty() ? seed_faces(found.detected, linear_rgb.width, linear_rgb.height) : found.detected;
-  if (found.faces.empty()) return found;
-  found.mask = person_mask(linear_rgb, found.faces, network);
-  const std::vector<float>& shares = found.mask.data;
-  if (std::none_of(shares.begin(), shares.end(), [](float share) { return share > 0.5F; })) {
-    found.faces.clear();  // at the face that was given nobody is seen
-    found.mask = {};
-  }
+  if (!found.faces.empty()) found.mask = person_mask(linear_rgb, found.faces, network);
   return found;
+}
+
+bool anybody_seen(const FoundPeople& found) {
+  const std::vector<float>& shares = found.mask.data;
+  return std::any_of(shares.begin(), shares.end(), [](float share) { return share > 0.5F; });
 }
 
 }  // namespace dualpixel::pipeline

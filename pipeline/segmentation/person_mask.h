@@ -27,12 +27,15 @@ Image network_input(const Image& linear_rgb, const Face& face);
 Image person_mask(const Image& linear_rgb, const std::vector<Face>& faces, PersonNetwork& network);
 
 struct FoundPeople {
-  std::vector<Face> faces;     ///< that seeded the mask, largest first; none: nobody was found (no pixel above .5)
+  std::vector<Face> faces;     ///< that seeded the mask, largest first; none: nobody was found
   Image mask;                  ///< person_mask's; empty where nobody was found
   std::vector<Face> detected;  ///< those given, or all that find_faces found, bystanders' too; largest first
 };
 
 /// With the faces given, or else with those that find_faces and seed_faces leave.
 FoundPeople find_people(const Image& linear_rgb, const std::vector<Face>& given, PersonNetwork& network);
+
+/// Whether any pixel is likelier somebody's than not: a face given where nobody is may leave a mask without one.
+bool anybody_seen(const FoundPeople& found);
 
 }  // namespace dualpixel::pipeline

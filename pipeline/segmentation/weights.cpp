@@ -183,6 +183,7 @@ NetworkWeights parse_weights(std::string_view bytes, const std::string& file) {
   }
   if (!tensors.empty())
     fail(file, fmt::format("tensor {}: is no part of a person network", printable(tensors.begin()->first)));
+  weights.file = file;
   weights.file_hash = hash_of(bytes);
   return weights;
 }

@@ -24,6 +24,7 @@ struct NetworkWeights {
   int fine_channels = 0;           ///< at 128 x 128
   std::vector<int> unet_channels;  ///< at 64, 32, 16 and 8 px
   std::map<std::string, ConvWeights> layers;
+  std::string file;       ///< that they were read from, for messages
   std::string file_hash;  ///< of the file that they were read from (capture/files.h): which network it was
 };
 

@@ -305,6 +305,14 @@ TEST(Portrait, WhereNobodyIsFoundDisparityDoes) {
     const std::vector<std::string> warnings = run_portrait(capture, options).warnings;
     ASSERT_EQ(warnings.size(), 1U);
     EXPECT_NE(warnings[0].find("no face is large enough"), std::string::npos);
+    // a face about which the network sees nobody
+    const Face face = {200, 120, 20, 20};
+    options.find_people = [&](const Image&) { return FoundPeople{{face}, Image(256, 256, 1, 0.5F), {face}}; };
+    const PortraitResult unseen = run_portrait(capture, options);
+    EXPECT_EQ(unseen.mode, Mode::dp);
+    EXPECT_TRUE(unseen.faces.empty());
+    ASSERT_EQ(unseen.warnings.size(), 1U);
+    EXPECT_NE(unseen.warnings[0].find("nobody is seen about the face"), std::string::npos);
   }
 }
 

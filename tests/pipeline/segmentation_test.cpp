@@ -472,15 +472,28 @@ TEST(FindPeople, GivenFacesWin) {
   EXPECT_EQ(found.mask.data, person_mask(picture, {small}, network).data);
 }
 
-TEST(FindPeople, WhereNobodyIsSeenNobodyIsFound) {
+TEST(PersonNetwork, WeightsThatOverflowAreNamed) {
   NEEDS_NETWORK();
   NetworkWeights weights = face_follower();
-  weights.layers["mask0.sub_pixels"].bias.assign(4, -17);  // the toy's mask is at most 1 / (1 + e) now
+  weights.file = "a file";
+  for (auto& layer : weights.layers) std::fill(layer.second.weight.begin(), layer.second.weight.end(), 1e30F);
   PersonNetwork network(weights);
-  const FoundPeople found = find_people(Image(320, 240, 3, 0.2F), {{100, 100, 40, 40}}, network);
-  EXPECT_TRUE(found.faces.empty());
-  EXPECT_TRUE(found.mask.empty());
-  EXPECT_EQ(found.detected.size(), 1U);
+  const std::string error = error_of([&] { network(Image(kNetworkSize_px, kNetworkSize_px, 4, 0.5F)); });
+  EXPECT_EQ(error.rfind("a file: ", 0), 0U) << error;
+}
+
+TEST(FindPeople, SaysWhetherAnybodyIsSeen) {
+  NEEDS_NETWORK();
+  const auto seen = [](float bias) {
+    NetworkWeights weights = face_follower();
+    weights.layers["mask0.sub_pixels"].bias.assign(4, bias);
+    PersonNetwork network(weights);
+    return anybody_seen(find_people(Image(320, 240, 3, 0.2F), {{100, 100, 40, 40}}, network));
+  };
+  // the toy's logits reach 16 and the bias
+  EXPECT_TRUE(seen(-15));
+  EXPECT_FALSE(seen(-17));
+  EXPECT_FALSE(anybody_seen({}));
 }
 
 TEST(FindPeople, FindsWhoIsThereAndLeavesBystandersOut) {
