@@ -17,6 +17,7 @@
 #include "tools/train_segmentation/evaluate.h"
 #include "tools/train_segmentation/export.h"
 #include "tools/train_segmentation/train.h"
+#include "tools/train_segmentation/unfold.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -75,6 +76,38 @@ TEST(Export, FoldingChangesNoMask) {
   // sigmoid takes a quarter.
   EXPECT_LT((masks_of(network, input) - before).abs().max().item<double>(), 2 * 47 * 864 * 0x1p-25 / 4);
   EXPECT_GT((before.max() - before.min()).item<double>(), 0.2);
+}
+
+TEST(Unfold, MasksStayInEvaluationAndAreTheSameInTraining) {
+  Network network = trained({});
+  const torch::Tensor input = torch::rand({4, 4, 64, 64}) - 0.5;
+  const pipeline::NetworkWeights weights = pipeline::parse_weights(safetensors(folded_layers(network)), "weights");
+  Network again = unfolded(weights, input, 3);
+  const torch::Tensor masks = masks_of(again, input);
+  // what folding and 16 bits change: of each number a part of 2^-11, which adds up like noise over 47 layers
+  EXPECT_LT((masks - masks_of(network, input)).abs().max().item<double>(), 47 * 0x1p-11 / 4);
+  EXPECT_GT((masks.max() - masks.min()).item<double>(), 0.2);
+  const torch::NoGradGuard no_gradients;
+  again->train();
+  const std::vector<StageOutput> outputs = again->forward(input);
+  // statistics of those very pictures: rounding alone differs, as in FoldingChangesNoMask
+  EXPECT_LT((outputs.back().mask.sigmoid() - masks).abs().max().item<double>(), 2 * 47 * 864 * 0x1p-25 / 4);
+  EXPECT_EQ(outputs[0].mask.abs().max().item<double>(), 0);
+  for (const auto& item : again->named_parameters()) {
+    const std::string& name = item.key();
+    if (name.find("conv.weight") == std::string::npos || name.find("mask0") == 0 || name.find("mask1") == 0) continue;
+    const torch::Tensor norms = item.value().flatten(1).norm(2, 1);
+    EXPECT_NEAR(norms.min().item<double>(), std::sqrt(2), 1e-5) << name;
+    EXPECT_NEAR(norms.max().item<double>(), std::sqrt(2), 1e-5) << name;
+  }
+}
+
+TEST(Unfold, OtherWidthsAreRefused) {
+  NetworkShape shape;
+  shape.fine_channels = 8;
+  Network network = trained(shape);
+  const pipeline::NetworkWeights weights = pipeline::parse_weights(safetensors(folded_layers(network)), "weights");
+  EXPECT_THROW(unfolded(weights, torch::zeros({1, 4, 64, 64}), 1), InputError);
 }
 
 TEST(SlowExport, InferenceEqualsTraining) {
@@ -501,6 +534,15 @@ TEST(SlowTraining, FineTuningResumesAndBaselinesTrain) {
   train(fine, never);
   EXPECT_EQ(read_file(folder.path.string() + "/whole/person.safetensors"),
             read_file(folder.path.string() + "/parts/person.safetensors"));
+
+  fine.fine_tune = fine.output + "/person.safetensors";  // the 48 samples' weights, gone on with
+  fine.resume = false;
+  fine.output = folder.path.string() + "/further";
+  train(fine, [](std::uint64_t samples) { return samples >= 16; });
+  fine.resume = true;
+  train(fine, never);
+  fine.fine_tune = folder.path.string() + "/train/people.json";
+  EXPECT_THROW(train(fine, never), InputError);
 
   options = toy_options(folder.path.string(), "fcn");
   options.samples = 16;

@@ -56,7 +56,8 @@ int main(int argc, char** argv) {
   CLI::Option* const fine_tune =
       program
           .add_option("--fine-tune", options.fine_tune,
-                      "Second phase: start from this run, without pose loss and without the samples it is worst at")
+                      "Second phase: start from this run, or from exported weights (person.safetensors), without pose "
+                      "loss and without the samples it is worst at")
           ->excludes(stages, pose, fcn, half_size)
           ->type_name("RUN");
   program.add_option("--prune", options.prune, "Share of the samples that the second phase leaves out")

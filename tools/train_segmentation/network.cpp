@@ -20,8 +20,21 @@ ConvImpl::ConvImpl(int in, int out, int kernel, int stride, bool relu_) : relu(r
 }
 
 torch::Tensor ConvImpl::forward(const torch::Tensor& x) {
-  torch::Tensor y = norm(conv(x));
+  const torch::Tensor z = conv(x);
+  if (adopts) adopt_statistics(z);
+  torch::Tensor y = norm(z);
   return relu ? y.relu_() : y;
+}
+
+void ConvImpl::adopt_statistics(const torch::Tensor& z) {
+  const torch::NoGradGuard no_gradients;
+  const torch::Tensor mean = z.mean({0, 2, 3}), variance = z.var({0, 2, 3}, false);
+  const double eps = norm->options.eps();
+  const torch::Tensor slope = norm->weight / (norm->running_var + eps).sqrt();
+  norm->bias.add_(slope * (mean - norm->running_mean));
+  norm->weight.copy_(slope * (variance + eps).sqrt());
+  norm->running_mean.copy_(mean);
+  norm->running_var.copy_(variance);
 }
 
 UNetImpl::UNetImpl(const NetworkShape& shape) {

@@ -37,10 +37,14 @@ struct NetworkShape {
 struct ConvImpl : torch::nn::Module {
   ConvImpl(int in, int out, int kernel, int stride, bool relu);
   torch::Tensor forward(const torch::Tensor& x);
+  /// Makes the normalisation's statistics those of the convolution's results `z`; in evaluation, the layer's results
+  /// stay as they were.
+  void adopt_statistics(const torch::Tensor& z);
 
   torch::nn::Conv2d conv{nullptr};
   torch::nn::BatchNorm2d norm{nullptr};
   bool relu;
+  bool adopts = false;  ///< forward() adopts the statistics of what it sees
 };
 TORCH_MODULE(Conv);
 

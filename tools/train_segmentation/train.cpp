@@ -22,6 +22,7 @@
 #include "tools/train_segmentation/checkpoint.h"
 #include "tools/train_segmentation/evaluate.h"
 #include "tools/train_segmentation/export.h"
+#include "tools/train_segmentation/unfold.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -35,6 +36,7 @@ constexpr double kIouFloor_px = 8;  // a few pixels more or less of somebody har
 constexpr double kPeakRate = 3e-3, kFineTuneRate = 3e-4, kLastRate = 1e-6, kWarmUp = 0.05;
 constexpr double kCheckpointEvery_s = 300;
 constexpr std::size_t kWatchedHeldOut = 320;  // of the held-out samples, at each checkpoint; the end takes them all
+constexpr std::size_t kMeasured = 64;         // samples, for the statistics that exported weights lack
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -132,13 +134,6 @@ std::string chart_page(const Json& points) {
                        svg_plot(iou) + svg_plot(gradient) + "</div>");
 }
 
-/// Evenly spread indices, all where there are no more than `most`.
-std::vector<std::size_t> spread(std::size_t count, std::size_t most) {
-  std::vector<std::size_t> indices(std::min(count, most));
-  for (std::size_t i = 0; i < indices.size(); ++i) indices[i] = i * count / indices.size();
-  return indices;
-}
-
 /// Loss since the last checkpoint, means over batches.
 struct Tally {
   double mask = 0, pose = 0;
@@ -148,6 +143,22 @@ struct Tally {
 double peak_rate(const TrainOptions& options) {
   if (options.rate > 0) return options.rate;
   return options.fine_tune.empty() ? kPeakRate : kFineTuneRate;
+}
+
+/// Evenly spread indices, all where there are no more than `most`.
+std::vector<std::size_t> spread(std::size_t count, std::size_t most) {
+  std::vector<std::size_t> indices(std::min(count, most));
+  for (std::size_t i = 0; i < indices.size(); ++i) indices[i] = i * count / indices.size();
+  return indices;
+}
+
+/// What phase two starts from.
+Network first_network(const TrainOptions& options, const PeopleSet& set) {
+  if (!std::filesystem::is_regular_file(options.fine_tune)) {
+    return read_checkpoint(options.fine_tune + "/checkpoint.pt").network;
+  }
+  const Batch batch = plain_batch(set, spread(set.size(), kMeasured), false);
+  return unfolded(pipeline::read_weights(options.fine_tune), batch.input, options.seed);
 }
 
 /// What the weights and their scores depend on.
@@ -169,7 +180,7 @@ Json recipe_of(const TrainOptions& options, const NetworkShape& shape, const Peo
   if (options.fine_tune.empty()) {
     recipe["half_size"] = options.half_size;
   } else {
-    Network first = read_checkpoint(options.fine_tune + "/checkpoint.pt").network;
+    Network first = first_network(options, set);
     recipe["fine_tuned_weights_hash"] = weights_hash(first);
     recipe["prune"] = options.prune;
   }
@@ -207,7 +218,7 @@ Checkpoint start_of(const TrainOptions& options, const std::string& path, const 
   if (options.fine_tune.empty()) {
     state = new_checkpoint(options.shape, options.seed);
   } else {
-    state.network = read_checkpoint(options.fine_tune + "/checkpoint.pt").network;
+    state.network = first_network(options, set);
     forget_optimiser(state);
   }
   state.recipe = recipe_of(options, state.network->shape, set, held_out, threads);
@@ -236,7 +247,7 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
   if (kept.empty()) throw InputError("--no-composites: there is nothing else in the data");
   if (fine_tune && options.prune > 0) {
     // by the first phase's network, also where the second is gone on with
-    Network judge = options.resume ? read_checkpoint(options.fine_tune + "/checkpoint.pt").network : state.network;
+    Network judge = options.resume ? first_network(options, set) : state.network;
     kept = kept_samples(judge, set, kept, options.prune);
   }
   Json log = {{"data", options.data},

@@ -32,8 +32,8 @@ struct TrainOptions {
   std::uint64_t seed = 1;
   bool bf16 = false;  ///< convolutions in 16-bit floats, all else in f32: faster where the processor has AMX
   int threads = 0;    ///< 0: as many as there are cores
-  /// Phase two: starts from this run's weights, without pose loss and without the samples that it is worst at; at full
-  /// size throughout.
+  /// Phase two: starts from this run's weights, or from a safetensors file's (unfold.h), without pose loss and without
+  /// the samples that it is worst at; at full size throughout.
   std::string fine_tune;
   double rate = 0;             ///< the learning rate at its peak; 0: 3e-3, and 3e-4 in phase two
   double prune = 149.0 / 660;  ///< share of the samples, by largest inner error: as the paper's 660 k became 511 k
