@@ -17,6 +17,7 @@
 #include "simulator/scene/gltf.h"
 #include "tools/calibration_page.h"
 #include "tools/commands.h"
+#include "tools/people/read_people_set.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -127,13 +128,31 @@ json describe_calibration(const std::string& path) {
           {"warnings", calibration.warnings}};
 }
 
+json describe_people(const std::string& path) {
+  const nlohmann::json document = read_json_file(path + "/people.json");
+  const bool held_out = document.is_object() && document.contains("held_out") && document["held_out"] == true;
+  const PeopleSet set({path}, held_out);
+  std::size_t composites = 0, groups = 0;
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    composites += set[i].composite;
+    groups += set[i].people > 1;
+  }
+  json description = {{"kind", "people set"}};
+  for (const auto& [key, value] : document.items()) description[key] = value;
+  description["composite_samples"] = composites;
+  description["samples_of_groups"] = groups;
+  return description;
+}
+
 json describe(const std::string& path) {
   std::error_code error;
   if (fs::is_directory(path, error)) {
     if (fs::exists(path + "/capture.json", error)) return describe_capture(path);
     if (fs::exists(path + "/result.json", error)) return describe_json(path + "/result.json");
     if (fs::exists(path + "/calibration.json", error)) return describe_calibration(path);
-    throw InputError(printable(path) + ": is a folder without capture.json, result.json or calibration.json");
+    if (fs::exists(path + "/people.json", error)) return describe_people(path);
+    throw InputError(printable(path) +
+                     ": is a folder without capture.json, result.json, calibration.json or people.json");
   }
   char head[4] = {};
   std::ifstream(path, std::ios::binary).read(head, sizeof(head));
@@ -167,8 +186,9 @@ void add_info(CLI::App& program) {
   CLI::App* command = program.add_subcommand("info", "Say what a file or folder is, and verify it");
   const auto options = std::make_shared<InfoOptions>();
   command
-      ->add_option("path", options->path,
-                   "Capture, result or calibration folder, scene or lens JSON, glTF file or picture")
+      ->add_option(
+          "path", options->path,
+          "Folder of a capture, a result, a calibration or a people set; scene or lens JSON, glTF file or picture")
       ->required();
   command->add_option("-o,--output", options->page, "Write a page with the lines and maps of a calibration")
       ->type_name("PAGE.html");

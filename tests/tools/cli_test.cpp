@@ -1,12 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "capture/capture.h"
 #include "capture/image_io.h"
 #include "tests/capture/temporary_folder.h"
 #include "tests/tools/run_program.h"
+#include "tests/tools/toy_people.h"
 
 namespace dualpixel {
 namespace {
@@ -111,6 +113,23 @@ TEST(CliInfo, TellsALensFromOtherJsonAndVerifiesIt) {
     EXPECT_EQ(nlohmann::json::parse(info.out)["kind"], "lens");
   }
   expect_one_line_refusal(run_program("info '" + (folder / "bad.json") + "'"));
+}
+
+TEST(CliInfo, DescribesAPeopleSet) {
+  const TemporaryFolder folder;
+  for (const bool held_out : {false, true}) {
+    tools::write_toy_people(folder / "set", 3, 1, held_out);
+    const Outcome info = run_program("info --json '" + (folder / "set") + "'");
+    ASSERT_EQ(info.status, 0) << info.err;
+    const auto set = nlohmann::json::parse(info.out);
+    EXPECT_EQ(set["kind"], "people set");
+    EXPECT_EQ(set["count"], 3);
+    EXPECT_EQ(set["held_out"], held_out);
+    EXPECT_EQ(set["composite_samples"], 0);
+    EXPECT_EQ(set["samples_of_groups"], 0);
+  }
+  std::filesystem::remove(folder / "set/shard_00000/masks.npy");
+  expect_one_line_refusal(run_program("info '" + (folder / "set") + "'"));
 }
 
 TEST(Cli, BinaryGltfInPlaceOfASceneFileIsNamedAsThat) {

@@ -608,12 +608,26 @@ TEST(SlowPeople, AnEndedRunGoesOnWhereItWas) {
   const std::string masks = read_bytes(folder / "set/shard_00000/masks.npy");
   write_people_set(options, folder / "set", {}, count);
   EXPECT_EQ(made, 1);
-  // a whole set is not replaced by another, and nothing else is written into
-  EXPECT_THROW(write_people_set({.count = 2, .seed = 5, .composites = 0}, folder / "set", {}, count), InputError);
-  EXPECT_THROW(write_people_set({.count = 2, .seed = 4, .composites = 1}, folder / "set", {}, count), InputError);
+  // a set, whole or begun, is not replaced by another, and nothing else is written into
+  const std::string index = read_bytes(folder / "set/people.json");
+  for (const bool whole : {true, false}) {
+    if (!whole) std::filesystem::remove(folder / "set/people.json");
+    EXPECT_THROW(write_people_set({.count = 2, .seed = 5, .composites = 0}, folder / "set", {}, count), InputError);
+    EXPECT_THROW(write_people_set({.count = 2, .seed = 4, .composites = 1}, folder / "set", {}, count), InputError);
+    EXPECT_THROW(
+        write_people_set({.count = 2, .seed = 4, .held_out = true, .composites = 0}, folder / "set", {}, count),
+        InputError);
+  }
+  try {
+    const PeopleSet set({folder / "set"}, false);
+    FAIL() << "an unfinished set is read";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("not finished"), std::string::npos) << error.what();
+  }
+  write_people_set(options, folder / "set", {}, count);
+  EXPECT_EQ(read_bytes(folder / "set/people.json"), index);
   EXPECT_THROW(write_people_set(options, folder.path.string(), {}, count), InputError);
-  const std::string index = read_bytes(folder / "set/people.json"),
-                    generator = fmt::format("\"generator\": {}", kTrainingGenerator);
+  const std::string generator = fmt::format("\"generator\": {}", kTrainingGenerator);
   ASSERT_NE(index.find(generator), std::string::npos);
   const std::string none;  // from before it was written
   for (const std::string& another : {none, fmt::format("\"generator\": {},", kTrainingGenerator + 1)}) {
@@ -673,6 +687,52 @@ void write_makehuman(const TemporaryFolder& folder, const std::string& obj, cons
   folder.write("rigs/default_weights.mhw", weights);
 }
 
+/// All macro targets; those of a body of one origin, sex and age, of which one or a mixture is drawn, hold `rows`.
+void write_targets(const TemporaryFolder& folder, const std::string& rows) {
+  for (const std::string origin : {"african", "asian", "caucasian"}) {
+    for (const std::string gender : {"male", "female"}) {
+      for (const std::string age : {"young", "old", "child"})
+        folder.write(fmt::format("targets/macrodetails/{}-{}-{}.target", origin, gender, age), rows);
+    }
+    folder.write("targets/expression/units/" + origin + "/mouth-corner-puller.target", "");
+  }
+  for (const std::string gender : {"male", "female"}) {
+    for (const std::string age : {"young", "old", "child"}) {
+      for (const std::string muscle : {"min", "average", "max"}) {
+        for (const std::string weight : {"min", "average", "max"}) {
+          folder.write(
+              fmt::format("targets/macrodetails/universal-{}-{}-{}muscle-{}weight.target", gender, age, muscle, weight),
+              "");
+        }
+      }
+    }
+  }
+}
+
+TEST(People, WhatIsHeldOutOfAFolderIsNeverTrainings) {
+  const TemporaryFolder folder;
+  write_makehuman(folder, smallest_body(), R"({"weights": {"head": [[0, 1.0]]}})");
+  write_targets(folder, "");
+  for (const std::string suit : {"female_a", "male_a", "male_b", "male_c"}) {
+    folder.write("clothes/" + suit + "/" + suit + ".mhclo", "obj_file a.obj\nverts 0\n0\n1\n2\n");
+    folder.write("clothes/" + suit + "/a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  }
+  const MakeHumanAssets assets(folder.path.string());
+  const auto worn = [&](bool held_out) {
+    std::set<std::string> suits;
+    for (int seed = 0; seed < 60; ++seed) {
+      Stage stage;
+      for (const std::string& tag : add_makehuman_figure(stage, assets, Dice(seed, held_out), {}).tags) {
+        if (tag.starts_with("top:") && tag != "top:shell") suits.insert(tag.substr(4));
+      }
+    }
+    return suits;
+  };
+  // the last of three; the only one for women is training's, and held-out women wear what their set has
+  EXPECT_EQ(worn(false), (std::set<std::string>{"female_a", "male_a", "male_b"}));
+  EXPECT_EQ(worn(true), std::set<std::string>{"male_c"});
+}
+
 TEST(People, BrokenMakeHumanAssetsAreRefusedByFileAndLine) {
   const std::string good = smallest_body(), weights = R"({"weights": {"head": [[0, 1.0]]}})";
   const auto message = [](const std::string& obj, const std::string& rig, const std::string& clothes) -> std::string {
@@ -721,20 +781,7 @@ TEST(People, MorphsThatMakeNoHumanAreRefused) {
   const auto message = [](const std::string& rows) -> std::string {
     const TemporaryFolder folder;
     write_makehuman(folder, smallest_body(), R"({"weights": {"head": [[0, 1.0]]}})");
-    for (const std::string gender : {"male", "female"}) {
-      for (const std::string age : {"young", "old", "child"}) {
-        for (const std::string origin : {"african", "asian", "caucasian"})
-          folder.write("targets/macrodetails/" + origin + "-" + gender + "-" + age + ".target", rows);
-        for (const std::string muscle : {"minmuscle", "averagemuscle", "maxmuscle"}) {
-          for (const std::string weight : {"minweight", "averageweight", "maxweight"}) {
-            folder.write(
-                "targets/macrodetails/universal-" + gender + "-" + age + "-" + muscle + "-" + weight + ".target", "");
-          }
-        }
-      }
-    }
-    for (const std::string origin : {"african", "asian", "caucasian"})
-      folder.write("targets/expression/units/" + origin + "/mouth-corner-puller.target", "");
+    write_targets(folder, rows);
     const MakeHumanAssets assets(folder.path.string());
     Stage stage;
     try {

@@ -146,6 +146,10 @@ PeopleSet::PeopleSet(const std::vector<std::string>& folders, bool held_out) {
   std::string hashed;
   for (const std::string& folder : folders) {
     const std::string index = folder + "/people.json";
+    std::error_code error;
+    if (std::filesystem::exists(folder + "/shard_00000", error) && !std::filesystem::exists(index, error)) {
+      throw InputError(printable(folder) + ": is not finished: run `dualpixel people` with its options again");
+    }
     const nlohmann::json json = read_json_file(index);
     const auto field = [&](const char* name) { return json.is_object() ? json.value(name, nlohmann::json()) : json; };
     if (field("format") != "dualpixel people" || field("version") != 1 || field("size_px") != kSide) {
@@ -159,7 +163,6 @@ PeopleSet::PeopleSet(const std::vector<std::string>& folders, bool held_out) {
                       printable(index), printable(field("held_out").dump()), held_out));
     }
     std::vector<std::string> shards;
-    std::error_code error;
     for (std::filesystem::directory_iterator entry(folder, error), end; entry != end; entry.increment(error)) {
       if (entry->path().filename().string().starts_with("shard_")) shards.push_back(entry->path().string());
     }

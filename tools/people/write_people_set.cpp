@@ -15,7 +15,7 @@ namespace dualpixel::tools {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr const char* kShardFile = "shard.json";
+constexpr const char *kSetFile = "people.json", *kShardFile = "shard.json";
 constexpr const char* kShardArrays[] = {"pictures.npy", "masks.npy", "keypoints.npy", "faces.npy", "samples.json"};
 
 std::string shard_name(int shard) { return fmt::format("shard_{:05}", shard); }
@@ -77,28 +77,33 @@ nlohmann::ordered_json set_recipe(const PeopleOptions& options) {
           {"makehuman", options.makehuman != nullptr}};
 }
 
-/// A whole set of other options may be hours of somebody's work, and what is no set is not ours to write into.
-void refuse_what_is_another(const std::string& folder, const PeopleOptions& options) {
-  const fs::directory_iterator entries(folder), end;
-  const bool ours = std::any_of(entries, end, [](const fs::directory_entry& entry) {
-    const std::string name = entry.path().filename().string();
-    return name.starts_with("shard_") || name == "people.json";
-  });
-  if (!ours && !fs::is_empty(folder)) {
-    throw InputError(printable(folder) + ": holds something that is no set of people: choose another folder");
-  }
-  const std::string path = folder + "/people.json";
+/// What other options, another generator or other assets made may be hours of somebody's work.
+void refuse_another(const std::string& path, const nlohmann::ordered_json& recipe) {
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) return;
   auto written = nlohmann::ordered_json::parse(read_file(path), nullptr, false);
-  if (!written.is_object()) return;
+  if (!written.is_object() || !written.contains("format")) return;
   if (!written.contains("generator")) written["generator"] = 2;  // the last that did not write itself down
-  const nlohmann::ordered_json recipe = set_recipe(options);
-  for (const auto& [name, value] : recipe.items()) {
-    if (!written.contains(name) || written[name] == value) continue;
+  // the generator last: held-out sets have their own
+  for (const char* name : {"held_out", "makehuman", "composites", "seed", "generator"}) {
+    if (!written.contains(name) || written[name] == recipe[name]) continue;
     throw InputError(fmt::format("{}: is of a set with {} {}, not {}: remove it, or choose another folder",
-                                 printable(path), name, printable(written[name].dump()), value.dump()));
+                                 printable(path), name, printable(written[name].dump()), recipe[name].dump()));
   }
+}
+
+/// A set of other options, and what is no set, is not ours to write into.
+void refuse_what_is_another(const std::string& folder, const PeopleOptions& options) {
+  bool ours = fs::is_empty(folder);
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("shard_")) refuse_another(entry.path().string() + "/" + kShardFile, shard_recipe(options, 0));
+    ours = ours || name.starts_with("shard_") || name == kSetFile;
+  }
+  if (!ours) {
+    throw InputError(printable(folder) + ": holds something that is no set of people: choose another folder");
+  }
+  refuse_another(folder + "/" + kSetFile, set_recipe(options));
 }
 
 template <typename T>
@@ -170,7 +175,7 @@ void write_people_set(const PeopleOptions& options, const std::string& folder,
     const std::string path = folder + "/" + shard_name(shard);
     const nlohmann::ordered_json recipe = shard_recipe(options, shard);
     if (!is_there(path, recipe)) {
-      fs::remove(folder + "/people.json", error);  // until it is written anew, the set is not whole
+      fs::remove(folder + "/" + kSetFile, error);  // until it is written anew, the set is not whole
       const auto samples = make_people_shard(options, shard, samples_of_shard(options, shard), [&](double fraction) {
         if (progress) progress((shard + fraction) / shards);
       });
@@ -183,7 +188,7 @@ void write_people_set(const PeopleOptions& options, const std::string& folder,
       {"format", "dualpixel people"}, {"version", 1}, {"size_px", kPictureSide_px}, {"count", options.count}};
   json.update(set_recipe(options));
   json["shards"] = shards;
-  replace_file(folder + "/people.json", json.dump(2) + "\n");
+  replace_file(folder + "/" + kSetFile, json.dump(2) + "\n");
 }
 
 Image contact_sheet(const std::vector<PeopleSample>& samples, int most, int columns) {
