@@ -196,7 +196,7 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
       expect_stages();
       const std::string_view why = found.detected.empty() ? "no face found"
                                    : found.faces.empty()  ? "no face is large enough to be the subject's"
-                                                          : "nobody is seen about the face";
+                                                          : "nobody is seen there";
       result.warnings.push_back(fmt::format("{}: blurred in mode dp, by disparity alone", why));
     } else {
       result.faces = found.faces;

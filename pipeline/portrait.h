@@ -56,7 +56,7 @@ struct PortraitOptions {
   std::vector<Face> faces;
   std::optional<Face> tap;  ///< a region that the user pointed at, full-resolution px
   /// Finds the people of a linear RGB picture where a mode needs a mask and none is given; usually
-  /// pipeline::find_people.
+  /// pipeline::find_people. Nobody is found where it has no faces, or anybody_seen() denies it.
   std::function<FoundPeople(const Image& linear_rgb)> find_people;
   /// The finished picture of a camera that gives no mosaic, as PortraitResult::input; in place of the
   /// burst's, which must have one frame.

@@ -91,7 +91,7 @@ json describe_json(const std::string& path) {
     description["kind"] = "lens";
   }
   if (document.contains("format") && document["format"] == "dualpixel-result") description["kind"] = "portrait result";
-  for (const auto& [key, value] : document.items()) description[key] = value;
+  for (const auto& [key, value] : document.items()) description.emplace(key, value);
   return description;
 }
 
@@ -129,16 +129,24 @@ json describe_calibration(const std::string& path) {
 }
 
 json describe_people(const std::string& path) {
-  const nlohmann::json document = read_json_file(path + "/people.json");
-  const bool held_out = document.is_object() && document.contains("held_out") && document["held_out"] == true;
+  const std::string index = path + "/" + kSetFile;
+  bool held_out = false;
+  if (fs::exists(index)) Fields(read_json_file(index), index).required("held_out").boolean("held_out", held_out);
   const PeopleSet set({path}, held_out);
+  for (const auto& entry : fs::directory_iterator(path)) {
+    if (!entry.is_directory() || !entry.path().filename().string().starts_with("shard_")) continue;
+    const std::string changed = changed_file(entry.path().string());
+    if (!changed.empty())
+      throw InputError(printable(changed) + ": is not as it was written, by the hash in shard.json");
+  }
   std::size_t composites = 0, groups = 0;
   for (std::size_t i = 0; i < set.size(); ++i) {
     composites += set[i].composite;
     groups += set[i].people > 1;
   }
   json description = {{"kind", "people set"}};
-  for (const auto& [key, value] : document.items()) description[key] = value;
+  const nlohmann::json document = read_json_file(index);
+  for (const auto& [key, value] : document.items()) description.emplace(key, value);
   description["composite_samples"] = composites;
   description["samples_of_groups"] = groups;
   return description;
@@ -150,7 +158,9 @@ json describe(const std::string& path) {
     if (fs::exists(path + "/capture.json", error)) return describe_capture(path);
     if (fs::exists(path + "/result.json", error)) return describe_json(path + "/result.json");
     if (fs::exists(path + "/calibration.json", error)) return describe_calibration(path);
-    if (fs::exists(path + "/people.json", error)) return describe_people(path);
+    if (fs::exists(path + "/" + kSetFile, error) || fs::exists(path + "/shard_00000", error)) {
+      return describe_people(path);
+    }
     throw InputError(printable(path) +
                      ": is a folder without capture.json, result.json, calibration.json or people.json");
   }

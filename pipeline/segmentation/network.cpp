@@ -1,7 +1,6 @@
 #include "pipeline/segmentation/network.h"
 
 #include "capture/error.h"
-#include "capture/files.h"
 
 #ifdef DUALPIXEL_ONEDNN
 #include <fmt/format.h>

@@ -27,8 +27,8 @@ Image network_input(const Image& linear_rgb, const Face& face);
 Image person_mask(const Image& linear_rgb, const std::vector<Face>& faces, PersonNetwork& network);
 
 struct FoundPeople {
-  std::vector<Face> faces;     ///< that seeded the mask, largest first; none: nobody was found
-  Image mask;                  ///< person_mask's; empty where nobody was found
+  std::vector<Face> faces;     ///< that seeded the mask, largest first; none: there was no face to begin from
+  Image mask;                  ///< person_mask's; empty without faces
   std::vector<Face> detected;  ///< those given, or all that find_faces found, bystanders' too; largest first
 };
 

@@ -267,8 +267,10 @@ TEST(PersonNetwork, AbsurdWeightsAreSaidToBe) {
   NetworkWeights weights = random_network(1, 3);
   for (float& weight : weights.layers.at("mask0.sub_pixels").weight) weight *= 1e38F;
   for (float& weight : weights.layers.at("mask0.mix").weight) weight *= 1e30F;
+  weights.file = "a file";
   PersonNetwork network(weights);
-  EXPECT_THROW(network(random_input(1)), InputError);
+  const std::string error = error_of([&] { network(random_input(1)); });
+  EXPECT_EQ(error.rfind("a file: ", 0), 0U) << error;
 }
 
 TEST(PersonNetworkDeathTest, EitherPrecisionExcludesTheOther) {
@@ -470,16 +472,6 @@ TEST(FindPeople, GivenFacesWin) {
   ASSERT_EQ(found.faces.size(), 1U);
   EXPECT_EQ(found.faces[0].x, 100);
   EXPECT_EQ(found.mask.data, person_mask(picture, {small}, network).data);
-}
-
-TEST(PersonNetwork, WeightsThatOverflowAreNamed) {
-  NEEDS_NETWORK();
-  NetworkWeights weights = face_follower();
-  weights.file = "a file";
-  for (auto& layer : weights.layers) std::fill(layer.second.weight.begin(), layer.second.weight.end(), 1e30F);
-  PersonNetwork network(weights);
-  const std::string error = error_of([&] { network(Image(kNetworkSize_px, kNetworkSize_px, 4, 0.5F)); });
-  EXPECT_EQ(error.rfind("a file: ", 0), 0U) << error;
 }
 
 TEST(FindPeople, SaysWhetherAnybodyIsSeen) {

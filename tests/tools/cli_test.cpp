@@ -115,21 +115,44 @@ TEST(CliInfo, TellsALensFromOtherJsonAndVerifiesIt) {
   expect_one_line_refusal(run_program("info '" + (folder / "bad.json") + "'"));
 }
 
-TEST(CliInfo, DescribesAPeopleSet) {
+TEST(CliInfo, DescribesAPeopleSetAndVerifiesIt) {
   const TemporaryFolder folder;
+  const std::string path = folder / "set", info = "info --json '" + path + "'";
+  constexpr std::size_t kPixels = std::size_t{tools::kPictureSide_px} * tools::kPictureSide_px;
+  const tools::PeopleArrays arrays = {std::vector<std::uint8_t>(9 * kPixels),
+                                      std::vector<std::uint8_t>(3 * kPixels),
+                                      std::vector<float>(std::size_t{3 * 3} * tools::kKeypoints),
+                                      {9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9},
+                                      R"([{"people": 2, "composite": true, "tags": []},)"
+                                      R"({"people": 1, "composite": true, "tags": []},)"
+                                      R"({"people": 1, "composite": false, "tags": []}])"};
   for (const bool held_out : {false, true}) {
-    tools::write_toy_people(folder / "set", 3, 1, held_out);
-    const Outcome info = run_program("info --json '" + (folder / "set") + "'");
-    ASSERT_EQ(info.status, 0) << info.err;
-    const auto set = nlohmann::json::parse(info.out);
+    tools::write_people_arrays(path, arrays, 1, held_out);
+    const Outcome outcome = run_program(info);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const auto set = nlohmann::json::parse(outcome.out);
     EXPECT_EQ(set["kind"], "people set");
     EXPECT_EQ(set["count"], 3);
     EXPECT_EQ(set["held_out"], held_out);
-    EXPECT_EQ(set["composite_samples"], 0);
-    EXPECT_EQ(set["samples_of_groups"], 0);
+    EXPECT_EQ(set["composite_samples"], 2);
+    EXPECT_EQ(set["samples_of_groups"], 1);
   }
-  std::filesystem::remove(folder / "set/shard_00000/masks.npy");
-  expect_one_line_refusal(run_program("info '" + (folder / "set") + "'"));
+  const auto refused_for = [&](const char* word) {
+    const Outcome outcome = run_program(info);
+    expect_one_line_refusal(outcome);
+    EXPECT_NE(outcome.err.find(word), std::string::npos) << outcome.err;
+  };
+  const std::string masks = read_file(path + "/shard_00000/masks.npy");
+  replace_file(path + "/shard_00000/masks.npy", masks.substr(0, masks.size() - 1) + '\1');
+  refused_for("masks.npy: is not as it was written");
+  replace_file(path + "/shard_00000/masks.npy", masks);
+  EXPECT_EQ(run_program(info).status, 0);
+  const std::string index = read_file(path + "/people.json");
+  std::string changed = index;
+  replace_file(path + "/people.json", changed.replace(changed.find("true"), 4, "\"no\""));
+  refused_for("/held_out: \"no\": must be true or false");
+  std::filesystem::remove(path + "/people.json");
+  refused_for("is not finished");
 }
 
 TEST(Cli, BinaryGltfInPlaceOfASceneFileIsNamedAsThat) {

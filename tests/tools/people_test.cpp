@@ -608,6 +608,14 @@ TEST(SlowPeople, AnEndedRunGoesOnWhereItWas) {
   const std::string masks = read_bytes(folder / "set/shard_00000/masks.npy");
   write_people_set(options, folder / "set", {}, count);
   EXPECT_EQ(made, 1);
+  const auto refusal_of = [&](const PeopleOptions& other) {
+    try {
+      write_people_set(other, folder / "set", {}, count);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
   // a set, whole or begun, is not replaced by another, and nothing else is written into
   const std::string index = read_bytes(folder / "set/people.json");
   for (const bool whole : {true, false}) {
@@ -618,6 +626,21 @@ TEST(SlowPeople, AnEndedRunGoesOnWhereItWas) {
         write_people_set({.count = 2, .seed = 4, .held_out = true, .composites = 0}, folder / "set", {}, count),
         InputError);
   }
+  // of other figures; damaged, by a run that was ended by force; nested beyond what is read
+  const std::string shard = read_bytes(folder / "set/shard_00000/shard.json");
+  std::string changed_shard = shard;
+  const std::string none = "\"makehuman\": \"\"";
+  ASSERT_NE(shard.find(none), std::string::npos);
+  folder.write("set/shard_00000/shard.json",
+               changed_shard.replace(shard.find(none), none.size(), "\"makehuman\": \"a\""));
+  EXPECT_NE(refusal_of(options).find("other figures"), std::string::npos);
+  const std::string deep = std::string(1000000, '[') + std::string(1000000, ']') + "}";
+  folder.write("set/shard_00000/shard.json", R"({"format": "dualpixel people shard", "seed": )" + deep);
+  folder.write("set/people.json", R"({"alice": 1})");
+  EXPECT_NE(refusal_of(options).find("no set of people"), std::string::npos);
+  EXPECT_EQ(read_bytes(folder / "set/people.json"), R"({"alice": 1})");
+  std::filesystem::remove(folder / "set/people.json");
+  folder.write("set/shard_00000/shard.json", shard);
   try {
     const PeopleSet set({folder / "set"}, false);
     FAIL() << "an unfinished set is read";
@@ -629,8 +652,8 @@ TEST(SlowPeople, AnEndedRunGoesOnWhereItWas) {
   EXPECT_THROW(write_people_set(options, folder.path.string(), {}, count), InputError);
   const std::string generator = fmt::format("\"generator\": {}", kTrainingGenerator);
   ASSERT_NE(index.find(generator), std::string::npos);
-  const std::string none;  // from before it was written
-  for (const std::string& another : {none, fmt::format("\"generator\": {},", kTrainingGenerator + 1)}) {
+  const std::string nothing;  // from before it was written
+  for (const std::string& another : {nothing, fmt::format("\"generator\": {},", kTrainingGenerator + 1)}) {
     std::string changed = index;
     folder.write("set/people.json", changed.replace(changed.find(generator), generator.size() + 1, another));
     EXPECT_THROW(write_people_set(options, folder / "set", {}, count), InputError) << another;

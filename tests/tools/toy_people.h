@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -35,12 +36,16 @@ inline void write_people_arrays(const std::string& folder, const PeopleArrays& a
   std::filesystem::create_directories(shard);
   constexpr std::size_t kSize = kPictureSide_px;
   const std::size_t n = arrays.faces.size() / 4;
-  write_file(shard + "/pictures.npy", npy_bytes("|u1", {n, kSize, kSize, 3}, bytes_of(arrays.pictures)));
-  write_file(shard + "/masks.npy", npy_bytes("|u1", {n, kSize, kSize}, bytes_of(arrays.masks)));
-  write_file(shard + "/keypoints.npy", npy_bytes("<f4", {n, kKeypoints, 3}, bytes_of(arrays.keypoints)));
-  write_file(shard + "/faces.npy", npy_bytes("<f4", {n, 4}, bytes_of(arrays.faces)));
-  write_file(shard + "/samples.json", arrays.samples_json);
-  write_file(shard + "/shard.json", fmt::format(R"({{"seed": {}, "count": {}}})", seed, n));
+  const std::string contents[] = {npy_bytes("|u1", {n, kSize, kSize, 3}, bytes_of(arrays.pictures)),
+                                  npy_bytes("|u1", {n, kSize, kSize}, bytes_of(arrays.masks)),
+                                  npy_bytes("<f4", {n, kKeypoints, 3}, bytes_of(arrays.keypoints)),
+                                  npy_bytes("<f4", {n, 4}, bytes_of(arrays.faces)), arrays.samples_json};
+  std::string hashes;
+  for (std::size_t i = 0; i < std::size(contents); ++i) {
+    write_file(shard + "/" + kShardFiles[i], contents[i]);
+    hashes += fmt::format(R"({}"{}": "{}")", i == 0 ? "" : ", ", kShardFiles[i], hash_of(contents[i]));
+  }
+  write_file(shard + "/shard.json", fmt::format(R"({{"seed": {}, "count": {}, "files": {{{}}}}})", seed, n, hashes));
   write_file(folder + "/people.json",
              fmt::format(R"({{"format": "dualpixel people", "version": 1, "size_px": 256, "count": {}, "seed": {}, )"
                          R"("held_out": {}, "shards": 1}})",

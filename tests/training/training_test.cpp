@@ -110,6 +110,16 @@ TEST(Unfold, OtherWidthsAreRefused) {
   EXPECT_THROW(unfolded(weights, torch::zeros({1, 4, 64, 64}), 1), InputError);
 }
 
+TEST(Unfold, WeightsThatOverflowAreRefused) {
+  Network network = trained({});
+  pipeline::NetworkWeights weights = pipeline::parse_weights(safetensors(folded_layers(network)), "weights");
+  for (const char* name : {"stem_half", "mask2.sub_pixels"}) {
+    pipeline::NetworkWeights absurd = weights;
+    for (float& weight : absurd.layers.at(name).weight) weight = 3e38F;
+    EXPECT_THROW(unfolded(absurd, torch::rand({1, 4, 64, 64}), 1), InputError) << name;
+  }
+}
+
 TEST(SlowExport, InferenceEqualsTraining) {
   if (!pipeline::has_person_network()) GTEST_SKIP() << "built without oneDNN";
   Network network = trained({});
@@ -535,14 +545,47 @@ TEST(SlowTraining, FineTuningResumesAndBaselinesTrain) {
   EXPECT_EQ(read_file(folder.path.string() + "/whole/person.safetensors"),
             read_file(folder.path.string() + "/parts/person.safetensors"));
 
-  fine.fine_tune = fine.output + "/person.safetensors";  // the 48 samples' weights, gone on with
   fine.resume = false;
+  fine.fine_tune = fine.output + "/person.safetensors";  // the 48 samples' weights, gone on with
+  fine.output = folder.path.string() + "/not_at_all";
+  train(fine, [](std::uint64_t) { return true; });
+  const pipeline::NetworkWeights given = pipeline::read_weights(fine.fine_tune);
+  const pipeline::NetworkWeights same = pipeline::read_weights(fine.output + "/person.safetensors");
+  for (const auto& [name, layer] : given.layers) {
+    const std::vector<float>& now = same.layers.at(name).weight;
+    const float largest = std::abs(*std::max_element(layer.weight.begin(), layer.weight.end(),
+                                                     [](float a, float b) { return std::abs(a) < std::abs(b); }));
+    // rounded to 11 bits once more, after unfolding and folding in 24
+    for (std::size_t i = 0; i < now.size(); ++i) ASSERT_NEAR(now[i], layer.weight[i], 0x1p-11F * largest) << name;
+  }
   fine.output = folder.path.string() + "/further";
+  train(fine, never);
+  fine.output = folder.path.string() + "/further_in_parts";
   train(fine, [](std::uint64_t samples) { return samples >= 16; });
   fine.resume = true;
   train(fine, never);
-  fine.fine_tune = folder.path.string() + "/train/people.json";
-  EXPECT_THROW(train(fine, never), InputError);
+  EXPECT_EQ(read_file(folder.path.string() + "/further/person.safetensors"),
+            read_file(folder.path.string() + "/further_in_parts/person.safetensors"));
+
+  const auto refusal = [&] {
+    try {
+      train(fine, never);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  fine.resume = false;
+  fine.output = folder.path.string() + "/own";
+  std::filesystem::create_directory(fine.output);
+  std::filesystem::copy_file(fine.fine_tune, fine.output + "/person.safetensors");
+  fine.fine_tune = fine.output + "/person.safetensors";
+  EXPECT_NE(refusal().find("would write over it"), std::string::npos) << refusal();
+  for (const std::string& name : {folder.path.string() + "/train/people.json", folder.path.string() + "/none",
+                                  folder.path.string() + "/" + std::string(300, 'n')}) {
+    fine.fine_tune = name;
+    EXPECT_EQ(refusal().rfind(name.substr(0, 50), 0), 0U) << refusal();
+  }
 
   options = toy_options(folder.path.string(), "fcn");
   options.samples = 16;

@@ -92,6 +92,21 @@ void MappedArray::require(const std::string& type, const std::vector<std::size_t
                                fmt::join(shape_, ", "), type, fmt::join(rest, ", ")));
 }
 
+std::string changed_file(const std::string& shard) {
+  std::string index = shard + "/" + kShardFile;
+  const nlohmann::json json = read_json_file(index);
+  if (!json.is_object() || !json.contains("files") || !json["files"].is_object()) return index;
+  const nlohmann::json& files = json["files"];
+  for (const char* name : kShardFiles) {
+    std::string path = shard + "/" + name;
+    std::error_code error;
+    if (!files.contains(name) || !std::filesystem::is_regular_file(path, error) || files[name] != file_hash(path)) {
+      return path;
+    }
+  }
+  return "";
+}
+
 void PeopleSet::add_shard(const std::string& shard) {
   const auto map = [&](const char* name, const char* type, const std::vector<std::size_t>& rest) {
     arrays_.push_back(std::make_unique<MappedArray>(shard + "/" + name));
@@ -145,7 +160,7 @@ void PeopleSet::add_shard(const std::string& shard) {
 PeopleSet::PeopleSet(const std::vector<std::string>& folders, bool held_out) {
   std::string hashed;
   for (const std::string& folder : folders) {
-    const std::string index = folder + "/people.json";
+    const std::string index = folder + "/" + kSetFile;
     std::error_code error;
     if (std::filesystem::exists(folder + "/shard_00000", error) && !std::filesystem::exists(index, error)) {
       throw InputError(printable(folder) + ": is not finished: run `dualpixel people` with its options again");
@@ -173,7 +188,7 @@ PeopleSet::PeopleSet(const std::vector<std::string>& folders, bool held_out) {
     hashed += read_file(index);
     for (const std::string& shard : shards) {
       add_shard(shard);
-      hashed += read_file(shard + "/shard.json");
+      hashed += read_file(shard + "/" + kShardFile);
     }
     if (field("count") != samples_.size() - before || samples_.size() == before) {
       throw InputError(fmt::format("{}: /count: {}: its shards hold {}", printable(index),

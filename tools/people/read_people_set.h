@@ -52,6 +52,10 @@ class MappedArray {
   const char* file_ = nullptr;
 };
 
+/// Of the files of a shard (a folder), the first that is not as shard.json beside it says, by its hash: its path. None
+/// of them: "".
+std::string changed_file(const std::string& shard);
+
 class PeopleSet {
  public:
   /// Every shard of every folder. Throws InputError for what is no people set of version 1 and 256 px, for folders

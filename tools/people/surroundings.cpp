@@ -469,7 +469,7 @@ void add_place(Builder& build, Dice& dice, Place place, float back) {
     case Place::mixed: {  // things before whatever closes an ordinary place off
       constexpr Place kOrdinary[] = {Place::studio, Place::room,      Place::garden,
                                      Place::street, Place::landscape, Place::painted};
-      const float behind_m = back + 1.5f * kLargestInJumble_m + 0.7f;  // jumble and the first row, at 0.4 back
+      const float behind_m = back + (1.5f * kLargestInJumble_m + 0.7f);  // most of what comes at 0.4 back
       add_place(build, dice, kOrdinary[dice.below(static_cast<int>(std::size(kOrdinary)))], behind_m);
       if (dice.chance(0.6f)) add_rows(build, dice, 0.4f * back);
       add_jumble(build, dice, 0.4f * back, dice.below(16));

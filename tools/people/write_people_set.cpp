@@ -5,18 +5,21 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
 
 #include "capture/error.h"
 #include "capture/files.h"
+#include "capture/json_fields.h"
 #include "tools/npy.h"
 #include "tools/people/makehuman.h"
+#include "tools/people/read_people_set.h"
 
 namespace dualpixel::tools {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr const char *kSetFile = "people.json", *kShardFile = "shard.json";
-constexpr const char* kShardArrays[] = {"pictures.npy", "masks.npy", "keypoints.npy", "faces.npy", "samples.json"};
+constexpr const char* kShardFormat = "dualpixel people shard";
 
 std::string shard_name(int shard) { return fmt::format("shard_{:05}", shard); }
 
@@ -31,7 +34,7 @@ int generator_of(const PeopleOptions& options) {
 
 /// What a shard was made from, and so whether it need not be made again.
 nlohmann::ordered_json shard_recipe(const PeopleOptions& options, int shard) {
-  return {{"format", "dualpixel people shard"},
+  return {{"format", kShardFormat},
           {"version", 1},
           {"generator", generator_of(options)},
           {"shard", shard},
@@ -42,19 +45,21 @@ nlohmann::ordered_json shard_recipe(const PeopleOptions& options, int shard) {
           {"makehuman", options.makehuman ? options.makehuman->hash : ""}};
 }
 
+/// A file's JSON object, an empty one where there is none: what a run that was ended by force left is made anew.
+nlohmann::json object_in(const std::string& path) {
+  try {
+    nlohmann::json json = read_json_file(path);
+    if (json.is_object()) return json;
+  } catch (const InputError&) {
+  }
+  return nlohmann::json::object();
+}
+
 /// Whether a shard of this recipe is there with all its files as they were written.
 bool is_there(const std::string& folder, const nlohmann::ordered_json& recipe) {
-  const std::string path = folder + "/" + kShardFile;
-  std::error_code ignored;
-  if (!fs::is_regular_file(path, ignored)) return false;
-  auto written = nlohmann::ordered_json::parse(read_file(path), nullptr, false);
-  if (!written.is_object() || !written.contains("files") || !written["files"].is_object()) return false;
-  const nlohmann::ordered_json files = written["files"];
+  nlohmann::json written = object_in(folder + "/" + kShardFile);
   written.erase("files");
-  return written == recipe && std::all_of(std::begin(kShardArrays), std::end(kShardArrays), [&](const char* name) {
-           const std::string array = folder + "/" + name;
-           return files.contains(name) && fs::is_regular_file(array, ignored) && files[name] == file_hash(array);
-         });
+  return written == nlohmann::json(recipe) && changed_file(folder).empty();
 }
 
 /// Shards of a larger set in the same folder would be taken for a part of this one.
@@ -78,32 +83,36 @@ nlohmann::ordered_json set_recipe(const PeopleOptions& options) {
 }
 
 /// What other options, another generator or other assets made may be hours of somebody's work.
-void refuse_another(const std::string& path, const nlohmann::ordered_json& recipe) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(path, ignored)) return;
-  auto written = nlohmann::ordered_json::parse(read_file(path), nullptr, false);
-  if (!written.is_object() || !written.contains("format")) return;
+void refuse_another(const std::string& folder, nlohmann::json written, const nlohmann::ordered_json& recipe) {
   if (!written.contains("generator")) written["generator"] = 2;  // the last that did not write itself down
   // the generator last: held-out sets have their own
   for (const char* name : {"held_out", "makehuman", "composites", "seed", "generator"}) {
-    if (!written.contains(name) || written[name] == recipe[name]) continue;
-    throw InputError(fmt::format("{}: is of a set with {} {}, not {}: remove it, or choose another folder",
-                                 printable(path), name, printable(written[name].dump()), recipe[name].dump()));
+    if (!written.contains(name) || written[name] == nlohmann::json(recipe[name])) continue;
+    const std::string difference =
+        name == std::string_view("makehuman")
+            ? "other figures (--makehuman)"
+            : fmt::format("{} {}, not {}", name, printable(written[name].dump()), recipe[name].dump());
+    throw InputError(fmt::format("{}: holds a set with {}: choose another folder, or remove this one",
+                                 printable(folder), difference));
   }
 }
 
 /// A set of other options, and what is no set, is not ours to write into.
 void refuse_what_is_another(const std::string& folder, const PeopleOptions& options) {
-  bool ours = fs::is_empty(folder);
+  std::vector<std::string> shards;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    if (name.starts_with("shard_")) refuse_another(entry.path().string() + "/" + kShardFile, shard_recipe(options, 0));
-    ours = ours || name.starts_with("shard_") || name == kSetFile;
+    if (entry.path().filename().string().starts_with("shard_")) shards.push_back(entry.path().string());
   }
-  if (!ours) {
+  const bool whole = fs::exists(folder + "/" + kSetFile);
+  nlohmann::json set = object_in(folder + "/" + kSetFile);
+  if (whole ? set["format"] != "dualpixel people" : shards.empty() && !fs::is_empty(folder)) {
     throw InputError(printable(folder) + ": holds something that is no set of people: choose another folder");
   }
-  refuse_another(folder + "/" + kSetFile, set_recipe(options));
+  if (whole) refuse_another(folder, std::move(set), set_recipe(options));
+  for (const std::string& shard : shards) {
+    nlohmann::json written = object_in(shard + "/" + kShardFile);
+    if (written["format"] == kShardFormat) refuse_another(folder, std::move(written), shard_recipe(options, 0));
+  }
 }
 
 template <typename T>
@@ -133,8 +142,8 @@ void write_shard(const std::vector<PeopleSample>& samples, const std::string& pa
                                   npy_bytes("<f4", {n, kKeypoints, 3}, bytes_of(keypoints)),
                                   npy_bytes("<f4", {n, 4}, bytes_of(faces)), list.dump() + "\n"};
   for (std::size_t i = 0; i < std::size(contents); ++i) {
-    write_file(out.path() + "/" + kShardArrays[i], contents[i]);
-    recipe["files"][kShardArrays[i]] = hash_of(contents[i]);
+    write_file(out.path() + "/" + kShardFiles[i], contents[i]);
+    recipe["files"][kShardFiles[i]] = hash_of(contents[i]);
   }
   write_file(out.path() + "/" + kShardFile, recipe.dump(2) + "\n");
   out.commit();

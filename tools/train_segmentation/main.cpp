@@ -59,7 +59,7 @@ int main(int argc, char** argv) {
                       "Second phase: start from this run, or from exported weights (person.safetensors), without pose "
                       "loss and without the samples it is worst at")
           ->excludes(stages, pose, fcn, half_size)
-          ->type_name("RUN");
+          ->type_name("RUN|FILE");
   program.add_option("--prune", options.prune, "Share of the samples that the second phase leaves out")
       ->check(CLI::Range(0.0, 0.9))
       ->needs(fine_tune)

@@ -34,6 +34,7 @@ constexpr double kPoseWeight = 5;   // as the paper
 constexpr double kIouWeight = 0.5;  // makes the two terms about as large
 constexpr double kIouFloor_px = 8;  // a few pixels more or less of somebody hardly seen weigh no more than of others
 constexpr double kPeakRate = 3e-3, kFineTuneRate = 3e-4, kLastRate = 1e-6, kWarmUp = 0.05;
+constexpr const char* kWeightsFile = "person.safetensors";
 constexpr double kCheckpointEvery_s = 300;
 constexpr std::size_t kWatchedHeldOut = 320;  // of the held-out samples, at each checkpoint; the end takes them all
 constexpr std::size_t kMeasured = 64;         // samples, for the statistics that exported weights lack
@@ -152,13 +153,25 @@ std::vector<std::size_t> spread(std::size_t count, std::size_t most) {
   return indices;
 }
 
-/// What phase two starts from.
-Network first_network(const TrainOptions& options, const PeopleSet& set) {
-  if (!std::filesystem::is_regular_file(options.fine_tune)) {
-    return read_checkpoint(options.fine_tune + "/checkpoint.pt").network;
-  }
-  const Batch batch = plain_batch(set, spread(set.size(), kMeasured), false);
-  return unfolded(pipeline::read_weights(options.fine_tune), batch.input, options.seed);
+/// Whether phase two starts from a run; else it does from exported weights.
+bool starts_from_run(const TrainOptions& options) {
+  std::error_code error;
+  return std::filesystem::is_directory(options.fine_tune, error);
+}
+
+/// What phase two starts from, with normalisation by the samples `of` the set where it lacks that.
+Network first_network(const TrainOptions& options, const PeopleSet& set, const std::vector<std::size_t>& of) {
+  if (starts_from_run(options)) return read_checkpoint(options.fine_tune + "/checkpoint.pt").network;
+  std::vector<std::size_t> measured = spread(of.size(), kMeasured);
+  for (std::size_t& i : measured) i = of[i];
+  return unfolded(pipeline::read_weights(options.fine_tune), plain_batch(set, measured, false).input, options.seed);
+}
+
+/// Of what was stored, not of what this machine makes of it.
+std::string first_weights_hash(const TrainOptions& options) {
+  if (!starts_from_run(options)) return pipeline::read_weights(options.fine_tune).file_hash;
+  Network network = read_checkpoint(options.fine_tune + "/checkpoint.pt").network;
+  return weights_hash(network);
 }
 
 /// What the weights and their scores depend on.
@@ -180,16 +193,15 @@ Json recipe_of(const TrainOptions& options, const NetworkShape& shape, const Peo
   if (options.fine_tune.empty()) {
     recipe["half_size"] = options.half_size;
   } else {
-    Network first = first_network(options, set);
-    recipe["fine_tuned_weights_hash"] = weights_hash(first);
+    recipe["fine_tuned_weights_hash"] = first_weights_hash(options);
     recipe["prune"] = options.prune;
   }
   return recipe;
 }
 
-/// Where the run starts: with the seed's weights, another run's, or its own.
+/// Where the run starts: with the seed's weights, other weights, or its own. `from`: the samples that it learns from.
 Checkpoint start_of(const TrainOptions& options, const std::string& path, const PeopleSet& set,
-                    const PeopleSet& held_out, int threads) {
+                    const std::vector<std::size_t>& from, const PeopleSet& held_out, int threads) {
   if (options.resume) {
     Checkpoint state = read_checkpoint(path);
     const bool fine_tunes = !options.fine_tune.empty();
@@ -214,11 +226,15 @@ Checkpoint start_of(const TrainOptions& options, const std::string& path, const 
   if (std::filesystem::exists(path)) {
     throw InputError(printable(options.output) + ": holds a run; go on with it by --resume, or name another folder");
   }
+  std::error_code error;
+  if (std::filesystem::equivalent(options.fine_tune, options.output + "/" + kWeightsFile, error)) {
+    throw InputError(printable(options.fine_tune) + ": the run would write over it: name another folder");
+  }
   Checkpoint state;
   if (options.fine_tune.empty()) {
     state = new_checkpoint(options.shape, options.seed);
   } else {
-    state.network = first_network(options, set);
+    state.network = first_network(options, set, from);
     forget_optimiser(state);
   }
   state.recipe = recipe_of(options, state.network->shape, set, held_out, threads);
@@ -233,21 +249,21 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
   torch::set_num_threads(threads);
 
   const std::string checkpoint = options.output + "/checkpoint.pt";
-  Checkpoint state = start_of(options, checkpoint, set, held_out, threads);
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    if (options.composites || !set[i].composite) kept.push_back(i);
+  }
+  if (kept.empty()) throw InputError("--no-composites: there is nothing else in the data");
+  Checkpoint state = start_of(options, checkpoint, set, kept, held_out, threads);
   std::error_code error;
   std::filesystem::create_directories(options.output, error);
   if (!std::filesystem::is_directory(options.output)) {
     throw InputError(printable(options.output) + ": cannot be made a folder");
   }
   const bool fine_tune = !options.fine_tune.empty();
-  std::vector<std::size_t> kept;
-  for (std::size_t i = 0; i < set.size(); ++i) {
-    if (options.composites || !set[i].composite) kept.push_back(i);
-  }
-  if (kept.empty()) throw InputError("--no-composites: there is nothing else in the data");
   if (fine_tune && options.prune > 0) {
     // by the first phase's network, also where the second is gone on with
-    Network judge = options.resume ? first_network(options, set) : state.network;
+    Network judge = options.resume ? first_network(options, set, kept) : state.network;
     kept = kept_samples(judge, set, kept, options.prune);
   }
   Json log = {{"data", options.data},
@@ -302,7 +318,7 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
     replace_file(options.output + "/log.json", log.dump(1) + "\n");
     replace_file(options.output + "/chart.html", chart_page(state.points));
     if (!state.network->shape.fcn) {
-      replace_file(options.output + "/person.safetensors", safetensors(folded_layers(state.network)));
+      replace_file(options.output + "/" + kWeightsFile, safetensors(folded_layers(state.network)));
     }
     write_checkpoint(state, checkpoint);
     fmt::print(stderr, "{}{}\n", terminal ? "\r\x1b[K" : "", progress_line());

@@ -54,7 +54,8 @@ double work_done(double samples, double total, double half_size);
 ///   chart.html          loss and held-out score
 /// Once `stop`, which is told how many samples it has seen, says so, it ends after a checkpoint. With `samples`, the
 /// weights depend on the options, the data and the number of threads alone, however often the run was stopped and
-/// resumed. Throws InputError for unusable data, and for a checkpoint of other options or data.
+/// resumed. Throws InputError for unusable data or weights, for a checkpoint of other options or data, and for weights
+/// to start from that the run would write over.
 void train(const TrainOptions& options, const std::function<bool(std::uint64_t samples)>& stop);
 
 }  // namespace dualpixel::tools

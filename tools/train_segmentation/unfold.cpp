@@ -8,7 +8,6 @@
 #include <memory>
 
 #include "capture/error.h"
-#include "capture/files.h"
 #include "tools/train_segmentation/checkpoint.h"
 
 namespace dualpixel::tools {
@@ -58,7 +57,9 @@ Network unfolded(const pipeline::NetworkWeights& weights, const torch::Tensor& i
   sub_pixels->bias.copy_(tensor_of(last.bias));
 
   network->eval();
-  network->forward(input);
+  bool finite = torch::isfinite(network->forward(input, true).back().mask).all().item<bool>();
+  for (const torch::Tensor& buffer : network->buffers()) finite = finite && torch::isfinite(buffer).all().item<bool>();
+  if (!finite) throw InputError(printable(weights.file) + ": its weights give results that are not finite");
   for (const auto& item : modules) {
     if (const auto layer = std::dynamic_pointer_cast<ConvImpl>(item.value())) layer->adopts = false;
   }
