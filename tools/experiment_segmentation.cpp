@@ -289,31 +289,33 @@ void run_people(const Command& command, pipeline::PersonNetwork& network, const 
                                  {"samples", nlohmann::ordered_json::array()},
                                  {"regions", nlohmann::ordered_json::array()}};
   std::string table =
-      "<table><tr><th></th><th>samples</th><th>IoU</th><th>filtered</th><th>no face channel</th>"
+      "<table><tr><th></th><th>samples</th><th>IoU</th><th>standard error</th><th>filtered</th><th>no face channel</th>"
       "<th>gradient error</th><th>filtered</th></tr>";
-  fmt::print("{:<20}{:>8}{:>9}{:>10}{:>10}{:>12}{:>12}\n", "", "samples", "IoU", "filtered", "no face", "grad. err.",
-             "filtered");
+  fmt::print("{:<20}{:>8}{:>9} +- {:<6}{:>8}{:>10}{:>12}{:>12}\n", "", "samples", "IoU", "error", "filtered", "no face",
+             "grad. err.", "filtered");
   for (const PeopleRow& row : scores.samples) {
-    fmt::print("{:<20}{:8}{:9.4f}{:10.4f}{:10.4f}{:12.6f}{:12.6f}\n", row.name, row.samples, row.iou, row.filtered_iou,
-               row.iou_without_face, row.gradient_error, row.filtered_gradient_error);
+    fmt::print("{:<20}{:8}{:9.4f} +- {:<6.4f}{:8.4f}{:10.4f}{:12.6f}{:12.6f}\n", row.name, row.samples, row.iou,
+               row.iou_error, row.filtered_iou, row.iou_without_face, row.gradient_error, row.filtered_gradient_error);
     table += fmt::format(
-        "<tr><th>{}</th><td>{}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.6f}</td><td>{:.6f}</td></tr>",
-        escape_html(printable(row.name)), row.samples, row.iou, row.filtered_iou, row.iou_without_face,
+        "<tr><th>{}</th><td>{}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.6f}</td>"
+        "<td>{:.6f}</td></tr>",
+        escape_html(printable(row.name)), row.samples, row.iou, row.iou_error, row.filtered_iou, row.iou_without_face,
         row.gradient_error, row.filtered_gradient_error);
     json["samples"].push_back({{"name", printable(row.name)},
                                {"samples", row.samples},
                                {"iou", row.iou},
+                               {"iou_standard_error", row.iou_error},
                                {"iou_filtered", row.filtered_iou},
                                {"iou_without_face_channel", row.iou_without_face},
                                {"gradient_error", row.gradient_error},
                                {"gradient_error_filtered", row.filtered_gradient_error}});
   }
   for (const PeopleRow& row : scores.regions) {
-    fmt::print("{:<20}{:8}{:>29}{:12.6f}{:12.6f}\n", "near " + row.name, row.samples, "", row.gradient_error,
+    fmt::print("{:<20}{:8}{:>37}{:12.6f}{:12.6f}\n", "near " + row.name, row.samples, "", row.gradient_error,
                row.filtered_gradient_error);
-    table +=
-        fmt::format("<tr><th>near {}</th><td>{}</td><td></td><td></td><td></td><td>{:.6f}</td><td>{:.6f}</td></tr>",
-                    row.name, row.samples, row.gradient_error, row.filtered_gradient_error);
+    table += fmt::format(
+        "<tr><th>near {}</th><td>{}</td><td></td><td></td><td></td><td></td><td>{:.6f}</td><td>{:.6f}</td></tr>",
+        row.name, row.samples, row.gradient_error, row.filtered_gradient_error);
     json["regions"].push_back({{"name", row.name},
                                {"samples", row.samples},
                                {"gradient_error", row.gradient_error},

@@ -33,11 +33,33 @@ struct Sums {
   std::size_t samples = 0;
   double iou = 0, filtered_iou = 0, iou_without_face = 0;
   double pixels = 0, gradient = 0, filtered_gradient = 0;
+  struct Scene {
+    double samples = 0, iou = 0;
+  };
+  std::map<std::uint64_t, Scene> scenes = {};  ///< by seed
+
+  /// Standard error of the mean IoU. A picture and its composites show the same people, so what they have in common is
+  /// drawn once: a mean over clusters of unequal size (Cochran, Sampling Techniques, 1977, section 6.3, a ratio of
+  /// sums).
+  double iou_error() const {
+    const auto n = static_cast<double>(samples), m = static_cast<double>(scenes.size());
+    if (m < 2) return 0;
+    double squares = 0;
+    for (const auto& [seed, scene] : scenes) squares += std::pow(scene.iou - scene.samples * iou / n, 2);
+    return std::sqrt(squares * m / (m - 1)) / n;
+  }
 
   PeopleRow row(const std::string& name) const {
     const auto n = static_cast<double>(std::max<std::size_t>(1, samples));
     const double area = std::max(1.0, pixels);
-    return {name, samples, iou / n, filtered_iou / n, iou_without_face / n, gradient / area, filtered_gradient / area};
+    return {name,
+            samples,
+            iou / n,
+            filtered_iou / n,
+            iou_error(),
+            iou_without_face / n,
+            gradient / area,
+            filtered_gradient / area};
   }
 };
 
@@ -93,6 +115,8 @@ PeopleScores score_people(const PeopleSet& set, pipeline::PersonNetwork& network
     scores.filtered_iou.push_back(one.filtered_iou);
     const auto add = [&](Sums& sums) {
       sums.samples += 1;
+      Sums::Scene& scene = sums.scenes[sample.seed];
+      scene.samples += 1, scene.iou += one.iou;
       sums.iou += one.iou, sums.filtered_iou += one.filtered_iou, sums.iou_without_face += one.iou_without_face;
       sums.pixels += one.pixels, sums.gradient += one.gradient, sums.filtered_gradient += one.filtered_gradient;
     };

@@ -123,9 +123,9 @@ TEST(CliInfo, DescribesAPeopleSetAndVerifiesIt) {
                                       std::vector<std::uint8_t>(3 * kPixels),
                                       std::vector<float>(std::size_t{3 * 3} * tools::kKeypoints),
                                       {9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9},
-                                      R"([{"people": 2, "composite": true, "tags": []},)"
-                                      R"({"people": 1, "composite": true, "tags": []},)"
-                                      R"({"people": 1, "composite": false, "tags": []}])"};
+                                      R"([{"people": 2, "composite": true, "tags": [], "seed": 1},)"
+                                      R"({"people": 1, "composite": true, "tags": [], "seed": 1},)"
+                                      R"({"people": 1, "composite": false, "tags": [], "seed": 2}])"};
   for (const bool held_out : {false, true}) {
     tools::write_people_arrays(path, arrays, 1, held_out);
     const Outcome outcome = run_program(info);

@@ -882,6 +882,8 @@ TEST(PeopleSets, DamageIsOneClearLine) {
        "at most 1024"},
       {"/shard_00000/samples.json", R"([{"people": 1, "composite": false, "tags": [1]}, {}, {}, {}, {}, {}])",
        "/0/tags: must be a list of words"},
+      {"/shard_00000/samples.json", R"([{"people": 1, "composite": false, "tags": []}, {}, {}, {}, {}, {}])",
+       "/0/seed"},
       {"/shard_00000/faces.npy", "", "is empty"},
       {"/shard_00000/faces.npy", "\x93NUMPY", "no NumPy file"},
       {"/shard_00000/masks.npy", "xxxxxxxxxxxxxxxxxxxx", "no NumPy file"},

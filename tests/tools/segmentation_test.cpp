@@ -64,8 +64,8 @@ void write_followed(const std::string& folder) {
   square(20, 60, 6);
   const float wrist[3] = {205, 205, 2};
   std::copy_n(wrist, 3, arrays.keypoints.begin() + (kKeypoints + 10) * 3);
-  arrays.samples_json = R"([{"people": 1, "composite": false, "tags": ["hair:long"]},)"
-                        R"( {"people": 2, "composite": true, "tags": ["hair:long", "held:cup"]}])";
+  arrays.samples_json = R"([{"people": 1, "composite": false, "tags": ["hair:long"], "seed": 1},)"
+                        R"( {"people": 2, "composite": true, "tags": ["hair:long", "held:cup"], "seed": 2}])";
   write_people_arrays(folder, arrays, 1, true);
 }
 
@@ -102,7 +102,8 @@ TEST(PeopleScores, AreTheirFormulas) {
   for (const char* name : {"all", "hair:long"}) {
     EXPECT_EQ(row(name).samples, 2U);
     EXPECT_DOUBLE_EQ(row(name).iou, (1 + second) / 2);
-    EXPECT_EQ(row(name).iou_without_face, 0);  // the toy looks at nothing else
+    EXPECT_NEAR(row(name).iou_error, (1 - second) / 2, 1e-12);  // of two draws: half of what they differ by
+    EXPECT_EQ(row(name).iou_without_face, 0);                   // the toy looks at nothing else
     EXPECT_NEAR(row(name).gradient_error, 32 / kArea, kStep);
   }
   // From a face's width around the boxes down to the chin: 90 x 60 and 120 x 80 pixels, but for those left of 0.
@@ -118,6 +119,12 @@ TEST(PeopleScores, AreTheirFormulas) {
   EXPECT_DOUBLE_EQ(scores.filtered_iou[1], mask_iou(filtered_mask_of(set[1], network), mask_of(set[1])));
   EXPECT_DOUBLE_EQ(row("groups").filtered_gradient_error,
                    mask_gradient_error(filtered_mask_of(set[1], network), mask_of(set[1])));
+
+  EXPECT_EQ(row("groups").iou_error, 0);  // one draw says nothing of its error
+  // Another two samples of the same two scenes, with the same scores, tell nothing new.
+  const PeopleScores twice = score_people(PeopleSet({folder / "set", folder / "set"}, true), network);
+  EXPECT_EQ(twice.samples.front().samples, 4U);
+  EXPECT_NEAR(twice.samples.front().iou_error, row("all").iou_error, 1e-12);
 }
 
 /// A linear picture as an 8-bit file.

@@ -113,7 +113,7 @@ inline void write_toy_people(const std::string& folder, int count, std::uint64_t
     set_keypoint(6, person.x - person.body, person.head_y + 130);
   }
   std::string samples;
-  for (int i = 0; i < count; ++i) samples += R"({"people": 1, "composite": false, "tags": []},)";
+  for (int i = 0; i < count; ++i) samples += R"({"people": 1, "composite": false, "tags": [], "seed": 1},)";
   samples.back() = ']';
   write_people_arrays(folder, {pictures, masks, keypoints, faces, "[" + samples}, seed, held_out);
 }

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <utility>
@@ -153,6 +154,7 @@ void PeopleSet::add_shard(const std::string& shard) {
       if (!tag.is_string()) fields.fail("tags", "must be a list of words");
       sample.tags.push_back(printable(tag.get<std::string>()));
     }
+    fields.required("seed").integer("seed", sample.seed, 0, std::numeric_limits<std::uint64_t>::max());
     samples_.push_back(std::move(sample));
   }
 }

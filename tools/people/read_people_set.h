@@ -21,6 +21,7 @@ struct PersonSample {
   std::vector<std::string> tags;  ///< "hair:long", ...
   int people = 1;                 ///< in the picture
   bool composite = false;         ///< set before another background
+  std::uint64_t seed = 0;         ///< of the scene: a rendered picture and its composites share it
 };
 
 /// A NumPy file (version 1, C order) of uint8 or little-endian float32, mapped. Throws InputError where it is
