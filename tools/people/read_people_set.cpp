@@ -8,12 +8,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <regex>
+#include <string_view>
 #include <utility>
 
 #include "capture/error.h"
@@ -24,8 +25,7 @@ namespace dualpixel::tools {
 namespace {
 
 constexpr std::size_t kSide = kPictureSide_px;
-constexpr std::size_t kMostItems = 1 << 24;
-constexpr std::size_t kMostHeaderBytes = 1024;  // std::regex recurses over what it reads
+constexpr std::size_t kMostItems = 1 << 24, kMostDimensions = 4, kLargestSide = 1024;
 
 std::size_t bytes_of_type(const std::string& type) { return type == "|u1" ? 1 : 4; }
 
@@ -59,20 +59,27 @@ void MappedArray::read_header() {
   header_bytes_ = 10 + std::size_t{header};
   if (header_bytes_ > file_bytes_) fail("its header is cut off");
   if (header_bytes_ % 4 != 0) fail(fmt::format("its header ends at byte {}: must be a multiple of 4", header_bytes_));
-  if (header > kMostHeaderBytes) fail(fmt::format("its header has {} bytes: at most {}", header, kMostHeaderBytes));
-  const std::string text(file_ + 10, header);
-  static const std::regex kHeader(
-      R"(\{'descr': '(\|u1|<f4)', 'fortran_order': False, 'shape': \((\d{1,8}(?:, \d{1,4}){0,3}),?\), ?\}\s*)");
-  std::smatch match;
-  if (!std::regex_match(text, match, kHeader)) fail("its header is not that of a C-order array of uint8 or float32");
-  type_ = match[1];
+  std::string_view rest(file_ + 10, header);
+  const auto take = [&](std::string_view word) {
+    const bool there = rest.starts_with(word);
+    if (there) rest.remove_prefix(word.size());
+    return there;
+  };
+  const auto take_size = [&] {
+    std::size_t& size = shape_.emplace_back();
+    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), size);
+    rest.remove_prefix(end - rest.data());
+    return error == std::errc() && (shape_.size() == 1 || size <= kLargestSide) && shape_.size() <= kMostDimensions;
+  };
+  bool known = take("{'descr': '");
+  const bool of_bytes = take("|u1");
+  known = known && (of_bytes || take("<f4")) && take("', 'fortran_order': False, 'shape': (") && take_size();
+  while (known && take(", ")) known = take_size();
+  known = known && (take("), }") || take(")}")) && rest.find_first_not_of(" \n") == std::string_view::npos;
+  if (!known) fail("its header is not that of a C-order array of uint8 or float32");
+  type_ = of_bytes ? "|u1" : "<f4";
   std::size_t items = 1;
-  const std::string sizes = match[2];
-  static const std::regex kNumber(R"(\d+)");
-  for (std::sregex_iterator number(sizes.begin(), sizes.end(), kNumber); number != std::sregex_iterator(); ++number) {
-    shape_.push_back(std::stoul(number->str()));
-    if (shape_.size() > 1) items *= shape_.back();
-  }
+  for (std::size_t i = 1; i < shape_.size(); ++i) items *= shape_[i];
   if (shape_[0] > kMostItems) fail(fmt::format("{} items; at most {} are read", shape_[0], kMostItems));
   item_bytes_ = items * bytes_of_type(type_);
   const std::size_t expected = header_bytes_ + shape_[0] * item_bytes_;
