@@ -47,7 +47,7 @@ void forget(const std::string& temporary) {
 /// A name beside `path` that no other process or thread uses. Short, whatever the length of the final name.
 std::string temporary_sibling(const std::string& path) {
   static std::atomic<unsigned> counter{0};
-  const std::string name = fmt::format(".dualpixel-{}-{}.tmp", getpid(), counter++);
+  const std::string name = fmt::format("{}{}-{}.tmp", kTemporaryPrefix, getpid(), counter++);
   return (fs::path(path).parent_path() / name).string();
 }
 

@@ -32,6 +32,9 @@ void replace_file(const std::string& path, std::string_view bytes);
 /// Waits until a file's (or folder's) bytes have reached the disk.
 void sync_to_disk(const std::string& path);
 
+/// How the names of the temporary siblings begin, which a killed program may leave.
+inline constexpr std::string_view kTemporaryPrefix = ".dualpixel-";
+
 /// A folder while it is being written. It lives as a temporary sibling of its final place: commit() moves it there in
 /// one step; without commit() the destructor removes it. Missing folders on the way are made, and stay. What stood
 /// there before is replaced where it is an empty folder, or a folder that holds the file `marker` ("capture.json"),

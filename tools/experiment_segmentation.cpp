@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -279,6 +280,7 @@ void run_pictures(const Command& command, pipeline::PersonNetwork& network, cons
 
 void run_people(const Command& command, pipeline::PersonNetwork& network, const std::string& weights_hash) {
   const PeopleSet set({command.people}, true);
+  require_unchanged(command.people);
   Progress bar("segmentation");
   const PeopleScores scores = score_people(set, network, [&](double done) { bar(done); });
   nlohmann::ordered_json json = {{"format", "dualpixel-experiment-segmentation-people"},
@@ -294,12 +296,13 @@ void run_people(const Command& command, pipeline::PersonNetwork& network, const 
   fmt::print("{:<20}{:>8}{:>9} +- {:<6}{:>8}{:>10}{:>12}{:>12}\n", "", "samples", "IoU", "error", "filtered", "no face",
              "grad. err.", "filtered");
   for (const PeopleRow& row : scores.samples) {
-    fmt::print("{:<20}{:8}{:9.4f} +- {:<6.4f}{:8.4f}{:10.4f}{:12.6f}{:12.6f}\n", row.name, row.samples, row.iou,
-               row.iou_error, row.filtered_iou, row.iou_without_face, row.gradient_error, row.filtered_gradient_error);
+    const std::string error = std::isnan(row.iou_error) ? "-" : fmt::format("{:.4f}", row.iou_error);
+    fmt::print("{:<20}{:8}{:9.4f} +- {:<6}{:8.4f}{:10.4f}{:12.6f}{:12.6f}\n", row.name, row.samples, row.iou, error,
+               row.filtered_iou, row.iou_without_face, row.gradient_error, row.filtered_gradient_error);
     table += fmt::format(
-        "<tr><th>{}</th><td>{}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.6f}</td>"
+        "<tr><th>{}</th><td>{}</td><td>{:.4f}</td><td>{}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.6f}</td>"
         "<td>{:.6f}</td></tr>",
-        escape_html(printable(row.name)), row.samples, row.iou, row.iou_error, row.filtered_iou, row.iou_without_face,
+        escape_html(printable(row.name)), row.samples, row.iou, error, row.filtered_iou, row.iou_without_face,
         row.gradient_error, row.filtered_gradient_error);
     json["samples"].push_back({{"name", printable(row.name)},
                                {"samples", row.samples},

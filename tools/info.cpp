@@ -133,12 +133,7 @@ json describe_people(const std::string& path) {
   bool held_out = false;
   if (fs::exists(index)) Fields(read_json_file(index), index).required("held_out").boolean("held_out", held_out);
   const PeopleSet set({path}, held_out);
-  for (const auto& entry : fs::directory_iterator(path)) {
-    if (!entry.is_directory() || !entry.path().filename().string().starts_with("shard_")) continue;
-    const std::string changed = changed_file(entry.path().string());
-    if (!changed.empty())
-      throw InputError(printable(changed) + ": is not as it was written, by the hash in shard.json");
-  }
+  require_unchanged(path);
   std::size_t composites = 0, groups = 0;
   for (std::size_t i = 0; i < set.size(); ++i) {
     composites += set[i].composite;

@@ -27,7 +27,8 @@ namespace {
 const std::map<std::string, pipeline::Mode> kModes = {
     {"dp", pipeline::Mode::dp}, {"dp+seg", pipeline::Mode::dp_seg}, {"seg", pipeline::Mode::seg}};
 
-constexpr double kTapSize = 0.1;  ///< side of the face that a tap stands for, of the picture's shorter side
+constexpr double kMostStretch = 0.02;  ///< of a mask to the picture's shape: sizes are whole pixels
+constexpr double kTapSize = 0.1;       ///< side of the face that a tap stands for, of the picture's shorter side
 
 const std::map<pipeline::Mode, std::string> kModeNames = {
     {pipeline::Mode::dp, "dp"}, {pipeline::Mode::dp_seg, "dp+seg"}, {pipeline::Mode::seg, "seg"}};
@@ -223,6 +224,16 @@ void run(const PortraitCommand& command) {
   } else if (!command.mask.empty()) {
     mask = read_mask(command.mask);
     if (turned) mask = transposed(*mask);
+    const double stretch = static_cast<double>(mask->width) * capture.camera.height_px /
+                           (static_cast<double>(mask->height) * capture.camera.width_px);
+    if (std::abs(stretch - 1) > kMostStretch) {
+      throw InputError(fmt::format("--mask {}: {} x {} pixels; must have the shape of the picture, {} x {}",
+                                   printable(command.mask), mask->width, mask->height, capture.camera.width_px,
+                                   capture.camera.height_px));
+    }
+  }
+  if (mask && std::none_of(mask->data.begin(), mask->data.end(), [](float m) { return m > 0.5F; })) {
+    std::cerr << "dualpixel: warning: the person mask is empty: no pixel is above 0.5\n";
   }
 
   Progress bar("portrait");

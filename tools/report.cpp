@@ -182,9 +182,10 @@ std::string capture_of(const StoredResult& stored, const std::string& result_pat
   const auto named = stored.json["provenance"].find("capture");
   if (named == stored.json["provenance"].end() || !named->is_string()) {
     throw InputError(printable(result_path) +
-                     "/result.json: /provenance/capture: does not name the capture; give --capture");
+                     "/result.json: /provenance/capture: does not name the capture (a plain pair has none, and "
+                     "cannot be reported); give --capture");
   }
-  const std::string path = named->get<std::string>();
+  std::string path = named->get<std::string>();
   if (!std::filesystem::exists(path)) {
     throw InputError(fmt::format("{}/result.json: /provenance/capture: {}: no such folder; give --capture",
                                  printable(result_path), printable(path)));
@@ -198,6 +199,7 @@ void run(const ReportOptions& options) {
   for (const std::string& path : options.results) {
     const StoredResult stored = read_result(path);
     const std::string capture_path = options.capture.empty() ? capture_of(stored, path) : options.capture;
+    require_own_capture(stored, capture_path, path);
     if (sections.empty() || sections.back().name != capture_path) {
       capture = read_capture(capture_path, true);
       sections.push_back(capture_section(capture, capture_path));

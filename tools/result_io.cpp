@@ -139,6 +139,11 @@ StoredResult read_result(const std::string& path) {
   if (result.disparity_dp_px.empty() != result.confidence.empty()) {
     throw InputError(printable(file("maps.exr")) + ": disparity_dp_px and confidence must come together");
   }
+  const nlohmann::json mode = stored.json["provenance"].value("mode", nlohmann::json());
+  if (result.disparity_dp_px.empty() && (mode == "dp" || mode == "dp+seg")) {
+    throw InputError(fmt::format("{}: lacks disparity_dp_px, which /provenance/mode {} makes",
+                                 printable(file("maps.exr")), mode.dump()));
+  }
   if (std::filesystem::exists(file("matched.exr"))) {
     const std::vector<std::string> stored_channels = picture_size(file("matched.exr")).channels;
     std::vector<std::string> channels = {"disparity_dp_px", "confidence"};
@@ -151,6 +156,17 @@ StoredResult read_result(const std::string& path) {
     if (matched.size() > 2) result.matched_sigma_dp_px = std::move(matched[2]);
   }
   return stored;
+}
+
+void require_own_capture(const StoredResult& stored, const std::string& capture_path, const std::string& result_path) {
+  const nlohmann::json provenance = stored.json["provenance"];
+  const nlohmann::json hash = provenance.value("capture_hash", nlohmann::json());
+  if (hash.is_null() || hash == file_hash(capture_path + "/capture.json")) return;
+  throw InputError(
+      fmt::format("{}: is not a result of {} as it is now: its capture was {}, of the hash {}; "
+                  "score it against that, or run the portrait again",
+                  printable(result_path), printable(capture_path),
+                  printable(provenance.value("capture", nlohmann::json("unnamed")).dump()), printable(hash.dump())));
 }
 
 }  // namespace dualpixel::tools

@@ -26,7 +26,12 @@ inline constexpr int kResultFormatVersion = 1;
 /// be written.
 void write_result(const pipeline::PortraitResult& result, const nlohmann::json& provenance, const std::string& path);
 
-/// Reads a result and checks that the pictures and maps of full size agree in size. Throws InputError.
+/// Reads a result and checks that the pictures and maps of full size agree in size, and that it has the disparity that
+/// its mode makes. Throws InputError.
 StoredResult read_result(const std::string& path);
+
+/// Throws InputError where the capture is another than the result was made from, or has changed since: two of one size
+/// would make a table of nonsense. A result whose program wrote no hash is taken at its word.
+void require_own_capture(const StoredResult& stored, const std::string& capture_path, const std::string& result_path);
 
 }  // namespace dualpixel::tools

@@ -18,20 +18,10 @@ struct ScoreOptions {
   bool json = false;
 };
 
-/// Two captures of one size would make a table of nonsense. A result whose program wrote no hash is taken at its word.
-void require_own_capture(const StoredResult& stored, const ScoreOptions& options) {
-  const nlohmann::json provenance = stored.json["provenance"];
-  const nlohmann::json hash = provenance.value("capture_hash", nlohmann::json());
-  if (hash.is_null() || hash == file_hash(options.capture + "/capture.json")) return;
-  throw InputError(fmt::format("{}: is a result of another capture, {}; score it against that",
-                               printable(options.result),
-                               printable(provenance.value("capture", nlohmann::json("unnamed")).dump())));
-}
-
 void run(const ScoreOptions& options) {
   const StoredResult stored = read_result(options.result);
   const Capture capture = read_capture(options.capture, true);
-  require_own_capture(stored, options);
+  require_own_capture(stored, options.capture, options.result);
   const nlohmann::ordered_json score = score_result(capture, options.capture, stored, options.result);
   const std::string json = score.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
   replace_file(options.result + "/score.json", json);

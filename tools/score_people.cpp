@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "capture/image_io.h"
@@ -43,7 +44,7 @@ struct Sums {
   /// sums).
   double iou_error() const {
     const auto n = static_cast<double>(samples), m = static_cast<double>(scenes.size());
-    if (m < 2) return 0;
+    if (m < 2) return std::numeric_limits<double>::quiet_NaN();
     double squares = 0;
     for (const auto& [seed, scene] : scenes) squares += std::pow(scene.iou - scene.samples * iou / n, 2);
     return std::sqrt(squares * m / (m - 1)) / n;

@@ -13,9 +13,9 @@ namespace dualpixel::tools {
 struct PeopleRow {
   std::string name;
   std::size_t samples = 0;
-  double iou = 0, filtered_iou = 0;                        ///< means over samples
-  double iou_error = 0;                                    ///< standard error of iou; samples of a scene are one draw
-  double iou_without_face = 0;                             ///< of the network's mask where the face's channel is black
+  double iou = 0, filtered_iou = 0;  ///< means over samples
+  double iou_error = 0;              ///< standard error of iou; samples of a scene are one draw; of one draw NaN
+  double iou_without_face = 0;       ///< of the network's mask where the face's channel is black
   double gradient_error = 0, filtered_gradient_error = 0;  ///< means over all pixels of the samples, or of the region
 };
 

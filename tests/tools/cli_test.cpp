@@ -145,6 +145,9 @@ TEST(CliInfo, DescribesAPeopleSetAndVerifiesIt) {
   const std::string masks = read_file(path + "/shard_00000/masks.npy");
   replace_file(path + "/shard_00000/masks.npy", masks.substr(0, masks.size() - 1) + '\1');
   refused_for("masks.npy: is not as it was written");
+  const Outcome scored = run_program("experiment segmentation --people '" + path + "'");
+  expect_one_line_refusal(scored);
+  EXPECT_NE(scored.err.find("masks.npy: is not as it was written"), std::string::npos) << scored.err;
   replace_file(path + "/shard_00000/masks.npy", masks);
   EXPECT_EQ(run_program(info).status, 0);
   const std::string index = read_file(path + "/people.json");

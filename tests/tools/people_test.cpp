@@ -604,6 +604,7 @@ TEST(SlowPeople, AnEndedRunGoesOnWhereItWas) {
   const PeopleOptions options{.count = 2, .seed = 4, .composites = 0};
   int made = 0;
   const auto count = [&](const std::vector<PeopleSample>&) { ++made; };
+  std::filesystem::create_directories(folder / "set/.dualpixel-1-0.tmp");  // a killed run's
   write_people_set(options, folder / "set", {}, count);
   const std::string masks = read_bytes(folder / "set/shard_00000/masks.npy");
   write_people_set(options, folder / "set", {}, count);
@@ -659,6 +660,9 @@ TEST(SlowPeople, AnEndedRunGoesOnWhereItWas) {
     EXPECT_THROW(write_people_set(options, folder / "set", {}, count), InputError) << another;
   }
   folder.write("set/people.json", index);
+  PeopleOptions fewer = options;
+  fewer.count -= 1;
+  EXPECT_THROW(write_people_set(fewer, folder / "set", {}, count), InputError);
   EXPECT_EQ(made, 1);
   // a changed file, and one of another length, are noticed
   const std::string faces = folder / "set/shard_00000/faces.npy", whole = read_bytes(faces);

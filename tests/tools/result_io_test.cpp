@@ -108,6 +108,10 @@ TEST(ResultIo, RefusesWhatIsMissingOrDoesNotFit) {
   const Image other(64, 48);
   write_exr(path + "/maps.exr", {{"confidence", &other}}, false);
   EXPECT_EQ(message(), path + "/maps.exr: disparity_dp_px and confidence must come together");
+
+  renew();
+  std::filesystem::remove(path + "/maps.exr");
+  EXPECT_EQ(message(), path + "/maps.exr: lacks disparity_dp_px, which /provenance/mode \"dp\" makes");
   write_exr(path + "/maps.exr", {{"unknown", &other}}, false);
   EXPECT_EQ(message(), path + "/maps.exr: holds none of the maps of a result");
 

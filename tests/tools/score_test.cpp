@@ -33,17 +33,22 @@ TEST(ScoreCommand, RefusesAResultOfAnotherCapture) {
   const TemporaryFolder folder;
   const Capture capture = synthetic_capture();
   write_capture(capture, folder / "c");
-  const std::string command = fmt::format("score '{}' '{}'", folder / "c", folder / "r");
+  const std::string commands[] = {
+      fmt::format("score '{}' '{}'", folder / "c", folder / "r"),
+      fmt::format("report '{}' --capture '{}' -o '{}'", folder / "r", folder / "c", folder / "page.html")};
   const auto write_with_hash = [&](const std::string& hash) {
     write_result(synthetic_result(capture), {{"capture", "elsewhere"}, {"capture_hash", hash}}, folder / "r");
   };
   write_with_hash("0123456789abcdef");
-  const Outcome outcome = run_program(command);
-  expect_one_line_refusal(outcome);
-  EXPECT_NE(outcome.err.find("elsewhere"), std::string::npos) << outcome.err;
+  for (const std::string& command : commands) {
+    const Outcome outcome = run_program(command);
+    expect_one_line_refusal(outcome);
+    EXPECT_NE(outcome.err.find("elsewhere"), std::string::npos) << outcome.err;
+  }
   EXPECT_FALSE(std::filesystem::exists(folder / "r/score.json"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "page.html"));
   write_with_hash(file_hash(folder / "c/capture.json"));
-  EXPECT_EQ(run_program(command).status, 0);
+  for (const std::string& command : commands) EXPECT_EQ(run_program(command).status, 0);
 }
 
 TEST(InfoCommand, KnowsAPortraitResult) {

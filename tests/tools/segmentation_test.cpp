@@ -120,7 +120,7 @@ TEST(PeopleScores, AreTheirFormulas) {
   EXPECT_DOUBLE_EQ(row("groups").filtered_gradient_error,
                    mask_gradient_error(filtered_mask_of(set[1], network), mask_of(set[1])));
 
-  EXPECT_EQ(row("groups").iou_error, 0);  // one draw says nothing of its error
+  EXPECT_TRUE(std::isnan(row("groups").iou_error));  // one draw says nothing of its error
   // Another two samples of the same two scenes, with the same scores, tell nothing new.
   const PeopleScores twice = score_people(PeopleSet({folder / "set", folder / "set"}, true), network);
   EXPECT_EQ(twice.samples.front().samples, 4U);
@@ -288,6 +288,24 @@ TEST(SlowPortraitPeople, AreFoundWithoutAMask) {
   const nlohmann::json nobody = result_of(write_pair(folder, false) + "--mode dp+seg", folder, true);
   EXPECT_EQ(nobody["mode"], "dp");
   EXPECT_FALSE(nobody.contains("mask"));
+}
+
+TEST(SlowPortraitPeople, MasksHaveTheShapeOfThePictureAndShowSomebody) {
+  const TemporaryFolder folder;
+  const std::string portrait = write_pair(folder, true) + "--mode dp+seg --mask '" + (folder / "mask.png") + "'";
+  const Image picture = read_image(folder / "l.png");
+  const auto with_mask = [&](int width, int height, float value) {
+    Image mask(width, height, 3);
+    for (float& m : mask.data) m = value;
+    write_png8(folder / "mask.png", mask);
+    return run_program(portrait);
+  };
+  const int width = picture.width, height = picture.height;
+  expect_one_line_refusal(with_mask(width, height * 3 / 2, 1));
+  EXPECT_EQ(with_mask(width / 2, height / 2, 1).err, "");
+  const Outcome empty = with_mask(width, height, 0);
+  EXPECT_EQ(empty.status, 0);
+  EXPECT_NE(empty.err.find("the person mask is empty"), std::string::npos) << empty.err;
 }
 
 // In programs of their own: a process that has run the network in f32 keeps to AVX2.

@@ -115,6 +115,16 @@ std::string changed_file(const std::string& shard) {
   return "";
 }
 
+void require_unchanged(const std::string& folder) {
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (!entry.is_directory() || !entry.path().filename().string().starts_with("shard_")) continue;
+    const std::string changed = changed_file(entry.path().string());
+    if (!changed.empty()) {
+      throw InputError(printable(changed) + ": is not as it was written, by the hash in shard.json");
+    }
+  }
+}
+
 void PeopleSet::add_shard(const std::string& shard) {
   const auto map = [&](const char* name, const char* type, const std::vector<std::size_t>& rest) {
     arrays_.push_back(std::make_unique<MappedArray>(shard + "/" + name));

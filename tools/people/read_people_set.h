@@ -57,6 +57,9 @@ class MappedArray {
 /// of them: "".
 std::string changed_file(const std::string& shard);
 
+/// Throws InputError where that is so in any shard of a set.
+void require_unchanged(const std::string& folder);
+
 class PeopleSet {
  public:
   /// Every shard of every folder. Throws InputError for what is no people set of version 1 and 256 px, for folders

@@ -100,15 +100,22 @@ void refuse_another(const std::string& folder, nlohmann::json written, const nlo
 /// A set of other options, and what is no set, is not ours to write into.
 void refuse_what_is_another(const std::string& folder, const PeopleOptions& options) {
   std::vector<std::string> shards;
+  bool strangers = false;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.path().filename().string().starts_with("shard_")) shards.push_back(entry.path().string());
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("shard_")) shards.push_back(entry.path().string());
+    strangers = strangers || !name.starts_with(kTemporaryPrefix);  // a killed run may have left one
   }
   const bool whole = fs::exists(folder + "/" + kSetFile);
   nlohmann::json set = object_in(folder + "/" + kSetFile);
-  if (whole ? set["format"] != "dualpixel people" : shards.empty() && !fs::is_empty(folder)) {
+  if (whole ? set["format"] != "dualpixel people" : shards.empty() && strangers) {
     throw InputError(printable(folder) + ": holds something that is no set of people: choose another folder");
   }
-  if (whole) refuse_another(folder, std::move(set), set_recipe(options));
+  if (whole) refuse_another(folder, set, set_recipe(options));
+  if (whole && set["count"].is_number_integer() && set["count"] > options.count) {
+    throw InputError(fmt::format("{}: holds a set of {} samples, --count {} would remove some: choose another folder",
+                                 printable(folder), set["count"].dump(), options.count));
+  }
   for (const std::string& shard : shards) {
     nlohmann::json written = object_in(shard + "/" + kShardFile);
     if (written["format"] == kShardFormat) refuse_another(folder, std::move(written), shard_recipe(options, 0));
