@@ -71,6 +71,16 @@ void require_replaceable(const std::string& path, const std::string& marker) {
   if (!empty) fail(path, "exists, and is neither empty nor holds " + marker + ": it will not be overwritten");
 }
 
+/// Writes `written`; messages name `path`, the place that it is meant for.
+void write_file_for(const std::string& path, const std::string& written, std::string_view bytes) {
+  std::ofstream file(written, std::ios::binary | std::ios::trunc);
+  if (!file) fail_errno(path, "cannot be written");
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file) fail_errno(path, "cannot be written");
+  sync_to_disk(written);
+}
+
 }  // namespace
 
 void require_regular_file(const std::string& path) {
@@ -108,14 +118,7 @@ void sync_to_disk(const std::string& path) {
   if (failed) fail(path, "cannot be written to the disk");
 }
 
-void write_file(const std::string& path, std::string_view bytes) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  if (!file) fail_errno(path, "cannot be written");
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file) fail_errno(path, "cannot be written");
-  sync_to_disk(path);
-}
+void write_file(const std::string& path, std::string_view bytes) { write_file_for(path, path, bytes); }
 
 void make_parents(const std::string& path) {
   const fs::path parent = fs::absolute(path).parent_path();
@@ -137,7 +140,7 @@ void replace_file(const std::string& path, std::string_view bytes) {
     unfinished.insert(temporary);
   }
   try {
-    write_file(temporary, bytes);
+    write_file_for(path, temporary, bytes);
     if (rename(temporary.c_str(), target.c_str()) != 0) fail_errno(path, "cannot be written");
   } catch (...) {
     fs::remove(temporary, error);

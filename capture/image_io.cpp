@@ -139,7 +139,7 @@ void write_picture(const std::string& path, const std::string& format, const Ima
       !output->close()) {
     fail(path, "cannot be written: " + one_line(output->geterror()));
   }
-  write_file(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  replace_file(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
 }  // namespace

@@ -30,8 +30,10 @@ constexpr int kBadInput = 2;
 #endif
 
 /// SIGINT and SIGTERM are taken by a thread of their own, which removes half-written output and ends the process.
+/// A file grown past the shell's limit is a failed write (EFBIG), told and cleaned up as any other, instead of SIGXFSZ.
 /// Call before any other thread starts: they inherit the mask.
 void end_cleanly_on_signals() {
+  signal(SIGXFSZ, SIG_IGN);
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);

@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <memory>
 #include <mutex>
 
@@ -30,7 +31,11 @@ void run(PeopleArguments arguments) {
   if (arguments.folder.empty() && arguments.preview.empty())
     throw InputError("people: give -o DIR, --preview FILE, or both");
   bool previewed = arguments.preview.empty();
-  if (!previewed) make_parents(arguments.preview);
+  if (!previewed) {
+    if (!arguments.preview.ends_with(".png") || std::filesystem::is_directory(arguments.preview))
+      throw InputError("--preview: " + printable(arguments.preview) + ": must name a file that ends in .png");
+    make_parents(arguments.preview);
+  }
   const auto preview = [&](const std::vector<PeopleSample>& samples) {
     if (!previewed) write_png8(arguments.preview, contact_sheet(samples, kPreviewed, kColumns));
     previewed = true;

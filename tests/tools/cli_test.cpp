@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "capture/capture.h"
 #include "capture/image_io.h"
@@ -182,6 +183,14 @@ TEST(Cli, AFullDiskOnStandardOutputIsNoSuccess) {
   write_png8(folder / "a.png", Image(5, 3, 3, 0.5f));
   const std::string command = "'" DUALPIXEL_PROGRAM "' info '" + (folder / "a.png") + "' >/dev/full 2>/dev/null";
   EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
+}
+
+TEST(Cli, AFilePastTheShellsLimitIsRefusedAndLeavesNothing) {
+  const TemporaryFolder folder;
+  const std::string command = "ulimit -f 4; '" DUALPIXEL_PROGRAM "' people --count 1 --composites 0 --preview '" +
+                              (folder / "a.png") + "' 2>&1 | grep -q 'a.png: cannot be written: File too large'";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  EXPECT_EQ(folder.names(), (std::set<std::string>{}));
 }
 
 }  // namespace

@@ -563,6 +563,17 @@ TEST(People, BadOptionsAreRefused) {
   expect_one_line_refusal(run_program("people -o /dev/null/x --count 1"));
 }
 
+TEST(People, ANameThatIsNoPictureIsRefusedBeforeTheWork) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "sub.png");
+  for (const char* name : {"a.jpg", "a", "sub.png"}) {
+    const Outcome outcome = run_program("people --preview '" + (folder / name) + "' -o '" + (folder / "set") + "'");
+    expect_one_line_refusal(outcome);
+    EXPECT_NE(outcome.err.find("--preview"), std::string::npos) << outcome.err;
+  }
+  EXPECT_EQ(folder.names(), (std::set<std::string>{"sub.png"}));
+}
+
 TEST(SlowPeople, SameSeedSameBytesForOneThreadAndTwo) {
   const PeopleOptions options{.count = 6, .seed = 17, .composites = 2};
   std::vector<PeopleSample> alone;
