@@ -14,8 +14,8 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <mutex>
-#include <set>
 #include <string_view>
 #include <thread>
 
@@ -26,12 +26,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Temporaries under way, for remove_unfinished_outputs().
+/// Temporaries under way and what each is to become: for remove_unfinished_outputs() and for messages.
 std::mutex unfinished_mutex;
-std::set<std::string> unfinished;
+std::map<std::string, std::string> unfinished;
+
+/// What a path is, or is to become: nobody has asked for a temporary.
+std::string final_name(std::string path) {
+  const std::lock_guard lock(unfinished_mutex);
+  // backwards: a temporary within a temporary before the outer one
+  for (auto entry = unfinished.rbegin(); entry != unfinished.rend(); ++entry) {
+    const auto& [temporary, final] = *entry;
+    if (path.starts_with(temporary)) path = final + path.substr(temporary.size());
+  }
+  return path;
+}
 
 [[noreturn]] void fail(const std::string& path, const std::string& why) {
-  throw InputError(printable(path) + ": " + why);
+  throw InputError(printable(final_name(path)) + ": " + why);
 }
 
 [[noreturn]] void fail_errno(const std::string& path, const std::string& what) {
@@ -44,11 +55,16 @@ void forget(const std::string& temporary) {
   unfinished.erase(temporary);
 }
 
-/// A name beside `path` that no other process or thread uses. Short, whatever the length of the final name.
+/// A name beside `path` that no other process or thread uses, nor one of the same number has left. Short, whatever the
+/// length of the final name.
 std::string temporary_sibling(const std::string& path) {
   static std::atomic<unsigned> counter{0};
-  const std::string name = fmt::format("{}{}-{}.tmp", kTemporaryPrefix, getpid(), counter++);
-  return (fs::path(path).parent_path() / name).string();
+  for (;;) {
+    const std::string name = fmt::format("{}{}-{}.tmp", kTemporaryPrefix, getpid(), counter++);
+    const fs::path sibling = fs::path(path).parent_path() / name;
+    std::error_code error;
+    if (!fs::exists(fs::symlink_status(sibling, error))) return sibling.string();
+  }
 }
 
 /// An absolute path without links, dots or a trailing slash.
@@ -71,14 +87,13 @@ void require_replaceable(const std::string& path, const std::string& marker) {
   if (!empty) fail(path, "exists, and is neither empty nor holds " + marker + ": it will not be overwritten");
 }
 
-/// Writes `written`; messages name `path`, the place that it is meant for.
-void write_file_for(const std::string& path, const std::string& written, std::string_view bytes) {
-  std::ofstream file(written, std::ios::binary | std::ios::trunc);
-  if (!file) fail_errno(path, "cannot be written");
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file) fail_errno(path, "cannot be written");
-  sync_to_disk(written);
+/// Where replace_file is to write `path`: there is a folder for it, and no folder or device in its place.
+std::string replaceable_file(const std::string& path) {
+  std::string target = resolve(path);
+  std::error_code error;
+  if (fs::exists(target, error) && !fs::is_regular_file(target, error)) fail(path, "exists and is not a regular file");
+  make_parents(target);
+  return target;
 }
 
 }  // namespace
@@ -118,7 +133,14 @@ void sync_to_disk(const std::string& path) {
   if (failed) fail(path, "cannot be written to the disk");
 }
 
-void write_file(const std::string& path, std::string_view bytes) { write_file_for(path, path, bytes); }
+void write_file(const std::string& path, std::string_view bytes) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  if (!file) fail_errno(path, "cannot be written");
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file) fail_errno(path, "cannot be written");
+  sync_to_disk(path);
+}
 
 void make_parents(const std::string& path) {
   const fs::path parent = fs::absolute(path).parent_path();
@@ -130,24 +152,28 @@ void make_parents(const std::string& path) {
 }
 
 void replace_file(const std::string& path, std::string_view bytes) {
-  const std::string target = resolve(path);
-  std::error_code error;
-  if (fs::exists(target, error) && !fs::is_regular_file(target, error)) fail(path, "exists and is not a regular file");
-  make_parents(target);
+  const std::string target = replaceable_file(path);
   const std::string temporary = temporary_sibling(target);
   {
     const std::lock_guard lock(unfinished_mutex);
-    unfinished.insert(temporary);
+    unfinished.emplace(temporary, path);
   }
   try {
-    write_file_for(path, temporary, bytes);
+    write_file(temporary, bytes);
     if (rename(temporary.c_str(), target.c_str()) != 0) fail_errno(path, "cannot be written");
   } catch (...) {
+    std::error_code error;
     fs::remove(temporary, error);
     forget(temporary);
     throw;
   }
   forget(temporary);
+}
+
+void require_writable(const std::string& path) {
+  const std::string probe = temporary_sibling(replaceable_file(path));
+  if (mkdir(probe.c_str(), 0777) != 0) fail_errno(path, "cannot be written");
+  rmdir(probe.c_str());
 }
 
 NewFolder::NewFolder(const std::string& final_path, const std::string& marker)
@@ -158,7 +184,7 @@ NewFolder::NewFolder(const std::string& final_path, const std::string& marker)
     temporary_ = temporary_sibling(final_);
     const std::lock_guard lock(unfinished_mutex);
     if (mkdir(temporary_.c_str(), 0777) == 0) {
-      unfinished.insert(temporary_);
+      unfinished.emplace(temporary_, final_path);
       return;
     }
   } while (errno == EEXIST);
@@ -188,7 +214,7 @@ void NewFolder::commit() {
 
 void remove_unfinished_outputs() {
   const std::lock_guard lock(unfinished_mutex);
-  for (const std::string& temporary : unfinished) {
+  for (const auto& [temporary, final] : unfinished) {
     // Threads that still write may put a new file into a folder that is just being emptied: try again.
     std::error_code error;
     for (int attempt = 0; attempt < 50; ++attempt) {

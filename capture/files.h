@@ -29,6 +29,9 @@ void make_parents(const std::string& path);
 /// Missing folders on the way are made, as `mkdir -p` does.
 void replace_file(const std::string& path, std::string_view bytes);
 
+/// Throws what replace_file would, before the work whose result it is to write.
+void require_writable(const std::string& path);
+
 /// Waits until a file's (or folder's) bytes have reached the disk.
 void sync_to_disk(const std::string& path);
 

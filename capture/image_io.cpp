@@ -130,7 +130,7 @@ int find_channel(const ImageSpec& spec, const std::string& path, const std::stri
 /// Encodes `pixels` (their type is the spec's own where `type` is UNKNOWN) in memory, then writes the file: the library
 /// would not notice a disk that is full.
 void write_picture(const std::string& path, const std::string& format, const ImageSpec& spec, TypeDesc type,
-                   const void* pixels) {
+                   const void* pixels, void (*write)(const std::string&, std::string_view) = write_file) {
   const std::unique_ptr<ImageOutput> output = ImageOutput::create(format);
   if (!output) fail(path, "this build of OpenImageIO cannot write " + format);
   std::vector<unsigned char> bytes;
@@ -139,7 +139,7 @@ void write_picture(const std::string& path, const std::string& format, const Ima
       !output->close()) {
     fail(path, "cannot be written: " + one_line(output->geterror()));
   }
-  replace_file(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  write(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
 }  // namespace
@@ -248,7 +248,7 @@ ImageU32 read_exr_ids(const std::string& path) {
 void write_png8(const std::string& path, const Image& image) {
   ImageSpec spec(image.width, image.height, image.channels, TypeDesc::UINT8);
   spec["oiio:ColorSpace"] = "sRGB";
-  write_picture(path, "png", spec, TypeDesc::FLOAT, image.data.data());
+  write_picture(path, "png", spec, TypeDesc::FLOAT, image.data.data(), replace_file);
 }
 
 void write_png16(const std::string& path, const ImageU16& image, bool srgb) {

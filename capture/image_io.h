@@ -39,7 +39,7 @@ void write_exr(const std::string& path, const std::vector<NamedPlane>& planes, b
 std::vector<Image> read_exr(const std::string& path, const std::vector<std::string>& channels);
 ImageU32 read_exr_ids(const std::string& path);
 
-/// 8-bit PNG; `image` holds display-ready values 0..1, one or three channels.
+/// 8-bit PNG; `image` holds display-ready values 0..1, one or three channels. By replace_file: it may stand alone.
 void write_png8(const std::string& path, const Image& image);
 /// 16-bit PNG of integers as they stand, one or three channels; the header calls them linear, or sRGB.
 void write_png16(const std::string& path, const ImageU16& image, bool srgb = false);

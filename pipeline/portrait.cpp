@@ -204,6 +204,12 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
     }
   }
   const Image& person = person_mask ? *person_mask : found.mask;  // not looked at in mode dp
+  if (result.mode != Mode::dp) {
+    const float least = result.mode == Mode::dp_seg ? options.merge_mask.interior : 0.5f;
+    if (std::none_of(person.data.begin(), person.data.end(), [&](float m) { return m > least; })) {
+      result.warnings.push_back(fmt::format("the person mask has no pixel above {}: it keeps nobody sharp", least));
+    }
+  }
 
   Defocused defocused;
   if (result.mode == Mode::seg) {

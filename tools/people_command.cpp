@@ -1,4 +1,3 @@
-#include <filesystem>
 #include <memory>
 #include <mutex>
 
@@ -32,9 +31,9 @@ void run(PeopleArguments arguments) {
     throw InputError("people: give -o DIR, --preview FILE, or both");
   bool previewed = arguments.preview.empty();
   if (!previewed) {
-    if (!arguments.preview.ends_with(".png") || std::filesystem::is_directory(arguments.preview))
-      throw InputError("--preview: " + printable(arguments.preview) + ": must name a file that ends in .png");
-    make_parents(arguments.preview);
+    if (!arguments.preview.ends_with(".png"))
+      throw InputError("--preview: " + printable(arguments.preview) + ": must end in .png");
+    require_writable(arguments.preview);
   }
   const auto preview = [&](const std::vector<PeopleSample>& samples) {
     if (!previewed) write_png8(arguments.preview, contact_sheet(samples, kPreviewed, kColumns));

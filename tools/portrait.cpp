@@ -27,7 +27,7 @@ namespace {
 const std::map<std::string, pipeline::Mode> kModes = {
     {"dp", pipeline::Mode::dp}, {"dp+seg", pipeline::Mode::dp_seg}, {"seg", pipeline::Mode::seg}};
 
-constexpr double kMostStretch = 0.02;  ///< of a mask to the picture's shape: sizes are whole pixels
+constexpr double kMostStretch = 0.02;  ///< of a mask to the picture's shape
 constexpr double kTapSize = 0.1;       ///< side of the face that a tap stands for, of the picture's shorter side
 
 const std::map<pipeline::Mode, std::string> kModeNames = {
@@ -74,6 +74,17 @@ struct KnownFaces {
   std::optional<pipeline::Face> tap;  ///< a region around where the user taps
   std::string source;                 ///< of the faces, for result.json
 };
+
+/// A mask is stretched to the picture. What whole pixels round is no other shape: sides of a pair are even.
+void require_shape(const Image& mask, const PortraitCommand& command, const Camera& camera) {
+  const bool turned = command.pair.vertical_split;  // the user's are not
+  const double width = turned ? camera.height_px : camera.width_px,
+               height = turned ? camera.width_px : camera.height_px;
+  const double excess = std::abs(mask.width * height - mask.height * width);
+  if (excess <= std::max({kMostStretch * mask.width * height, width, height})) return;
+  throw InputError(fmt::format("--mask {}: {} x {} pixels; must have the shape of the picture, {} x {}",
+                               printable(command.mask), mask.width, mask.height, width, height));
+}
 
 /// All in pixels of the capture's pictures.
 KnownFaces known_faces(const PortraitCommand& command, const Capture& capture) {
@@ -223,17 +234,8 @@ void run(const PortraitCommand& command) {
     capture.truth.reset();
   } else if (!command.mask.empty()) {
     mask = read_mask(command.mask);
+    require_shape(*mask, command, capture.camera);
     if (turned) mask = transposed(*mask);
-    const double stretch = static_cast<double>(mask->width) * capture.camera.height_px /
-                           (static_cast<double>(mask->height) * capture.camera.width_px);
-    if (std::abs(stretch - 1) > kMostStretch) {
-      throw InputError(fmt::format("--mask {}: {} x {} pixels; must have the shape of the picture, {} x {}",
-                                   printable(command.mask), mask->width, mask->height, capture.camera.width_px,
-                                   capture.camera.height_px));
-    }
-  }
-  if (mask && std::none_of(mask->data.begin(), mask->data.end(), [](float m) { return m > 0.5F; })) {
-    std::cerr << "dualpixel: warning: the person mask is empty: no pixel is above 0.5\n";
   }
 
   Progress bar("portrait");
@@ -320,9 +322,9 @@ void add_portrait(CLI::App& program) {
                   "paper: as in Wadhwa et al. 2018, disparities up to 3 DP px; likelihood: up to 16")
       ->check(CLI::IsMember({"paper", "likelihood"}))
       ->capture_default_str();
-  CLI::Option* mask =
-      sub->add_option("--mask", command->mask, "Person mask: a picture, white on the person, of any size")
-          ->type_name("FILE");
+  CLI::Option* mask = sub->add_option("--mask", command->mask,
+                                      "Person mask: a picture, white on the person, of the picture's shape in any size")
+                          ->type_name("FILE");
   sub->add_flag("--true-mask", command->true_mask, "Take the capture's true person mask")
       ->excludes(mask)
       ->excludes(left);

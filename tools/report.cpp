@@ -182,8 +182,8 @@ std::string capture_of(const StoredResult& stored, const std::string& result_pat
   const auto named = stored.json["provenance"].find("capture");
   if (named == stored.json["provenance"].end() || !named->is_string()) {
     throw InputError(printable(result_path) +
-                     "/result.json: /provenance/capture: does not name the capture (a plain pair has none, and "
-                     "cannot be reported); give --capture");
+                     "/result.json: /provenance/capture: does not name the capture (a plain pair has none); give "
+                     "--capture where there is one of the same picture");
   }
   std::string path = named->get<std::string>();
   if (!std::filesystem::exists(path)) {

@@ -31,7 +31,8 @@ void write_result(const pipeline::PortraitResult& result, const nlohmann::json& 
 StoredResult read_result(const std::string& path);
 
 /// Throws InputError where the capture is another than the result was made from, or has changed since: two of one size
-/// would make a table of nonsense. A result whose program wrote no hash is taken at its word.
+/// would make a table of nonsense. A result without a hash (of a plain pair, or of another
+/// program) is taken at its word.
 void require_own_capture(const StoredResult& stored, const std::string& capture_path, const std::string& result_path);
 
 }  // namespace dualpixel::tools

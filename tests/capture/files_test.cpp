@@ -1,6 +1,10 @@
 #include "capture/files.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "capture/error.h"
 #include "tests/capture/temporary_folder.h"
@@ -136,6 +140,41 @@ TEST(ReplaceFile, ReplacesWholeOrNotAtAll) {
   EXPECT_THROW(replace_file(folder / "report.html/x", "x"), InputError);
   EXPECT_THROW(replace_file("/dev/full", "x"), InputError);
   EXPECT_EQ(folder.names(), (std::set<std::string>{"report.html", "sub"}));
+}
+
+TEST(ReplaceFile, WhatAKilledProcessOfTheSameNumberLeftIsNotInTheWay) {
+  const TemporaryFolder folder;
+  for (int i = 0; i < 200; ++i) fs::create_directory(folder / fmt::format(".dualpixel-{}-{}.tmp", getpid(), i));
+  replace_file(folder / "a", "one");
+  EXPECT_EQ(read_bytes(folder / "a"), "one");
+}
+
+TEST(RequireWritable, RefusesWhatReplaceFileWouldAndLeavesNothing) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "sub");
+  fs::create_symlink("loop", folder / "loop");
+  require_writable(folder / "new.png");
+  for (const std::string& path : {folder / "sub", folder / "loop", folder / (std::string(300, 'a') + ".png"),
+                                  std::string("/dev/full"), std::string("/proc/x.png"), std::string()}) {
+    SCOPED_TRACE(path);
+    EXPECT_THROW(require_writable(path), InputError);
+  }
+  EXPECT_EQ(folder.names(), (std::set<std::string>{"sub", "loop"}));
+}
+
+TEST(NewFolder, MessagesNameThePlaceThatWasAskedFor) {
+  const TemporaryFolder folder;
+  const NewFolder out(folder / "out", "marker");
+  const std::string direct = message_of<InputError>([&] { write_file(out.path() + "/none/a.txt", "x"); });
+  EXPECT_TRUE(direct.starts_with((folder / "out") + "/none/a.txt: ")) << direct;
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small = {.rlim_cur = 1000, .rlim_max = before.rlim_max};
+  signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &small);
+  const std::string replaced = message_of<InputError>([&] { replace_file(out.path() + "/b", std::string(9999, 'x')); });
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_EQ(replaced, (folder / "out") + "/b: cannot be written: File too large");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -566,10 +567,10 @@ TEST(People, BadOptionsAreRefused) {
 TEST(People, ANameThatIsNoPictureIsRefusedBeforeTheWork) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "sub.png");
-  for (const char* name : {"a.jpg", "a", "sub.png"}) {
+  for (const std::string name : {"a.jpg", "a", "sub.png"}) {
     const Outcome outcome = run_program("people --preview '" + (folder / name) + "' -o '" + (folder / "set") + "'");
     expect_one_line_refusal(outcome);
-    EXPECT_NE(outcome.err.find("--preview"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("/" + name + ": "), std::string::npos) << outcome.err;
   }
   EXPECT_EQ(folder.names(), (std::set<std::string>{"sub.png"}));
 }
@@ -911,12 +912,22 @@ TEST(PeopleSets, DamageIsOneClearLine) {
     replace_file(toy + file, before);
   }
   const std::string masks = read_file(shard + "/masks.npy"), faces = read_file(shard + "/faces.npy");
-  for (const auto& [from, to] :
-       {std::pair{"6, 256, 256", "5, 256, 256"}, {"6, 256, 256", "6, 256, 2560"}, {"|u1", "<f4"}, {"False", "True "}}) {
+  const std::vector<std::array<const char*, 3>> headers = {
+      {"6, 256, 256", "5, 256, 256", "its header says"},
+      {"6, 256, 256)", "6, 65536,  )", "its header is not that of"},
+      {"6, 256, 256), }", "393216, ), }   ", "its header is not that of"},  // NumPy has no space there
+      {"6, 256, 256), }", "393216,), }    ", "shape (393216): must be '|u1' of shape (N, 256, 256)"},
+      {"6, 256, 256), }", "6, 65536), }   ", "shape (6, 65536): must be '|u1' of shape (N, 256, 256)"},
+      {"256, 256), }     ", "99999, 99999), }", "items of more than 1073741824 values"},
+      {"|u1", "<f4", "its header says"},
+      {"False", "True ", "its header is not that of"}};
+  for (const auto& [from, to, said] : headers) {
     std::string bytes = masks;
-    bytes.replace(bytes.find(from), std::string(from).size(), to);
+    ASSERT_NE(bytes.find(from), std::string::npos) << from;
+    bytes.replace(bytes.find(from), std::strlen(to), to);
     replace_file(shard + "/masks.npy", bytes);
-    EXPECT_NE(error().find("masks.npy"), std::string::npos) << error();
+    EXPECT_NE(error().find(std::string("masks.npy: ")), std::string::npos) << error();
+    EXPECT_NE(error().find(said), std::string::npos) << error();
   }
   replace_file(shard + "/masks.npy", masks);
   std::string not_finite = faces;

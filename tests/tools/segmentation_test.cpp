@@ -303,9 +303,21 @@ TEST(SlowPortraitPeople, MasksHaveTheShapeOfThePictureAndShowSomebody) {
   const int width = picture.width, height = picture.height;
   expect_one_line_refusal(with_mask(width, height * 3 / 2, 1));
   EXPECT_EQ(with_mask(width / 2, height / 2, 1).err, "");
-  const Outcome empty = with_mask(width, height, 0);
+  const Outcome empty = with_mask(width, height, 0.9f);
   EXPECT_EQ(empty.status, 0);
-  EXPECT_NE(empty.err.find("the person mask is empty"), std::string::npos) << empty.err;
+  EXPECT_NE(empty.err.find("the person mask has no pixel above 0.94"), std::string::npos) << empty.err;
+  EXPECT_EQ(read_result(folder / "out").json["provenance"]["warnings"].size(), 1u);
+
+  const auto of_views = [&](int view_width, int view_height, const std::string& options) {
+    for (const char* view : {"l.png", "r.png"}) write_png8(folder / view, Image(view_width, view_height, 3, 0.5f));
+    return run_program(portrait + options);
+  };
+  write_png8(folder / "mask.png", Image(33, 64, 3, 1.0f));
+  EXPECT_EQ(of_views(33, 64, "").status, 0);  // pairs are made even
+  write_png8(folder / "mask.png", Image(300, 200, 3, 1.0f));
+  const Outcome lying = of_views(200, 300, " --split vertical");
+  EXPECT_NE(lying.err.find("300 x 200 pixels; must have the shape of the picture, 200 x 300"), std::string::npos)
+      << lying.err;
 }
 
 // In programs of their own: a process that has run the network in f32 keeps to AVX2.

@@ -25,7 +25,7 @@ namespace dualpixel::tools {
 namespace {
 
 constexpr std::size_t kSide = kPictureSide_px;
-constexpr std::size_t kMostItems = 1 << 24, kMostDimensions = 4, kLargestSide = 1024;
+constexpr std::size_t kMostItems = 1 << 24, kMostValuesOfAnItem = 1 << 30;
 
 std::size_t bytes_of_type(const std::string& type) { return type == "|u1" ? 1 : 4; }
 
@@ -69,19 +69,26 @@ void MappedArray::read_header() {
     std::size_t& size = shape_.emplace_back();
     const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), size);
     rest.remove_prefix(end - rest.data());
-    return error == std::errc() && (shape_.size() == 1 || size <= kLargestSide) && shape_.size() <= kMostDimensions;
+    return error == std::errc();
   };
   bool known = take("{'descr': '");
   const bool of_bytes = take("|u1");
   known = known && (of_bytes || take("<f4")) && take("', 'fortran_order': False, 'shape': (") && take_size();
   while (known && take(", ")) known = take_size();
-  known = known && (take("), }") || take(")}")) && rest.find_first_not_of(" \n") == std::string_view::npos;
+  if (shape_.size() == 1) take(",");
+  known = known && take("), }") && rest.find_first_not_of(" \n") == std::string_view::npos;
   if (!known) fail("its header is not that of a C-order array of uint8 or float32");
   type_ = of_bytes ? "|u1" : "<f4";
-  std::size_t items = 1;
-  for (std::size_t i = 1; i < shape_.size(); ++i) items *= shape_[i];
   if (shape_[0] > kMostItems) fail(fmt::format("{} items; at most {} are read", shape_[0], kMostItems));
-  item_bytes_ = items * bytes_of_type(type_);
+  std::size_t values = 1;
+  for (std::size_t i = 1; i < shape_.size(); ++i) {
+    if (shape_[i] > kMostValuesOfAnItem / std::max<std::size_t>(values, 1)) {
+      fail(fmt::format("shape ({}): items of more than {} values are not read", fmt::join(shape_, ", "),
+                       kMostValuesOfAnItem));
+    }
+    values *= shape_[i];
+  }
+  item_bytes_ = values * bytes_of_type(type_);
   const std::size_t expected = header_bytes_ + shape_[0] * item_bytes_;
   if (expected != file_bytes_) fail(fmt::format("holds {} bytes; its header says {}", file_bytes_, expected));
 }
