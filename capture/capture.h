@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/image.h"
+#include "capture/image/image.h"
 
 /// What a dual-pixel camera hands over for one press of the shutter, rendered or real: the one thing that passes
 /// between the simulator and the pipeline. docs/capture.md defines the folder that it becomes on disk, field by field.

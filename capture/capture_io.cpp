@@ -12,7 +12,7 @@
 #include "capture/capture.h"
 #include "capture/error.h"
 #include "capture/files.h"
-#include "capture/image_io.h"
+#include "capture/image/image_io.h"
 #include "capture/json_fields.h"
 
 namespace dualpixel {

@@ -16,7 +16,7 @@
 #include "simulator/render/motion.h"
 #include "simulator/render/truth.h"
 #include "simulator/sampling/hash.h"
-#include "simulator/scene/gltf.h"
+#include "simulator/scene/gltf/gltf.h"
 #include "simulator/sensor/hand_shake.h"
 
 namespace dualpixel::simulator {

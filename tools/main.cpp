@@ -12,7 +12,7 @@
 
 #include "capture/error.h"
 #include "capture/files.h"
-#include "tools/commands.h"
+#include "tools/commands/commands.h"
 
 namespace {
 

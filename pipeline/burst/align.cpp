@@ -5,9 +5,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "capture/image/resample.h"
+#include "capture/image/rows.h"
 #include "pipeline/burst/lanes.h"
-#include "pipeline/resample.h"
-#include "pipeline/rows.h"
 
 namespace dualpixel::pipeline {
 namespace {

@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "capture/capture.h"
-#include "capture/image.h"
+#include "capture/image/image.h"
 
 /// Where each part of the base frame is found in the other frames of a hand-held burst (Hasinoff et al. 2016, "Burst
 /// photography for high dynamic range and low-light imaging on mobile cameras", section 4 and supplement).

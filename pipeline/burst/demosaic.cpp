@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "pipeline/rows.h"
+#include "capture/image/rows.h"
 
 namespace dualpixel::pipeline {
 namespace {

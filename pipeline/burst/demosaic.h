@@ -2,7 +2,7 @@
 #include <array>
 #include <string>
 
-#include "capture/image.h"
+#include "capture/image/image.h"
 
 /// From a Bayer mosaic to linear RGB of the same size.
 namespace dualpixel::pipeline {

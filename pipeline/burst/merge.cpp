@@ -7,8 +7,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "capture/image/rows.h"
 #include "pipeline/burst/fft16.h"
-#include "pipeline/rows.h"
 
 namespace dualpixel::pipeline {
 namespace {

@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "capture/capture.h"
-#include "capture/image.h"
+#include "capture/image/image.h"
 #include "pipeline/burst/align.h"
 
 /// The aligned burst as one picture with less noise and no ghosts (Hasinoff et al. 2016, section 5).

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "capture/error.h"
-#include "pipeline/rows.h"
+#include "capture/image/rows.h"
 
 namespace dualpixel::pipeline {
 namespace {

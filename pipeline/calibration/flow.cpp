@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "pipeline/disparity/normalize.h"
-#include "pipeline/resample.h"
-#include "pipeline/rows.h"
+#include "capture/image/resample.h"
+#include "capture/image/rows.h"
+#include "pipeline/disparity/paper/normalize.h"
 
 namespace dualpixel::pipeline {
 namespace {

@@ -1,5 +1,5 @@
 #pragma once
-#include "capture/image.h"
+#include "capture/image/image.h"
 
 /// Smooth horizontal flow between the views of a surface without depth edges: a calibration target (Wadhwa et al. 2018,
 /// supplement, "Disparity of Calibration Data": the optical flow of Liu 2009 with horizontal motion alone, an L1 data

@@ -1,7 +1,7 @@
 #pragma once
 #include <array>
 
-#include "capture/image.h"
+#include "capture/image/image.h"
 
 /// Maps over the field as coarse grids, bicubic in between: what lenses do changes slowly over the picture.
 namespace dualpixel::pipeline {

@@ -1,5 +1,5 @@
 #pragma once
-#include "capture/image.h"
+#include "capture/image/image.h"
 
 /// From disparity to blur radius (Wadhwa et al. 2018, section 5.1 and supplement, "Blur Parameters"). The supplement's
 /// signs are turned: here frontal means d - d_focus < 0.

@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "capture/image.h"
-#include "pipeline/resample.h"
+#include "capture/image/image.h"
+#include "capture/image/resample.h"
 
 /// Pictures at the blur's working resolution seen at full size, row by row.
 namespace dualpixel::pipeline {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/rows.h"
+#include "capture/image/rows.h"
 
 namespace dualpixel::pipeline {
 namespace {

@@ -1,5 +1,5 @@
 #pragma once
-#include "capture/image.h"
+#include "capture/image/image.h"
 
 /// Light beyond what the sensor could hold, guessed before the blur: a lamp that is blurred as if it were merely white
 /// gives a dull disc where a lens would have given a bright one.

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capture/image/rows.h"
 #include "pipeline/defocus/rgba.h"
-#include "pipeline/rows.h"
 
 namespace dualpixel::pipeline {
 namespace {

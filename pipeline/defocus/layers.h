@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "capture/image.h"
+#include "capture/image/image.h"
 #include "pipeline/defocus/blur_radius.h"
 
 /// The picture cut into bands of disparity that are blurred one by one (Wadhwa et al. 2018, section 5.2).

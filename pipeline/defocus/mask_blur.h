@@ -1,5 +1,5 @@
 #pragma once
-#include "capture/image.h"
+#include "capture/image/image.h"
 #include "pipeline/defocus/render.h"
 
 /// The blur where nothing but a person mask is known (Wadhwa et al. 2018, end of section 5.2).

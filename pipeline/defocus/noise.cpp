@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "capture/image/rows.h"
 #include "pipeline/burst/demosaic.h"
 #include "pipeline/burst/merge.h"
 #include "pipeline/edge_aware/filter_mask.h"
-#include "pipeline/rows.h"
 
 namespace dualpixel::pipeline {
 namespace {

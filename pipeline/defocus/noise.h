@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "capture/capture.h"
-#include "capture/image.h"
+#include "capture/image/image.h"
 
 /// Synthetic noise for what the blur has smoothed (Wadhwa et al. 2018, section 5.3 and supplement, "Noise generation").
 namespace dualpixel::pipeline {

@@ -8,10 +8,10 @@
 #include <limits>
 
 #include "capture/error.h"
+#include "capture/image/rows.h"
 #include "pipeline/defocus/enlarge.h"
 #include "pipeline/defocus/rgba.h"
 #include "pipeline/defocus/scatter.h"
-#include "pipeline/rows.h"
 
 namespace dualpixel::pipeline {
 namespace {

@@ -8,9 +8,9 @@
 #include <cstring>
 #include <vector>
 
+#include "capture/image/rows.h"
 #include "pipeline/burst/lanes.h"
 #include "pipeline/defocus/rgba.h"
-#include "pipeline/rows.h"
 
 namespace dualpixel::pipeline {
 namespace {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "pipeline/rows.h"
+#include "capture/image/rows.h"
 
 namespace dualpixel::pipeline {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 #include "capture/capture.h"
-#include "capture/image.h"
+#include "capture/image/image.h"
 
 /// Noise of DP views, and the best that any matcher can make of them.
 namespace dualpixel::pipeline {

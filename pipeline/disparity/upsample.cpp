@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "pipeline/resample.h"
-#include "pipeline/rows.h"
+#include "capture/image/resample.h"
+#include "capture/image/rows.h"
 
 namespace dualpixel::pipeline {
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "pipeline/disparity/match.h"
+#include "pipeline/disparity/paper/match.h"
 
 /// From one disparity a tile to one a pixel. Anderson et al. 2016, "Jump: Virtual Reality Video", section 4, let each
 /// pixel weigh the flows of the tiles around it; this is the simplest form of that.

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "capture/error.h"
-#include "pipeline/rows.h"
+#include "capture/image/rows.h"
 
 namespace dualpixel::pipeline {
 namespace {

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "capture/image.h"
+#include "capture/image/image.h"
 
 /// The bilateral grid of Barron and Poole 2016, "The Fast Bilateral Solver", section 2: pixels that are near in x, y,
 /// Y, Cb and Cr share a vertex; vertices one cell apart along one of the five axes are neighbours.

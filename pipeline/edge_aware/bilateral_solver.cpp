@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "capture/error.h"
-#include "pipeline/resample.h"
-#include "pipeline/rows.h"
+#include "capture/image/resample.h"
+#include "capture/image/rows.h"
 
 namespace dualpixel::pipeline {
 namespace {

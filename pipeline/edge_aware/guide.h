@@ -1,5 +1,5 @@
 #pragma once
-#include "capture/image.h"
+#include "capture/image/image.h"
 
 /// The picture as edge-aware filters look at it: brightness steps about as large as an eye takes them to be.
 namespace dualpixel::pipeline {

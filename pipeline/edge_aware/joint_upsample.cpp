@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "pipeline/rows.h"
+#include "capture/image/rows.h"
 
 namespace dualpixel::pipeline {
 namespace {

@@ -1,5 +1,5 @@
 #pragma once
-#include "capture/image.h"
+#include "capture/image/image.h"
 
 /// Joint bilateral upsampling (Kopf et al. 2007): a small map enlarged so that its edges follow the large picture's.
 namespace dualpixel::pipeline {

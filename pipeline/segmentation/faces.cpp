@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/display.h"
+#include "capture/image/display.h"
 #include "pipeline/segmentation/fit.h"
 
 namespace dualpixel::pipeline {

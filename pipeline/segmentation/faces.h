@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "capture/image.h"
+#include "capture/image/image.h"
 
 /// The faces that seed the segmentation (Wadhwa et al. 2018, section 3.3).
 namespace dualpixel::pipeline {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/resample.h"
-#include "pipeline/rows.h"
+#include "capture/image/resample.h"
+#include "capture/image/rows.h"
 
 namespace dualpixel::pipeline {
 

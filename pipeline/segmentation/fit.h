@@ -1,5 +1,5 @@
 #pragma once
-#include "capture/image.h"
+#include "capture/image/image.h"
 
 namespace dualpixel::pipeline {
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <array>
 
-#include "capture/image.h"
+#include "capture/image/image.h"
 #include "pipeline/disparity/upsample.h"
 
 /// Disparity and a person mask combined, so that the whole person is in focus (Wadhwa et al. 2018, section 4.3).

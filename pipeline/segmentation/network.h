@@ -1,7 +1,7 @@
 #pragma once
 #include <memory>
 
-#include "capture/image.h"
+#include "capture/image/image.h"
 #include "pipeline/segmentation/weights.h"
 
 /// The person segmentation network of Wadhwa et al. 2018, section 3.2, at work: three stacked U-Nets, on oneDNN.

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "capture/error.h"
-#include "pipeline/display.h"
+#include "capture/image/display.h"
 #include "pipeline/segmentation/fit.h"
 
 namespace dualpixel::pipeline {

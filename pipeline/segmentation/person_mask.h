@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "capture/image.h"
+#include "capture/image/image.h"
 #include "pipeline/segmentation/faces.h"
 #include "pipeline/segmentation/network.h"
 

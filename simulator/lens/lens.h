@@ -3,7 +3,7 @@
 #include <string>
 
 #include "simulator/lens/aberrations.h"
-#include "simulator/lens/prescription.h"
+#include "simulator/lens/prescription/prescription.h"
 #include "simulator/lens/split_pixel.h"
 #include "simulator/lens/thin_lens.h"
 

@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "capture/error.h"
-#include "capture/image_io.h"
+#include "capture/image/image_io.h"
 #include "capture/json_fields.h"
 
 namespace dualpixel::simulator {

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "simulator/lens/cubic.h"
+#include "simulator/lens/prescription/cubic.h"
 
 namespace dualpixel::simulator {
 

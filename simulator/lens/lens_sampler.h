@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "simulator/lens/lens.h"
-#include "simulator/lens/ray_polynomials.h"
-#include "simulator/lens/ray_trace.h"
+#include "simulator/lens/prescription/ray_polynomials.h"
+#include "simulator/lens/prescription/ray_trace.h"
 #include "simulator/sampling/packet.h"
 
 /// The one door through which rendering sees a lens, whatever its model: a place on the sensor and a place in the pupil

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "simulator/render/surface.h"
+#include "simulator/render/shading/surface.h"
 
 namespace dualpixel::simulator {
 namespace {

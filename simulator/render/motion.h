@@ -2,7 +2,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "capture/image.h"
+#include "capture/image/image.h"
 #include "simulator/render/camera_view.h"
 #include "simulator/render/render_scene.h"
 

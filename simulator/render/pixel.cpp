@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "simulator/lens/cfa.h"
-#include "simulator/render/bsdf.h"
 #include "simulator/render/camera_rays.h"
-#include "simulator/render/surface.h"
+#include "simulator/render/shading/bsdf.h"
+#include "simulator/render/shading/surface.h"
 #include "simulator/sampling/sobol.h"
 
 namespace dualpixel::simulator {

@@ -1,6 +1,6 @@
 #pragma once
 #include "simulator/render/intersector.h"
-#include "simulator/render/lights.h"
+#include "simulator/render/shading/lights.h"
 #include "simulator/scene/scene.h"
 
 namespace dualpixel::simulator {

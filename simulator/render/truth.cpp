@@ -6,7 +6,7 @@
 
 #include "simulator/lens/disparity_field.h"
 #include "simulator/render/camera_rays.h"
-#include "simulator/render/surface.h"
+#include "simulator/render/shading/surface.h"
 
 namespace dualpixel::simulator {
 

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "capture/image.h"
+#include "capture/image/image.h"
 #include "simulator/render/pixel.h"
 #include "simulator/render/sample_map.h"
 #include "simulator/render/tile_store.h"

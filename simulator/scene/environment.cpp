@@ -10,7 +10,7 @@
 
 #include "capture/error.h"
 #include "capture/files.h"
-#include "capture/image_io.h"
+#include "capture/image/image_io.h"
 
 namespace dualpixel::simulator {
 namespace {

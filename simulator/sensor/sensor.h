@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "capture/capture.h"
-#include "capture/image.h"
+#include "capture/image/image.h"
 #include "simulator/lens/cfa.h"
 
 /// From light to digital numbers. Each half of a photosite counts photons; the photosite's electrons are the sum of

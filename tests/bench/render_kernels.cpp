@@ -7,10 +7,10 @@
 
 #include "simulator/lens/lens_file.h"
 #include "simulator/lens/lens_sampler.h"
-#include "simulator/render/lights.h"
 #include "simulator/render/pixel.h"
 #include "simulator/render/render_scene.h"
-#include "simulator/render/surface.h"
+#include "simulator/render/shading/lights.h"
+#include "simulator/render/shading/surface.h"
 #include "simulator/sampling/sobol.h"
 #include "tests/simulator/test_scenes.h"
 

@@ -7,9 +7,9 @@
 
 #include "capture/capture.h"
 #include "capture/error.h"
-#include "capture/image_io.h"
+#include "capture/image/image_io.h"
 #include "capture/json_fields.h"
-#include "tests/capture/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace dualpixel {
 namespace {

@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "capture/error.h"
-#include "tests/capture/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace dualpixel {
 namespace {

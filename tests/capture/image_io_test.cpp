@@ -1,4 +1,4 @@
-#include "capture/image_io.h"
+#include "capture/image/image_io.h"
 
 #include <OpenImageIO/deepdata.h>
 #include <OpenImageIO/imageio.h>
@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "capture/error.h"
-#include "tests/capture/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace dualpixel {
 namespace {

@@ -1,6 +1,6 @@
 #include <capture/capture.h>
-#include <pipeline/portrait.h>
-#include <simulator/scene/gltf.h>
+#include <pipeline/portrait/portrait.h>
+#include <simulator/scene/gltf/gltf.h>
 
 #include <iostream>
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "capture/error.h"
-#include "simulator/scene/gltf.h"
+#include "simulator/scene/gltf/gltf.h"
 
 /// libFuzzer: any bytes must become a scene or an InputError. No file is read, for the glTF has no folder.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -10,8 +10,8 @@
 #include "capture/files.h"
 #include "pipeline/segmentation/network.h"
 #include "pipeline/segmentation/person_mask.h"
-#include "tests/capture/temporary_folder.h"
-#include "tests/pipeline/drawn_face.h"
+#include "tests/pipeline/segmentation/drawn_face.h"
+#include "tests/temporary_folder.h"
 #include "tools/export_onnx/onnx_model.h"
 
 #ifdef DUALPIXEL_OPENCV_DNN

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "capture/image.h"
+#include "capture/image/image.h"
 
 namespace dualpixel::pipeline {
 

@@ -7,8 +7,8 @@
 
 #include "capture/error.h"
 #include "simulator/sampling/hash.h"
-#include "tests/capture/temporary_folder.h"
 #include "tests/simulator/test_scenes.h"
+#include "tests/temporary_folder.h"
 
 namespace dualpixel::simulator::testing {
 namespace {

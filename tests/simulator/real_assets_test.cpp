@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "simulator/render/intersector.h"
-#include "simulator/scene/gltf.h"
+#include "simulator/scene/gltf/gltf.h"
 #include "simulator/simulate.h"
 
 namespace dualpixel::simulator {

@@ -7,9 +7,9 @@
 
 #include "capture/error.h"
 #include "simulator/lens/cfa.h"
-#include "tests/capture/temporary_folder.h"
-#include "tests/simulator/scene/gltf_builder.h"
+#include "tests/simulator/scene/gltf/gltf_builder.h"
 #include "tests/simulator/test_scenes.h"
+#include "tests/temporary_folder.h"
 
 namespace dualpixel::simulator::testing {
 namespace {

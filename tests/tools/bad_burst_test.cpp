@@ -6,13 +6,13 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/files.h"
-#include "capture/image_io.h"
+#include "capture/image/image_io.h"
 #include "capture/json_fields.h"
+#include "pipeline/portrait/result_io.h"
 #include "simulator/sampling/hash.h"
-#include "tests/capture/temporary_folder.h"
-#include "tests/tools/run_program.h"
-#include "tests/tools/synthetic.h"
-#include "tools/result_io.h"
+#include "tests/pipeline/portrait/synthetic.h"
+#include "tests/run_program.h"
+#include "tests/temporary_folder.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -63,7 +63,7 @@ class BadBurst : public ::testing::Test {
   void expect_fallback() {
     const Outcome outcome = portrait();
     ASSERT_EQ(outcome.status, 0) << outcome.err;
-    const StoredResult stored = read_result(folder / "out");
+    const pipeline::StoredResult stored = pipeline::read_result(folder / "out");
     for (const Image* image : {&stored.result.input, &stored.result.portrait, &stored.result.disparity_dp_px}) {
       for (const float value : image->data) ASSERT_TRUE(std::isfinite(value));
     }
@@ -120,12 +120,12 @@ TEST_F(BadBurst, NoiseProfileOfZeroStillMerges) {
 // align.h: what moved further than the search keeps the base; the third frame is no other than noise to it
 TEST_F(BadBurst, MotionBeyondTheSearchKeepsTheBase) {
   expect_fallback();
-  const Image input = read_result(folder / "out").result.input;
+  const Image input = pipeline::read_result(folder / "out").result.input;
   Capture capture = burst();
   capture.frames.pop_back();
   write_capture(capture, folder / "shot");
   expect_fallback();
-  const Image without = read_result(folder / "out").result.input;
+  const Image without = pipeline::read_result(folder / "out").result.input;
   double squares = 0;
   for (std::size_t i = 0; i < input.data.size(); ++i) squares += std::pow(input.data[i] - without.data[i], 2);
   EXPECT_LT(std::sqrt(squares / static_cast<double>(input.data.size())), 0.005);  // the cells' deviation is 0.09

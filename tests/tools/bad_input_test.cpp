@@ -3,8 +3,8 @@
 #include <unistd.h>
 
 #include "capture/json_fields.h"
-#include "tests/simulator/scene/gltf_builder.h"
-#include "tests/tools/run_program.h"
+#include "tests/run_program.h"
+#include "tests/simulator/scene/gltf/gltf_builder.h"
 
 namespace dualpixel {
 namespace {

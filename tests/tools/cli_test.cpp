@@ -6,10 +6,10 @@
 #include <set>
 
 #include "capture/capture.h"
-#include "capture/image_io.h"
-#include "tests/capture/temporary_folder.h"
-#include "tests/tools/run_program.h"
-#include "tests/tools/toy_people.h"
+#include "capture/image/image_io.h"
+#include "tests/run_program.h"
+#include "tests/scenes/people/toy_people.h"
+#include "tests/temporary_folder.h"
 
 namespace dualpixel {
 namespace {
@@ -119,10 +119,10 @@ TEST(CliInfo, TellsALensFromOtherJsonAndVerifiesIt) {
 TEST(CliInfo, DescribesAPeopleSetAndVerifiesIt) {
   const TemporaryFolder folder;
   const std::string path = folder / "set", info = "info --json '" + path + "'";
-  constexpr std::size_t kPixels = std::size_t{tools::kPictureSide_px} * tools::kPictureSide_px;
+  constexpr std::size_t kPixels = std::size_t{scenes::kPictureSide_px} * scenes::kPictureSide_px;
   const tools::PeopleArrays arrays = {std::vector<std::uint8_t>(9 * kPixels),
                                       std::vector<std::uint8_t>(3 * kPixels),
-                                      std::vector<float>(std::size_t{3 * 3} * tools::kKeypoints),
+                                      std::vector<float>(std::size_t{3 * 3} * scenes::kKeypoints),
                                       {9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9},
                                       R"([{"people": 2, "composite": true, "tags": [], "seed": 1},)"
                                       R"({"people": 1, "composite": true, "tags": [], "seed": 1},)"

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/segmentation/network.h"
-#include "tests/capture/temporary_folder.h"
-#include "tests/tools/run_program.h"
+#include "tests/run_program.h"
+#include "tests/temporary_folder.h"
 
 namespace dualpixel {
 namespace {

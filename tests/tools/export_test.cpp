@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "capture/image_io.h"
-#include "tests/capture/temporary_folder.h"
-#include "tests/tools/run_program.h"
-#include "tests/tools/synthetic.h"
+#include "capture/image/image_io.h"
+#include "tests/pipeline/portrait/synthetic.h"
+#include "tests/run_program.h"
+#include "tests/temporary_folder.h"
 
 namespace dualpixel::tools {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "capture/files.h"
 #include "capture/json_fields.h"
-#include "tests/tools/run_program.h"
-#include "tools/svg_plot.h"
+#include "evaluation/report/svg_plot.h"
+#include "tests/run_program.h"
 
 namespace dualpixel::tools::testing {
 namespace {
@@ -63,9 +63,9 @@ TEST(LensCommand, RefusesWhatItCannotDo) {
 }
 
 TEST(SvgPlot, RoundingIsDrawnAsAFlatLineBetweenTicksThatDiffer) {
-  Plot plot;
+  evaluation::Plot plot;
   plot.series = {{"a", {{0, -0.82431}, {1, -0.82432}, {2, -0.82431}}, false, false}};
-  const std::string svg = svg_plot(plot);
+  const std::string svg = evaluation::svg_plot(plot);
   std::set<std::string> labels;
   const std::regex tick("text-anchor=\"end\">([^<]*)<");
   for (auto i = std::sregex_iterator(svg.begin(), svg.end(), tick); i != std::sregex_iterator(); ++i) {
@@ -79,25 +79,25 @@ TEST(SvgPlot, RoundingIsDrawnAsAFlatLineBetweenTicksThatDiffer) {
 }
 
 TEST(SvgPlot, LogarithmicAxesHaveRoundTicksWithinADecade) {
-  Plot plot;
+  evaluation::Plot plot;
   plot.log_x = plot.log_y = true;
   plot.series = {{"", {{0.11, 30}, {0.9, 38}}}};
-  const std::string svg = svg_plot(plot);
+  const std::string svg = evaluation::svg_plot(plot);
   for (const char* tick : {">0.2<", ">0.5<", ">30<"}) EXPECT_NE(svg.find(tick), std::string::npos) << tick;
   plot.series = {{"", {{0.01, 3}, {20, 2000}}}};
-  const std::string decades = svg_plot(plot);
+  const std::string decades = evaluation::svg_plot(plot);
   for (const char* tick : {">0.1<", ">1<", ">10<", ">100<"}) EXPECT_NE(decades.find(tick), std::string::npos) << tick;
   EXPECT_EQ(decades.find(">2<"), std::string::npos);
 }
 
 TEST(SvgPlot, TicksAreRoundAndPointsLandWhereTheyShould) {
-  EXPECT_EQ(round_ticks(0, 10, 5), (std::vector<double>{0, 2, 4, 6, 8, 10}));
-  EXPECT_EQ(round_ticks(-0.03, 0.04, 6).size(), 8u);
-  EXPECT_EQ(round_ticks(3, 3, 6).size(), 1u);
-  Plot plot;
+  EXPECT_EQ(evaluation::round_ticks(0, 10, 5), (std::vector<double>{0, 2, 4, 6, 8, 10}));
+  EXPECT_EQ(evaluation::round_ticks(-0.03, 0.04, 6).size(), 8u);
+  EXPECT_EQ(evaluation::round_ticks(3, 3, 6).size(), 1u);
+  evaluation::Plot plot;
   plot.title = "<b>";
   plot.series = {{"a", {{0, 0}, {1, 1}, {NAN, 1}, {2, 2}, {3, INFINITY}}, false, false}};
-  const std::string svg = svg_plot(plot);
+  const std::string svg = evaluation::svg_plot(plot);
   EXPECT_EQ(svg.find("nan"), std::string::npos);
   EXPECT_EQ(svg.find("inf"), std::string::npos);
   EXPECT_NE(svg.find("&lt;b&gt;"), std::string::npos);

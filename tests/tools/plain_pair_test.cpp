@@ -1,4 +1,4 @@
-#include "tools/plain_pair.h"
+#include "pipeline/portrait/plain_pair.h"
 
 #include <gtest/gtest.h>
 
@@ -7,11 +7,11 @@
 #include <cstdlib>
 
 #include "capture/error.h"
-#include "capture/image_io.h"
+#include "capture/image/image_io.h"
+#include "evaluation/metrics/disparity_metrics.h"
+#include "pipeline/portrait/result_io.h"
 #include "tests/pipeline/texture.h"
-#include "tests/tools/run_program.h"
-#include "tools/disparity_metrics.h"
-#include "tools/result_io.h"
+#include "tests/run_program.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -22,13 +22,13 @@ void write_view(const std::string& path, Image view) {
   write_png8(path, view);
 }
 
-TEST(PlainPair, ViewsAreLinearLightAndThePictureTheirMean) {
+TEST(pipeline::PlainPair, ViewsAreLinearLightAndThePictureTheirMean) {
   const TemporaryFolder folder;
   Image left(3, 3, 3, 0.1f), right(3, 3, 3, 0.2f);
   left.at(2, 1, 0) = 0.5f;
   write_view(folder / "l.png", left);
   write_view(folder / "r.png", right);
-  const auto [capture, picture] = read_plain_pair({.left = folder / "l.png", .right = folder / "r.png"});
+  const auto [capture, picture] = pipeline::read_plain_pair({.left = folder / "l.png", .right = folder / "r.png"});
   EXPECT_EQ(capture.camera.width_px, 4);  // odd sides are made even by their last row and column
   EXPECT_EQ(capture.camera.height_px, 4);
   const Frame& frame = capture.frames.at(0);
@@ -44,15 +44,15 @@ TEST(PlainPair, ViewsAreLinearLightAndThePictureTheirMean) {
   EXPECT_GT(capture.exposure.dp_noise.shot_dn, 0);
 }
 
-TEST(PlainPair, MetadataSaysWhatTheNumbersMean) {
+TEST(pipeline::PlainPair, MetadataSaysWhatTheNumbersMean) {
   const TemporaryFolder folder;
   write_png16(folder / "l.png", ImageU16(4, 4, 1, 16384));
   write_png16(folder / "r.png", ImageU16(4, 4, 1, 65535));
   write_bytes(folder / "m.json",
               R"({"encoding": "linear", "black_level": 0.125, "white_level": 0.75, "focus_distance_m": 0.7,
                   "noise": {"shot": 0.001, "read": 1e-6}, "face_px": [1, 0, 2, 3]})");
-  const PlainPair pair{folder / "l.png", folder / "r.png", folder / "m.json", true};
-  const Capture capture = read_plain_pair(pair).capture;
+  const pipeline::PlainPair pair{folder / "l.png", folder / "r.png", folder / "m.json", true};
+  const Capture capture = pipeline::read_plain_pair(pair).capture;
   EXPECT_NEAR(capture.frames[0].left.at(1, 2) / 65535.0, 0.2, 1e-4);  // (1/4 - 1/8) / (3/4 - 1/8)
   EXPECT_EQ(capture.frames[0].right.at(1, 2), 65535);
   EXPECT_NEAR(capture.exposure.dp_noise.shot_dn / 65535, 0.001, 1e-9);
@@ -61,7 +61,7 @@ TEST(PlainPair, MetadataSaysWhatTheNumbersMean) {
   EXPECT_EQ(*capture.face_px, (std::array<double, 4>{0, 1, 3, 2}));  // of the transposed picture
 }
 
-TEST(PlainPair, RefusesWhatCannotBeUsed) {
+TEST(pipeline::PlainPair, RefusesWhatCannotBeUsed) {
   const TemporaryFolder folder;
   write_view(folder / "a.png", Image(8, 8, 3, 0.5f));
   write_view(folder / "narrow.png", Image(7, 8, 3, 0.5f));
@@ -72,7 +72,7 @@ TEST(PlainPair, RefusesWhatCannotBeUsed) {
   write_bytes(folder / "levels.json", R"({"black_level": 0.5, "white_level": 0.5})");
   const auto message = [&](const std::string& right, const std::string& metadata = "") {
     return message_of<InputError>([&] {
-      read_plain_pair({folder / "a.png", folder / right, metadata.empty() ? "" : folder / metadata});
+      pipeline::read_plain_pair({folder / "a.png", folder / right, metadata.empty() ? "" : folder / metadata});
     });
   };
   EXPECT_EQ(message("a.png"), "");
@@ -104,7 +104,7 @@ Image portrait_of(const TemporaryFolder& folder, const std::string& left, const 
 }
 
 // Made into a mosaic and back, it would lose resolution.
-TEST(PlainPair, WhatIsInFocusStaysAsSharpAsItWas) {
+TEST(pipeline::PlainPair, WhatIsInFocusStaysAsSharpAsItWas) {
   const TemporaryFolder folder;
   const Image view = pipeline::textured(pipeline::Texture(5, 0.2), 96, 96, 0);
   write_view(folder / "view.png", view);
@@ -116,7 +116,7 @@ TEST(PlainPair, WhatIsInFocusStaysAsSharpAsItWas) {
 }
 
 // Neither a mosaic's speckle nor new noise colours it.
-TEST(PlainPair, GreyStaysGreyWhereItIsBlurred) {
+TEST(pipeline::PlainPair, GreyStaysGreyWhereItIsBlurred) {
   const TemporaryFolder folder;
   const pipeline::Texture texture(5, 0.2);
   for (const int channels : {1, 3}) {
@@ -134,12 +134,12 @@ TEST(PlainPair, GreyStaysGreyWhereItIsBlurred) {
       ASSERT_EQ(portrait.data[i], portrait.data[i + 1]) << channels << " " << i;
       ASSERT_EQ(portrait.data[i], portrait.data[i + 2]) << channels << " " << i;
     }
-    const Image radius_px = read_result(folder / "out").result.blur_radius_px;
+    const Image radius_px = pipeline::read_result(folder / "out").result.blur_radius_px;
     EXPECT_GT(*std::max_element(radius_px.data.begin(), radius_px.data.end()), 1.5f) << channels;
   }
 }
 
-TEST(PlainPair, PortraitFindsTheShiftAlongTheSplit) {
+TEST(pipeline::PlainPair, PortraitFindsTheShiftAlongTheSplit) {
   const TemporaryFolder folder;
   constexpr int kWidth = 129, kHeight = 96;
   const pipeline::Texture texture(5, 0.2);
@@ -147,8 +147,8 @@ TEST(PlainPair, PortraitFindsTheShiftAlongTheSplit) {
               right = pipeline::textured(texture, kWidth, kHeight, 1.4);
   write_view(folder / "l.png", left);
   write_view(folder / "r.png", right);
-  write_view(folder / "l_down.png", transposed(left));
-  write_view(folder / "r_down.png", transposed(right));
+  write_view(folder / "l_down.png", pipeline::transposed(left));
+  write_view(folder / "r_down.png", pipeline::transposed(right));
   for (const std::string matcher : {"paper", "likelihood"}) {
     for (const bool down : {false, true}) {
       SCOPED_TRACE(matcher + (down ? " down" : ""));
@@ -157,7 +157,7 @@ TEST(PlainPair, PortraitFindsTheShiftAlongTheSplit) {
           run_program("portrait --left '" + (folder / "l") + view + " --right '" + (folder / "r") + view + " -o '" +
                       (folder / "out") + "' --matcher " + matcher + (down ? " --split vertical" : ""));
       ASSERT_EQ(outcome.status, 0) << outcome.err;
-      const pipeline::PortraitResult result = read_result(folder / "out").result;
+      const pipeline::PortraitResult result = pipeline::read_result(folder / "out").result;
       const Image& d = result.matched_disparity_dp_px;
       EXPECT_EQ(d.width, down ? kHeight : kWidth + 1);
       EXPECT_EQ(result.portrait.width, d.width);
@@ -168,7 +168,7 @@ TEST(PlainPair, PortraitFindsTheShiftAlongTheSplit) {
   }
 }
 
-TEST(PlainPair, EmptyPicturesAreNotBelieved) {
+TEST(pipeline::PlainPair, EmptyPicturesAreNotBelieved) {
   const TemporaryFolder folder;
   write_png8(folder / "white.png", Image(40, 24, 1, 1.0f));
   write_png8(folder / "line.png", Image(200, 1, 1, 0.3f));
@@ -180,7 +180,7 @@ TEST(PlainPair, EmptyPicturesAreNotBelieved) {
       const Outcome outcome = run_program("portrait --left '" + view + "' --right '" + view + "' -o '" +
                                           (folder / "out") + "' --matcher " + matcher);
       ASSERT_EQ(outcome.status, 0) << outcome.err;
-      const pipeline::PortraitResult result = read_result(folder / "out").result;
+      const pipeline::PortraitResult result = pipeline::read_result(folder / "out").result;
       for (const float confidence : result.confidence.data) ASSERT_EQ(confidence, 0);
       for (const Image* image : {&result.portrait, &result.disparity_dp_px, &result.matched_disparity_dp_px}) {
         for (const float value : image->data) ASSERT_TRUE(std::isfinite(value));
@@ -212,7 +212,7 @@ TEST_P(RealPair, DisparityFollowsDepth) {
         run_program("portrait --left '" + (set / "l.png").string() + "' --right '" + (set / "r.png").string() +
                     "' -o '" + (folder / "out") + "' --matcher " + matcher);
     ASSERT_EQ(outcome.status, 0) << outcome.err;
-    const Image found = read_result(folder / "out").result.disparity_dp_px;
+    const Image found = pipeline::read_result(folder / "out").result.disparity_dp_px;
     std::vector<float> disparity, truth;
     for (int y = 0; y < found.height; ++y) {
       for (int x = 0; x < found.width; ++x) {  // depth may have more pixels
@@ -227,8 +227,8 @@ TEST_P(RealPair, DisparityFollowsDepth) {
     const float range = *high - *low;
     for (float& value : truth) value /= range;
     const RealFigures figures = matcher == "paper" ? GetParam().paper : GetParam().likelihood;
-    EXPECT_NEAR(*spearman(disparity, truth), figures.rank, 0.02) << matcher;
-    EXPECT_NEAR(aiwe1(disparity, truth), figures.aiwe1, 0.01) << matcher;
+    EXPECT_NEAR(*evaluation::spearman(disparity, truth), figures.rank, 0.02) << matcher;
+    EXPECT_NEAR(evaluation::aiwe1(disparity, truth), figures.aiwe1, 0.01) << matcher;
   }
 }
 

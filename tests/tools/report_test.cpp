@@ -1,14 +1,14 @@
-#include "tools/report_page.h"
+#include "evaluation/report/report_page.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "capture/error.h"
-#include "tests/capture/temporary_folder.h"
-#include "tests/tools/synthetic.h"
-#include "tools/commands.h"
-#include "tools/scoring.h"
+#include "evaluation/metrics/scoring.h"
+#include "tests/pipeline/portrait/synthetic.h"
+#include "tests/temporary_folder.h"
+#include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -27,15 +27,15 @@ std::string between(const std::string& text, const std::string& open, const std:
 
 const std::string kHostile = "a</pre><script>alert(1)</script>\n\"'><img src=x onerror=alert(2)>\xff&";
 
-std::vector<CaptureSection> hostile_sections() {
-  const Picture picture{kHostile, kHostile, "data:image/jpeg;base64,AAAA", "data:image/jpeg;base64,AAAA",
-                        kHostile, kHostile};
+std::vector<evaluation::CaptureSection> hostile_sections() {
+  const evaluation::Picture picture{kHostile, kHostile, "data:image/jpeg;base64,AAAA", "data:image/jpeg;base64,AAAA",
+                                    kHostile, kHostile};
   const Capture capture = synthetic_capture();
-  StoredResult stored = synthetic_stored(capture);
+  pipeline::StoredResult stored = synthetic_stored(capture);
   stored.result.stages[0].name = kHostile;
   stored.json["provenance"]["mode"] = kHostile;
-  ResultSection result{kHostile, kHostile, {picture, picture}, {picture}, {}, {}, {}};
-  result.score = score_result(capture, kHostile, stored, kHostile);
+  evaluation::ResultSection result{kHostile, kHostile, {picture, picture}, {picture}, {}, {}, {}};
+  result.score = evaluation::score_result(capture, kHostile, stored, kHostile);
   result.score["notes"].push_back(kHostile);
   result.stages = {{{"name", kHostile}, {"ms", 1}, {"peak_rss_mb", 2}}};
   result.provenance = {{"capture", kHostile}, {kHostile, 1}};
@@ -43,7 +43,7 @@ std::vector<CaptureSection> hostile_sections() {
 }
 
 TEST(ReportPage, EscapesEveryName) {
-  const std::string page = report_page(hostile_sections());
+  const std::string page = evaluation::report_page(hostile_sections());
   EXPECT_EQ(count(page, "<script"), 1);
   EXPECT_EQ(count(page, "</script>"), 1);
   EXPECT_EQ(count(page, "onerror=alert(2)>"), 0);
@@ -54,7 +54,7 @@ TEST(ReportPage, EscapesEveryName) {
 }
 
 TEST(ReportPage, ForbidsWhateverItDoesNotBring) {
-  const std::string page = report_page(hostile_sections());
+  const std::string page = evaluation::report_page(hostile_sections());
   const std::string policy = between(page, "Content-Security-Policy\" content=\"", "\"");
   const std::string nonce = between(page, "<script nonce=\"", "\"");
   EXPECT_EQ(nonce.size(), 16u);
@@ -68,7 +68,7 @@ TEST(ReportPage, ForbidsWhateverItDoesNotBring) {
 }
 
 TEST(ReportPage, ShowsTheFigures) {
-  const std::string page = report_page(hostile_sections());
+  const std::string page = evaluation::report_page(hostile_sections());
   EXPECT_NE(page.find("<td>20.00</td>"), std::string::npos);  // PSNR of a difference of 0.1, linear
   for (const char* region : {"everything", "confident", "depth_edges", "person"}) {
     EXPECT_NE(page.find(std::string("<td>") + region + "</td>"), std::string::npos) << region;
@@ -91,7 +91,7 @@ TEST(Report, IsWrittenFromFoldersWithHostileNames) {
   const std::string capture_path = folder / "c\n<script>alert(1)",
                     result_path = folder / "r\xff<img src=x onerror=alert(2)>";
   write_capture(capture, capture_path);
-  write_result(synthetic_result(capture), {{"mode", "dp"}, {"capture", capture_path}}, result_path);
+  pipeline::write_result(synthetic_result(capture), {{"mode", "dp"}, {"capture", capture_path}}, result_path);
   run_report({result_path, "-o", folder / "report.html"});
   const std::string page = read_bytes(folder / "report.html");
   EXPECT_EQ(count(page, "<script"), 1);
@@ -106,7 +106,7 @@ TEST(Report, OfRealDataHasNoTruth) {
   const pipeline::PortraitResult result = synthetic_result(capture);
   capture.truth.reset();
   write_capture(capture, folder / "c");
-  write_result(result, {{"mode", "dp"}}, folder / "r");
+  pipeline::write_result(result, {{"mode", "dp"}}, folder / "r");
   run_report({folder / "r", "-o", folder / "report.html", "--capture", folder / "c"});
   const std::string page = read_bytes(folder / "report.html");
   EXPECT_EQ(count(page, "<img "), 2 + 2 + 3 * 2);
@@ -120,9 +120,9 @@ TEST(Report, NamesWhatIsMissing) {
   };
   EXPECT_EQ(message({folder / "r", "-o", folder / "x.html"}), folder / "r/result.json" + std::string(": no such file"));
   const Capture capture = synthetic_capture();
-  write_result(synthetic_result(capture), {{"mode", "dp"}}, folder / "r");
+  pipeline::write_result(synthetic_result(capture), {{"mode", "dp"}}, folder / "r");
   EXPECT_NE(message({folder / "r", "-o", folder / "x.html"}).find("does not name the capture"), std::string::npos);
-  write_result(synthetic_result(capture), {{"mode", "dp"}, {"capture", folder / "gone"}}, folder / "r");
+  pipeline::write_result(synthetic_result(capture), {{"mode", "dp"}, {"capture", folder / "gone"}}, folder / "r");
   EXPECT_NE(message({folder / "r", "-o", folder / "x.html"}).find("gone: no such folder"), std::string::npos);
   write_capture(synthetic_capture(32, 24), folder / "c");
   EXPECT_NE(message({folder / "r", "-o", folder / "x.html", "--capture", folder / "c"}).find("64 x 48 pixels"),

@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/files.h"
-#include "tests/capture/temporary_folder.h"
-#include "tests/tools/run_program.h"
-#include "tests/tools/synthetic.h"
-#include "tools/commands.h"
+#include "tests/pipeline/portrait/synthetic.h"
+#include "tests/run_program.h"
+#include "tests/temporary_folder.h"
+#include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -17,7 +17,7 @@ TEST(ScoreCommand, WritesItsFiguresBesideTheResult) {
   const TemporaryFolder folder;
   const Capture capture = synthetic_capture();
   write_capture(capture, folder / "c");
-  write_result(synthetic_result(capture), {{"mode", "dp"}}, folder / "r");
+  pipeline::write_result(synthetic_result(capture), {{"mode", "dp"}}, folder / "r");
   CLI::App program;
   add_score(program);
   testing::internal::CaptureStdout();
@@ -37,7 +37,7 @@ TEST(ScoreCommand, RefusesAResultOfAnotherCapture) {
       fmt::format("score '{}' '{}'", folder / "c", folder / "r"),
       fmt::format("report '{}' --capture '{}' -o '{}'", folder / "r", folder / "c", folder / "page.html")};
   const auto write_with_hash = [&](const std::string& hash) {
-    write_result(synthetic_result(capture), {{"capture", "elsewhere"}, {"capture_hash", hash}}, folder / "r");
+    pipeline::write_result(synthetic_result(capture), {{"capture", "elsewhere"}, {"capture_hash", hash}}, folder / "r");
   };
   write_with_hash("0123456789abcdef");
   for (const std::string& command : commands) {
@@ -53,7 +53,7 @@ TEST(ScoreCommand, RefusesAResultOfAnotherCapture) {
 
 TEST(InfoCommand, KnowsAPortraitResult) {
   const TemporaryFolder folder;
-  write_result(synthetic_result(synthetic_capture()), {{"mode", "dp"}}, folder / "r");
+  pipeline::write_result(synthetic_result(synthetic_capture()), {{"mode", "dp"}}, folder / "r");
   CLI::App program;
   add_info(program);
   testing::internal::CaptureStdout();

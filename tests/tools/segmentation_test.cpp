@@ -6,16 +6,16 @@
 
 #include "capture/error.h"
 #include "capture/files.h"
-#include "capture/image_io.h"
+#include "capture/image/image_io.h"
+#include "evaluation/metrics/mask_metrics.h"
+#include "evaluation/metrics/score_people.h"
+#include "pipeline/portrait/result_io.h"
 #include "pipeline/segmentation/person_mask.h"
-#include "tests/pipeline/drawn_face.h"
+#include "tests/pipeline/segmentation/drawn_face.h"
+#include "tests/pipeline/segmentation/toy_network.h"
 #include "tests/pipeline/texture.h"
-#include "tests/pipeline/toy_network.h"
-#include "tests/tools/run_program.h"
-#include "tests/tools/toy_people.h"
-#include "tools/mask_metrics.h"
-#include "tools/result_io.h"
-#include "tools/score_people.h"
+#include "tests/run_program.h"
+#include "tests/scenes/people/toy_people.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -28,25 +28,25 @@ TEST(MaskMetrics, AreTheirFormulas) {
       b.at(x, y) = x >= 2 && x < 6 ? 1 : 0;  // the middle half
     }
   }
-  EXPECT_EQ(mask_iou(a, b), 2.0 / 6);
-  EXPECT_EQ(mask_iou(a, a), 1);
-  EXPECT_EQ(mask_iou(Image(8, 4), Image(8, 4)), 1);
-  EXPECT_EQ(mask_iou(a, Image(8, 4)), 0);
-  EXPECT_EQ(mask_gradient_error(a, Image(8, 4)), 1.0 / 8);  // one step of 1 in each row of 8
-  EXPECT_EQ(mask_gradient_error(a, b), 3.0 / 8);            // and two more
-  EXPECT_EQ(mask_gradient_error(Image(8, 4, 1, 0.7F), Image(8, 4)), 0);
+  EXPECT_EQ(evaluation::mask_iou(a, b), 2.0 / 6);
+  EXPECT_EQ(evaluation::mask_iou(a, a), 1);
+  EXPECT_EQ(evaluation::mask_iou(Image(8, 4), Image(8, 4)), 1);
+  EXPECT_EQ(evaluation::mask_iou(a, Image(8, 4)), 0);
+  EXPECT_EQ(evaluation::mask_gradient_error(a, Image(8, 4)), 1.0 / 8);  // one step of 1 in each row of 8
+  EXPECT_EQ(evaluation::mask_gradient_error(a, b), 3.0 / 8);            // and two more
+  EXPECT_EQ(evaluation::mask_gradient_error(Image(8, 4, 1, 0.7F), Image(8, 4)), 0);
 }
 
 /// A held-out set of two: grey pictures whose masks are what the toy network draws, but for two squares in the second:
 /// one of 10 x 10 beside the right wrist, and one of 6 x 6 over the head. The second is a composite with another
 /// person, and holds something.
 void write_followed(const std::string& folder) {
-  constexpr std::size_t kSide = kPictureSide_px, n = 2;
+  constexpr std::size_t kSide = scenes::kPictureSide_px, n = 2;
   PeopleArrays arrays;
   arrays.faces = {100, 60, 30, 30, 50, 90, 40, 40};
   arrays.pictures.assign(n * kSide * kSide * 3, 0x80);
   arrays.masks.resize(n * kSide * kSide);
-  arrays.keypoints.resize(n * kKeypoints * 3);
+  arrays.keypoints.resize(n * scenes::kKeypoints * 3);
   pipeline::PersonNetwork network(pipeline::face_follower());
   for (std::size_t i = 0; i < n; ++i) {
     const float* const f = arrays.faces.data() + 4 * i;
@@ -63,27 +63,27 @@ void write_followed(const std::string& folder) {
   square(200, 200, 10);
   square(20, 60, 6);
   const float wrist[3] = {205, 205, 2};
-  std::copy_n(wrist, 3, arrays.keypoints.begin() + (kKeypoints + 10) * 3);
+  std::copy_n(wrist, 3, arrays.keypoints.begin() + (scenes::kKeypoints + 10) * 3);
   arrays.samples_json = R"([{"people": 1, "composite": false, "tags": ["hair:long"], "seed": 1},)"
                         R"( {"people": 2, "composite": true, "tags": ["hair:long", "held:cup"], "seed": 2}])";
   write_people_arrays(folder, arrays, 1, true);
 }
 
-TEST(PeopleScores, AreTheirFormulas) {
+TEST(evaluation::PeopleScores, AreTheirFormulas) {
   if (!pipeline::has_person_network()) GTEST_SKIP() << "built without oneDNN";
   const TemporaryFolder folder;
   write_followed(folder / "set");
-  const PeopleSet set({folder / "set"}, true);
+  const scenes::PeopleSet set({folder / "set"}, true);
   pipeline::PersonNetwork network(pipeline::face_follower());
-  const PeopleScores scores = score_people(set, network);
+  const evaluation::PeopleScores scores = evaluation::score_people(set, network);
   const auto row = [&](const std::string& name) {
     for (const auto* rows : {&scores.samples, &scores.regions}) {
-      for (const PeopleRow& r : *rows) {
+      for (const evaluation::PeopleRow& r : *rows) {
         if (r.name == name) return r;
       }
     }
     ADD_FAILURE() << name;
-    return PeopleRow();
+    return evaluation::PeopleRow();
   };
   int drawn = 0;
   for (int i = 0; i < 256 * 256; ++i) drawn += set[1].mask[i] > 127 ? 1 : 0;
@@ -116,13 +116,16 @@ TEST(PeopleScores, AreTheirFormulas) {
   }
   ASSERT_EQ(scores.filtered_iou.size(), 2U);
   EXPECT_DOUBLE_EQ(row("all").filtered_iou, (scores.filtered_iou[0] + scores.filtered_iou[1]) / 2);
-  EXPECT_DOUBLE_EQ(scores.filtered_iou[1], mask_iou(filtered_mask_of(set[1], network), mask_of(set[1])));
-  EXPECT_DOUBLE_EQ(row("groups").filtered_gradient_error,
-                   mask_gradient_error(filtered_mask_of(set[1], network), mask_of(set[1])));
+  EXPECT_DOUBLE_EQ(scores.filtered_iou[1],
+                   evaluation::mask_iou(evaluation::filtered_mask_of(set[1], network), evaluation::mask_of(set[1])));
+  EXPECT_DOUBLE_EQ(
+      row("groups").filtered_gradient_error,
+      evaluation::mask_gradient_error(evaluation::filtered_mask_of(set[1], network), evaluation::mask_of(set[1])));
 
   EXPECT_TRUE(std::isnan(row("groups").iou_error));  // one draw says nothing of its error
   // Another two samples of the same two scenes, with the same scores, tell nothing new.
-  const PeopleScores twice = score_people(PeopleSet({folder / "set", folder / "set"}, true), network);
+  const evaluation::PeopleScores twice =
+      evaluation::score_people(scenes::PeopleSet({folder / "set", folder / "set"}, true), network);
   EXPECT_EQ(twice.samples.front().samples, 4U);
   EXPECT_NEAR(twice.samples.front().iou_error, row("all").iou_error, 1e-12);
 }
@@ -306,7 +309,7 @@ TEST(SlowPortraitPeople, MasksHaveTheShapeOfThePictureAndShowSomebody) {
   const Outcome empty = with_mask(width, height, 0.9f);
   EXPECT_EQ(empty.status, 0);
   EXPECT_NE(empty.err.find("the person mask has no pixel above 0.94"), std::string::npos) << empty.err;
-  EXPECT_EQ(read_result(folder / "out").json["provenance"]["warnings"].size(), 1u);
+  EXPECT_EQ(pipeline::read_result(folder / "out").json["provenance"]["warnings"].size(), 1u);
 
   const auto of_views = [&](int view_width, int view_height, const std::string& options) {
     for (const char* view : {"l.png", "r.png"}) write_png8(folder / view, Image(view_width, view_height, 3, 0.5f));
@@ -328,14 +331,14 @@ TEST(SlowPortraitPeople, SixteenBitFloatsFindTheSame) {
   const auto mask_of = [&](const std::string& option) {
     const Outcome outcome = run_program(portrait + option);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    return read_result(folder / "out").result.mask;
+    return pipeline::read_result(folder / "out").result.mask;
   };
-  const Image mask = mask_of("");
+  const Image mask = evaluation::mask_of("");
   if (!__builtin_cpu_supports("avx512bw")) {
     expect_one_line_refusal(run_program(portrait + "--bf16"));
     return;
   }
-  const Image rounded = mask_of("--bf16");
+  const Image rounded = evaluation::mask_of("--bf16");
   ASSERT_TRUE(rounded.same_size(mask));
   double sum = 0, difference = 0;
   for (std::size_t i = 0; i < mask.data.size(); ++i) {

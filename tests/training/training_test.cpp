@@ -9,8 +9,8 @@
 
 #include "capture/error.h"
 #include "pipeline/segmentation/network.h"
-#include "tests/capture/temporary_folder.h"
-#include "tests/tools/toy_people.h"
+#include "tests/scenes/people/toy_people.h"
+#include "tests/temporary_folder.h"
 #include "tools/train_segmentation/augment.h"
 #include "tools/train_segmentation/batches.h"
 #include "tools/train_segmentation/checkpoint.h"
@@ -172,9 +172,9 @@ class ToyPeople : public testing::Test {
 };
 
 TEST_F(ToyPeople, UnchangedSamplesAreTheFiles) {
-  const PeopleSet set({folder.path.string() + "/toy"}, false);
+  const scenes::PeopleSet set({folder.path.string() + "/toy"}, false);
   ASSERT_EQ(set.size(), 6U);
-  const PersonSample& sample = set[3];
+  const scenes::PersonSample& sample = set[3];
   std::vector<float> input(256 * 256 * 4), mask(256 * 256), heatmaps(64 * 64 * 17);
   make_example(sample, {}, input.data(), mask.data(), heatmaps.data());
   for (int i = 0; i < 256 * 256; i += 37) {
@@ -214,8 +214,8 @@ std::array<double, 2> center_of(const std::vector<float>& map, int size, int str
 }
 
 TEST_F(ToyPeople, PictureMaskFaceAndKeypointsMoveTogether) {
-  const PeopleSet set({folder.path.string() + "/toy"}, false);
-  const PersonSample& sample = set[0];
+  const scenes::PeopleSet set({folder.path.string() + "/toy"}, false);
+  const scenes::PersonSample& sample = set[0];
   std::vector<float> input(256 * 256 * 4), mask(256 * 256), heatmaps(64 * 64 * 17);
   for (const bool mirror : {false, true}) {
     for (const double scale : {0.45, 0.7}) {
@@ -267,7 +267,7 @@ TEST_F(ToyPeople, PictureMaskFaceAndKeypointsMoveTogether) {
 }
 
 TEST_F(ToyPeople, AugmentationKeepsItsRangesAndThePaddingBlack) {
-  const PeopleSet set({folder.path.string() + "/toy"}, false);
+  const scenes::PeopleSet set({folder.path.string() + "/toy"}, false);
   std::vector<float> input(256 * 256 * 4), mask(256 * 256);
   double least = 2, most = 0;
   for (std::uint64_t key = 0; key < 2000; ++key) {
@@ -294,7 +294,7 @@ TEST_F(ToyPeople, AugmentationKeepsItsRangesAndThePaddingBlack) {
 }
 
 TEST_F(ToyPeople, BatchesAreThoseOfTheSeedWhereverTheyStart) {
-  const PeopleSet set({folder.path.string() + "/toy"}, false);
+  const scenes::PeopleSet set({folder.path.string() + "/toy"}, false);
   const std::vector<std::size_t> all = {0, 1, 2, 3, 4, 5};
   AugmentedBatches from_start(set, all, 3, true, 9, 0), later(set, all, 3, true, 9, 6), other(set, all, 3, true, 8, 6);
   from_start.next();
@@ -307,7 +307,7 @@ TEST_F(ToyPeople, BatchesAreThoseOfTheSeedWhereverTheyStart) {
 }
 
 TEST_F(ToyPeople, ScoresAreTheirFormulas) {
-  const PeopleSet set({folder.path.string() + "/toy"}, false);
+  const scenes::PeopleSet set({folder.path.string() + "/toy"}, false);
   // Whatever an untrained network draws, against both formulas written out here.
   torch::manual_seed(3);
   NetworkShape shape;
@@ -499,7 +499,7 @@ TEST(SlowTraining, LearnsWhoIsMeantFromTheFace) {
   const TemporaryFolder folder;
   write_toy_people(folder.path.string() + "/train", 128, 1);
   write_toy_people(folder.path.string() + "/held_out", 32, 2, true);
-  const PeopleSet held_out({folder.path.string() + "/held_out"}, true);
+  const scenes::PeopleSet held_out({folder.path.string() + "/held_out"}, true);
   std::vector<std::size_t> all(held_out.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   TrainOptions options = toy_options(folder.path.string(), "run");

@@ -2,8 +2,8 @@
 #include <string>
 
 #include "capture/files.h"
+#include "tools/cli/small_program.h"
 #include "tools/export_onnx/onnx_model.h"
-#include "tools/small_program.h"
 
 int main(int argc, char** argv) {
   CLI::App program("Writes the person segmentation network as an ONNX model.", "dualpixel_export_onnx");

@@ -9,13 +9,13 @@
 namespace dualpixel::tools {
 namespace {
 
-constexpr int kSize = kPictureSide_px, kHeat = kSize / 4;
+constexpr int kSize = scenes::kPictureSide_px, kHeat = kSize / 4;
 constexpr double kFaceSigma_px = 21;      // paper section 3.2
 constexpr double kHeatSigma_px = 1.5;     // of the 64 x 64 map
 constexpr double kHalveBelowScale = 0.6;  // scaled down further, a picture is halved first: bilinear reading aliases
 
 // COCO's order: nose, eyes, ears, shoulders, elbows, wrists, hips, knees, ankles; left before right.
-constexpr std::array<int, kKeypoints> kMirrored = {0, 2, 1, 4, 3, 6, 5, 8, 7, 10, 9, 12, 11, 14, 13, 16, 15};
+constexpr std::array<int, scenes::kKeypoints> kMirrored = {0, 2, 1, 4, 3, 6, 5, 8, 7, 10, 9, 12, 11, 14, 13, 16, 15};
 
 /// Red, green, blue, mask, and 1 inside the photograph, which tells it from its padding.
 constexpr int kPlanes = 5;
@@ -46,7 +46,7 @@ Frame frame_of(const std::uint8_t* picture) {
   return frame;
 }
 
-Planes relit(const PersonSample& sample, const Augmentation& a) {
+Planes relit(const scenes::PersonSample& sample, const Augmentation& a) {
   std::array<std::array<float, 256>, 3> curve;
   for (int c = 0; c < 3; ++c) {
     for (int v = 0; v < 256; ++v) {
@@ -167,11 +167,11 @@ float normal(std::uint64_t bits) {
   return (static_cast<float>(sum) / 65536 - 2) * 1.7320508F;
 }
 
-void draw_heatmaps(const PersonSample& sample, bool mirror, const Warp& warp, float* heatmaps) {
-  std::fill_n(heatmaps, kHeat * kHeat * kKeypoints, 0.F);
+void draw_heatmaps(const scenes::PersonSample& sample, bool mirror, const Warp& warp, float* heatmaps) {
+  std::fill_n(heatmaps, kHeat * kHeat * scenes::kKeypoints, 0.F);
   constexpr double kPerHeat = static_cast<double>(kSize) / kHeat;
   constexpr int kReach = 5;
-  for (int k = 0; k < kKeypoints; ++k) {
+  for (int k = 0; k < scenes::kKeypoints; ++k) {
     const float* point = sample.keypoints + 3 * (mirror ? kMirrored[k] : k);
     if (point[2] < 0.5F) continue;
     const auto [px, py] = warp.forward(point[0], point[1]);
@@ -182,7 +182,7 @@ void draw_heatmaps(const PersonSample& sample, bool mirror, const Warp& warp, fl
       for (int x = std::max(0, static_cast<int>(hx) - kReach); x <= std::min(kHeat - 1, static_cast<int>(hx) + kReach);
            ++x) {
         const double d2 = (x + 0.5 - hx) * (x + 0.5 - hx) + (y + 0.5 - hy) * (y + 0.5 - hy);
-        heatmaps[(y * kHeat + x) * kKeypoints + k] =
+        heatmaps[(y * kHeat + x) * scenes::kKeypoints + k] =
             static_cast<float>(std::exp(-d2 / (2 * kHeatSigma_px * kHeatSigma_px)));
       }
     }
@@ -221,7 +221,8 @@ Augmentation draw_augmentation(std::uint64_t key) {
   return a;
 }
 
-void make_example(const PersonSample& sample, const Augmentation& a, float* input, float* mask, float* heatmaps) {
+void make_example(const scenes::PersonSample& sample, const Augmentation& a, float* input, float* mask,
+                  float* heatmaps) {
   const Warp warp(a);
   Planes planes = relit(sample, a);
   planes = a.scale < kHalveBelowScale ? warped(halved(planes, kSize), kSize / 2, warp) : warped(planes, kSize, warp);

@@ -2,7 +2,7 @@
 #include <array>
 #include <cstdint>
 
-#include "tools/people/read_people_set.h"
+#include "scenes/people/data_set/read_people_set.h"
 
 /// What the network is fed: samples as they are, or varied as Wadhwa et al. 2018, section 3.2, has it.
 namespace dualpixel::tools {
@@ -35,7 +35,7 @@ Augmentation draw_augmentation(std::uint64_t key);
 ///   mask      256 x 256, 0..1
 ///   heatmaps  64 x 64 x 17, 0..1: a Gaussian of sigma 1.5 px and peak 1 (Tompson et al. 2014) at each keypoint in the
 ///             picture, hidden or seen; null: not wanted
-void make_example(const PersonSample& sample, const Augmentation& augmentation, float* input, float* mask,
+void make_example(const scenes::PersonSample& sample, const Augmentation& augmentation, float* input, float* mask,
                   float* heatmaps);
 
 }  // namespace dualpixel::tools

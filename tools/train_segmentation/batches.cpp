@@ -16,9 +16,9 @@ struct Buffers {
   Buffers(std::int64_t count, bool with_heatmaps)
       : input(torch::empty({count, kNetworkSize_px, kNetworkSize_px, 4})),
         mask(torch::empty({count, 1, kNetworkSize_px, kNetworkSize_px})) {
-    if (with_heatmaps) heatmaps = torch::empty({count, kHeatmapSize_px, kHeatmapSize_px, kKeypoints});
+    if (with_heatmaps) heatmaps = torch::empty({count, kHeatmapSize_px, kHeatmapSize_px, scenes::kKeypoints});
   }
-  void fill(std::int64_t i, const PersonSample& sample, const Augmentation& augmentation) {
+  void fill(std::int64_t i, const scenes::PersonSample& sample, const Augmentation& augmentation) {
     make_example(sample, augmentation, input[i].data_ptr<float>(), mask[i].data_ptr<float>(),
                  heatmaps.defined() ? heatmaps[i].data_ptr<float>() : nullptr);
   }
@@ -36,14 +36,14 @@ Batch halved(const Batch& batch) {
           batch.heatmaps.defined() ? torch::avg_pool2d(batch.heatmaps, 2) : batch.heatmaps};
 }
 
-Batch plain_batch(const PeopleSet& set, const std::vector<std::size_t>& indices, bool heatmaps) {
+Batch plain_batch(const scenes::PeopleSet& set, const std::vector<std::size_t>& indices, bool heatmaps) {
   Buffers buffers(static_cast<std::int64_t>(indices.size()), heatmaps);
   for (std::size_t i = 0; i < indices.size(); ++i) buffers.fill(static_cast<std::int64_t>(i), set[indices[i]], {});
   return buffers.batch();
 }
 
-AugmentedBatches::AugmentedBatches(const PeopleSet& set, std::vector<std::size_t> kept, int batch_size, bool heatmaps,
-                                   std::uint64_t seed, std::uint64_t first_sample)
+AugmentedBatches::AugmentedBatches(const scenes::PeopleSet& set, std::vector<std::size_t> kept, int batch_size,
+                                   bool heatmaps, std::uint64_t seed, std::uint64_t first_sample)
     : set_(set),
       kept_(std::move(kept)),
       batch_size_(batch_size),

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "tools/people/read_people_set.h"
+#include "scenes/people/data_set/read_people_set.h"
 
 /// Batches for the network.
 namespace dualpixel::tools {
@@ -24,13 +24,13 @@ struct Batch {
 Batch halved(const Batch& batch);
 
 /// The given samples as they are.
-Batch plain_batch(const PeopleSet& set, const std::vector<std::size_t>& indices, bool heatmaps);
+Batch plain_batch(const scenes::PeopleSet& set, const std::vector<std::size_t>& indices, bool heatmaps);
 
 /// Shuffled and augmented samples without end, made ahead by a thread of its own. The n-th sample of a seed is always
 /// the same one, varied in the same way: every sample once in each pass over `kept`, in an order of that pass's own.
 class AugmentedBatches {
  public:
-  AugmentedBatches(const PeopleSet& set, std::vector<std::size_t> kept, int batch_size, bool heatmaps,
+  AugmentedBatches(const scenes::PeopleSet& set, std::vector<std::size_t> kept, int batch_size, bool heatmaps,
                    std::uint64_t seed, std::uint64_t first_sample);
   ~AugmentedBatches();
   Batch next();
@@ -39,7 +39,7 @@ class AugmentedBatches {
   void produce();
   Batch make();
 
-  const PeopleSet& set_;
+  const scenes::PeopleSet& set_;
   std::vector<std::size_t> kept_;
   int batch_size_;
   bool heatmaps_;

@@ -14,7 +14,7 @@ constexpr int kInnerDistance_px = static_cast<int>(0.05 * kNetworkSize_px + 0.5)
 
 /// Calls `visit(first, predicted mask, true mask)` for batch after batch of `indices`.
 template <typename Visit>
-void for_each_batch(Network& network, const PeopleSet& set, const std::vector<std::size_t>& indices,
+void for_each_batch(Network& network, const scenes::PeopleSet& set, const std::vector<std::size_t>& indices,
                     const std::function<void(double)>& progress, bool half_size, const Visit& visit) {
   const torch::NoGradGuard no_gradients;
   network->eval();
@@ -29,7 +29,7 @@ void for_each_batch(Network& network, const PeopleSet& set, const std::vector<st
 
 }  // namespace
 
-MaskScore evaluate(Network& network, const PeopleSet& set, const std::vector<std::size_t>& indices,
+MaskScore evaluate(Network& network, const scenes::PeopleSet& set, const std::vector<std::size_t>& indices,
                    const std::function<void(double fraction)>& progress, bool half_size) {
   MaskScore sum;
   for_each_batch(network, set, indices, progress, half_size,
@@ -57,7 +57,7 @@ torch::Tensor inner_errors_of(const torch::Tensor& predicted, const torch::Tenso
   return error / inner.sum({1, 2, 3}).clamp_min(1);
 }
 
-std::vector<float> inner_errors(Network& network, const PeopleSet& set,
+std::vector<float> inner_errors(Network& network, const scenes::PeopleSet& set,
                                 const std::function<void(double fraction)>& progress) {
   std::vector<std::size_t> all(set.size());
   std::iota(all.begin(), all.end(), std::size_t{0});

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "tools/people/read_people_set.h"
+#include "scenes/people/data_set/read_people_set.h"
 #include "tools/train_segmentation/network.h"
 
 /// How good a network's masks are.
@@ -18,7 +18,7 @@ struct MaskScore {
 };
 
 /// On samples as they are, or at half their size. `network` is left in evaluation mode.
-MaskScore evaluate(Network& network, const PeopleSet& set, const std::vector<std::size_t>& indices,
+MaskScore evaluate(Network& network, const scenes::PeopleSet& set, const std::vector<std::size_t>& indices,
                    const std::function<void(double fraction)>& progress = {}, bool half_size = false);
 
 /// Each mask's mean |M^ - M| inside: over pixels in the person and at least 0.05 of the picture's side away from its
@@ -27,7 +27,7 @@ MaskScore evaluate(Network& network, const PeopleSet& set, const std::vector<std
 torch::Tensor inner_errors_of(const torch::Tensor& predicted, const torch::Tensor& truth);
 
 /// Those of a network's masks of all samples.
-std::vector<float> inner_errors(Network& network, const PeopleSet& set,
+std::vector<float> inner_errors(Network& network, const scenes::PeopleSet& set,
                                 const std::function<void(double fraction)>& progress = {});
 
 }  // namespace dualpixel::tools

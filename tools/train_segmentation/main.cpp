@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <atomic>
 
-#include "tools/small_program.h"
+#include "tools/cli/small_program.h"
 #include "tools/train_segmentation/train.h"
 
 namespace {

@@ -118,7 +118,8 @@ NetworkImpl::NetworkImpl(const NetworkShape& shape_) : shape(shape_) {
     mask_heads.push_back(register_module("mask" + n, MaskHead(shape)));
     if (s + 1 < shape.stages) between.push_back(register_module("between" + n, Conv(wide, wide, 1, 1, false)));
     if (!shape.pose) continue;
-    pose_heads.push_back(register_module("pose" + n, torch::nn::Conv2d(torch::nn::Conv2dOptions(wide, kKeypoints, 1))));
+    pose_heads.push_back(
+        register_module("pose" + n, torch::nn::Conv2d(torch::nn::Conv2dOptions(wide, scenes::kKeypoints, 1))));
     // Heatmaps are black nearly everywhere: start there, so that the pose loss does not swamp the mask's.
     torch::nn::init::constant_(pose_heads.back()->bias, -5);
   }

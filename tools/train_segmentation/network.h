@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/people/people_format.h"
+#include "scenes/people/data_set/people_format.h"
 
 /// The person segmentation network of Wadhwa et al. 2018, section 3.2, as LibTorch trains it: three stacked U-Nets
 /// with a mask and 17 keypoint heatmaps after each.
@@ -20,7 +20,7 @@
 /// Every convolution but the heads' last is followed by batch normalisation, which export folds into its kernel.
 namespace dualpixel::tools {
 
-inline constexpr int kNetworkSize_px = kPictureSide_px;
+inline constexpr int kNetworkSize_px = scenes::kPictureSide_px;
 inline constexpr int kHeatmapSize_px = kNetworkSize_px / 4;
 
 struct NetworkShape {

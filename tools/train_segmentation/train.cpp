@@ -15,9 +15,9 @@
 
 #include "capture/error.h"
 #include "capture/files.h"
-#include "tools/people/read_people_set.h"
-#include "tools/report_page.h"
-#include "tools/svg_plot.h"
+#include "evaluation/report/report_page.h"
+#include "evaluation/report/svg_plot.h"
+#include "scenes/people/data_set/read_people_set.h"
 #include "tools/train_segmentation/batches.h"
 #include "tools/train_segmentation/checkpoint.h"
 #include "tools/train_segmentation/evaluate.h"
@@ -96,7 +96,7 @@ Losses losses_of(const std::vector<StageOutput>& outputs, const Batch& batch, bo
 }
 
 /// The samples to train on in phase two: all but those with the largest inner errors, in their order.
-std::vector<std::size_t> kept_samples(Network& network, const PeopleSet& set, std::vector<std::size_t> from,
+std::vector<std::size_t> kept_samples(Network& network, const scenes::PeopleSet& set, std::vector<std::size_t> from,
                                       double prune) {
   const std::vector<float> errors = inner_errors(network, set, [](double done) {
     if (isatty(STDERR_FILENO) != 0) fmt::print(stderr, "\rpruning: {:3.0f} %{}", 100 * done, done < 1 ? "" : "\n");
@@ -111,11 +111,11 @@ std::vector<std::size_t> kept_samples(Network& network, const PeopleSet& set, st
 }
 
 std::string chart_page(const Json& points) {
-  Plot loss{"Loss", "samples", "loss", {{"mask", {}}, {"5 × pose", {}}}, false, true};
+  evaluation::Plot loss{"Loss", "samples", "loss", {{"mask", {}}, {"5 × pose", {}}}, false, true};
   const std::string half = fmt::format("at {} px", kNetworkSize_px / 2),
                     full = fmt::format("at {} px", kNetworkSize_px);
-  Plot iou{"Held-out samples", "samples", "mean IoU", {{half, {}}, {full, {}}}};
-  Plot gradient{"Held-out samples", "samples", "gradient error", {{half, {}}, {full, {}}}, false, true};
+  evaluation::Plot iou{"Held-out samples", "samples", "mean IoU", {{half, {}}, {full, {}}}};
+  evaluation::Plot gradient{"Held-out samples", "samples", "gradient error", {{half, {}}, {full, {}}}, false, true};
   for (const Json& point : points) {
     const double x = point["samples"];
     loss.series[0].points.emplace_back(x, point["mask_loss"].get<double>());
@@ -127,12 +127,13 @@ std::string chart_page(const Json& points) {
     gradient.series[series].points.emplace_back(x, point["held_out_gradient_error"].get<double>());
   }
   if (loss.series[1].points.empty()) loss.series.pop_back();
-  for (Plot* plot : {&iou, &gradient}) {
+  for (evaluation::Plot* plot : {&iou, &gradient}) {
     if (plot->series[0].points.empty()) plot->series.erase(plot->series.begin());
   }
-  return html_page("Training of the person segmentation network", kPlotStyle,
-                   "<h1>Training of the person segmentation network</h1><div class=\"plots\">" + svg_plot(loss) +
-                       svg_plot(iou) + svg_plot(gradient) + "</div>");
+  return evaluation::html_page("Training of the person segmentation network", evaluation::kPlotStyle,
+                               "<h1>Training of the person segmentation network</h1><div class=\"plots\">" +
+                                   evaluation::svg_plot(loss) + evaluation::svg_plot(iou) +
+                                   evaluation::svg_plot(gradient) + "</div>");
 }
 
 /// Loss since the last checkpoint, means over batches.
@@ -160,7 +161,7 @@ bool starts_from_run(const TrainOptions& options) {
 }
 
 /// What phase two starts from, with normalisation by the samples `of` the set where it lacks that.
-Network first_network(const TrainOptions& options, const PeopleSet& set, const std::vector<std::size_t>& of) {
+Network first_network(const TrainOptions& options, const scenes::PeopleSet& set, const std::vector<std::size_t>& of) {
   if (starts_from_run(options)) return read_checkpoint(options.fine_tune + "/checkpoint.pt").network;
   std::vector<std::size_t> measured = spread(of.size(), kMeasured);
   for (std::size_t& i : measured) i = of[i];
@@ -175,8 +176,8 @@ std::string first_weights_hash(const TrainOptions& options) {
 }
 
 /// What the weights and their scores depend on.
-Json recipe_of(const TrainOptions& options, const NetworkShape& shape, const PeopleSet& set, const PeopleSet& held_out,
-               int threads) {
+Json recipe_of(const TrainOptions& options, const NetworkShape& shape, const scenes::PeopleSet& set,
+               const scenes::PeopleSet& held_out, int threads) {
   Json recipe = {{"version", DUALPIXEL_VERSION},
                  {"fcn", shape.fcn},
                  {"stages", shape.stages},
@@ -200,8 +201,8 @@ Json recipe_of(const TrainOptions& options, const NetworkShape& shape, const Peo
 }
 
 /// Where the run starts: with the seed's weights, other weights, or its own. `from`: the samples that it learns from.
-Checkpoint start_of(const TrainOptions& options, const std::string& path, const PeopleSet& set,
-                    const std::vector<std::size_t>& from, const PeopleSet& held_out, int threads) {
+Checkpoint start_of(const TrainOptions& options, const std::string& path, const scenes::PeopleSet& set,
+                    const std::vector<std::size_t>& from, const scenes::PeopleSet& held_out, int threads) {
   if (options.resume) {
     Checkpoint state = read_checkpoint(path);
     const bool fine_tunes = !options.fine_tune.empty();
@@ -244,7 +245,7 @@ Checkpoint start_of(const TrainOptions& options, const std::string& path, const 
 }  // namespace
 
 void train(const TrainOptions& options, const std::function<bool(std::uint64_t samples)>& stop) {
-  const PeopleSet set(options.data, false), held_out(options.held_out, true);
+  const scenes::PeopleSet set(options.data, false), held_out(options.held_out, true);
   const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
   torch::set_num_threads(threads);
 

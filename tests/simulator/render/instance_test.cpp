@@ -10,9 +10,9 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "simulator/render/motion.h"
-#include "simulator/render/surface.h"
+#include "simulator/render/shading/surface.h"
 #include "simulator/render/truth.h"
-#include "tests/simulator/scene/placed_sheets.h"
+#include "tests/simulator/scene/gltf/placed_sheets.h"
 #include "tests/simulator/test_scenes.h"
 
 namespace dualpixel::simulator::testing {

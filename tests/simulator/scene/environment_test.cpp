@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
-#include "capture/image_io.h"
-#include "tests/simulator/scene/gltf_builder.h"
+#include "capture/image/image_io.h"
+#include "tests/simulator/scene/gltf/gltf_builder.h"
 
 namespace dualpixel::simulator {
 namespace {

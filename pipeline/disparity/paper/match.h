@@ -1,0 +1,41 @@
+#pragma once
+#include "capture/image/image.h"
+
+/// Disparity of every tile by brute force (Wadhwa et al. 2018, section 4.1).
+namespace dualpixel::pipeline {
+
+struct MatchOptions {
+  int tile_px = 8;   ///< side of the tiles, DP pixels; they do not overlap (section 4.1: 8 x 8)
+  int range_px = 3;  ///< shifts from -range to range are tried, DP pixels (section 4.1: 3)
+
+  // Confidence: the paper names the four heuristics but no formula. These are ours; the views have unit local variance.
+  float ssd_scale = 0.2f;        ///< mean squared difference at which confidence falls to 1/e; 2: unrelated views
+  float ssd_floor = 0.01f;       ///< mean squared difference that even a perfect match is taken to have
+  float deviation_dp_px = 0.3f;  ///< expected error, DP px, at which confidence halves
+  float second_minimum = 0.8f;   ///< best cost over the second best at which confidence begins to fall
+  float agreement_dp_px = 0.3f;  ///< difference from a neighbouring tile at which its support falls to 1/e, DP px
+};
+
+/// One pixel for each tile, ceil(size / tile_px) of them; the last row and column may be cut.
+struct TileDisparity {
+  Image disparity_dp_px;  ///< always finite, within +- range_px
+  Image confidence;       ///< 0..1
+  Image sigma_dp_px;      ///< predicted standard deviation of the error; empty from match_tiles, which predicts none
+  Image shared;           ///< share of sigma^2, 0..1, that neighbouring tiles' errors have in common; empty as sigma is
+  int tile_px = 8;
+};
+
+/// `left` and `right` are normalised views (normalize.h) of one size. Returns d with right(x + d) = left(x): for each
+/// tile of the left view, the minimum of the parabola through the least sum of squared differences and its neighbours.
+///
+/// Near the left and right border a tile shrinks to the pixels whose whole search range lies inside the right view.
+/// Confidence is 0 where nothing of it is left, where the costs have no unique minimum, or where the least cost lies at
+/// an end of the range: the true minimum may be beyond. Elsewhere it is the product of
+///   - exp(-q / ssd_scale), q the mean squared difference at the parabola's minimum;
+///   - 1 / (1 + v / deviation^2), v = (q + ssd_floor) / (pixels * g2) the variance of a least-squares shift estimate,
+///     g2 the mean squared horizontal gradient less the share q / 4 that noise has in it;
+///   - ((1 - q/q2) / (1 - second_minimum))^2, at most 1, q2 the least cost more than one pixel away;
+///   - the share of the eight neighbours' confidence that agrees, each by exp(-(difference / agreement)^2).
+TileDisparity match_tiles(const Image& left, const Image& right, const MatchOptions& options = {});
+
+}  // namespace dualpixel::pipeline

@@ -1,0 +1,17 @@
+#pragma once
+#include "capture/image/image.h"
+
+/// Local normalisation of a DP view: takes out the lens shading that differs between the views (Wadhwa et al. 2018,
+/// supplement, "DP Normalization").
+namespace dualpixel::pipeline {
+
+struct NormalizeOptions {
+  int window_px = 9;         ///< side of the square window, DP pixels, odd (supplement: 9 x 9)
+  float std_floor = 0.001f;  ///< added to the standard deviation, normalised signal (supplement: 0.001)
+};
+
+/// (view - local mean) / (local standard deviation + std_floor); windows end at the picture's border. Values that are
+/// not finite count as 0.
+Image normalize_locally(const Image& view, const NormalizeOptions& options = {});
+
+}  // namespace dualpixel::pipeline

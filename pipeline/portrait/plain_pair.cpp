@@ -1,0 +1,165 @@
+#include "pipeline/portrait/plain_pair.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "capture/error.h"
+#include "capture/image/image_io.h"
+#include "capture/json_fields.h"
+#include "pipeline/disparity/noise_model.h"
+
+namespace dualpixel::pipeline {
+namespace {
+
+constexpr double kLeastRange = 1e-3;  // of the values that a file may hold, between black and white
+constexpr double kFullScale = 65535;  // of the digital numbers that the views become
+
+struct Metadata {
+  std::string encoding = "srgb";
+  double black = 0, white = 1;
+  std::optional<ViewNoise> noise;
+  double focus_distance_m = 1;
+  std::optional<std::array<double, 4>> face_px;
+};
+
+Metadata read_metadata(const std::string& path) {
+  Metadata metadata;
+  if (path.empty()) return metadata;
+  const nlohmann::json json = read_json_file(path);
+  Fields fields(json, path);
+  fields.choice("encoding", metadata.encoding, {"srgb", "linear"});
+  fields.number("black_level", metadata.black, 0, 1).number("white_level", metadata.white, 0, 1);
+  if (metadata.white - metadata.black < kLeastRange) {
+    fields.fail(fields.has("white_level") ? "white_level" : "black_level",
+                fmt::format("white level {:g}, black level {:g}: white must exceed black by {:g}", metadata.white,
+                            metadata.black, kLeastRange));
+  }
+  if (fields.has("noise")) {
+    Fields noise = fields.object("noise");
+    metadata.noise.emplace();
+    noise.number("shot", metadata.noise->shot, 0, 1).number("read", metadata.noise->read, 0, 1).done();
+  }
+  fields.number("focus_distance_m", metadata.focus_distance_m, 0.01, INFINITY);
+  if (fields.has("face_px")) {
+    metadata.face_px.emplace();
+    fields.numbers("face_px", metadata.face_px->data(), 4);
+    const std::array<double, 4>& face = *metadata.face_px;
+    if (!(face[2] > 0 && face[3] > 0)) fields.fail("face_px", "must be x, y, width, height, the last two above 0");
+  }
+  fields.done();
+  return metadata;
+}
+
+/// Linear RGB (or grey), 0 black and 1 clipped.
+Image read_view(const std::string& path, const Metadata& metadata, bool vertical) {
+  const PictureSize size = picture_size(path);
+  if (size.format != "png" && size.format != "tiff" && size.format != "jpeg") {
+    throw InputError(fmt::format("{}: {}: a view must be a PNG, TIFF or JPEG", printable(path), size.format));
+  }
+  const Image picture = read_image(path);
+  Image view(picture.width, picture.height, picture.channels < 3 ? 1 : 3);
+  const auto black = static_cast<float>(metadata.black);
+  const auto range = static_cast<float>(metadata.white - metadata.black);
+  for (std::size_t i = 0; i < view.pixel_count(); ++i) {
+    for (int c = 0; c < view.channels; ++c) {
+      const float stored = picture.data[i * picture.channels + c];
+      if (!(stored >= 0 && stored <= 1)) {
+        throw InputError(fmt::format("{}: pixel ({}, {}): {}: a view's values must lie in [0, 1]", printable(path),
+                                     i % view.width, i / view.width, stored));
+      }
+      const float signal = ((metadata.encoding == "srgb" ? linear_from_srgb(stored) : stored) - black) / range;
+      view.data[i * view.channels + c] = std::clamp(signal, 0.0f, 1.0f);
+    }
+  }
+  return vertical ? transposed(view) : view;
+}
+
+Image gray(const Image& view) {
+  if (view.channels == 1) return view;
+  Image result(view.width, view.height);
+  for (std::size_t i = 0; i < result.data.size(); ++i) {
+    const float* rgb = &view.data[3 * i];
+    result.data[i] = 0.25f * (rgb[0] + 2 * rgb[1] + rgb[2]);
+  }
+  return result;
+}
+
+bool is_colored(const Image& view) {
+  if (view.channels == 1) return false;
+  for (std::size_t i = 0; i < view.data.size(); i += 3) {
+    if (view.data[i] != view.data[i + 1] || view.data[i] != view.data[i + 2]) return true;
+  }
+  return false;
+}
+
+std::uint16_t digital_number(float signal) { return static_cast<std::uint16_t>(std::lround(kFullScale * signal)); }
+
+}  // namespace
+
+Image transposed(const Image& image) {
+  Image result(image.height, image.width, image.channels);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      for (int c = 0; c < image.channels; ++c) result.at(y, x, c) = image.at(x, y, c);
+    }
+  }
+  return result;
+}
+
+PlainPairCapture read_plain_pair(const PlainPair& pair) {
+  const Metadata metadata = read_metadata(pair.metadata);
+  const Image left = read_view(pair.left, metadata, pair.vertical_split);
+  const Image right = read_view(pair.right, metadata, pair.vertical_split);
+  if (!left.same_size(right) || left.channels != right.channels) {
+    const auto described = [&](const Image& view) {
+      const auto [width, height] = pair.vertical_split ? std::pair{view.height, view.width}  // as in the file
+                                                       : std::pair{view.width, view.height};
+      return fmt::format("{} x {} pixels in {}", width, height, view.channels == 1 ? "grey" : "RGB");
+    };
+    throw InputError(
+        fmt::format("{}: {}; the left view has {}", printable(pair.right), described(right), described(left)));
+  }
+
+  const Image left_gray = gray(left), right_gray = gray(right);
+  const ViewNoise noise = metadata.noise ? *metadata.noise : estimate_noise(left_gray, right_gray);
+  Capture capture;
+  capture.camera = {.name = "plain pair",
+                    .width_px = left.width + left.width % 2,
+                    .height_px = left.height + left.height % 2,
+                    .dp_downsample_x = 1,
+                    .dp_downsample_y = 1,
+                    .focus_distance_m = metadata.focus_distance_m};
+  capture.exposure = {.bits = 16,
+                      .white_level_dn = kFullScale,
+                      .dp_noise = {noise.shot * kFullScale, noise.read * kFullScale * kFullScale}};
+  if (is_colored(left) || is_colored(right)) {  // the noise of blurred regions is
+    capture.exposure.mosaic_noise = {0.5 * noise.shot * kFullScale, 0.5 * noise.read * kFullScale * kFullScale};
+  }
+  capture.face_px = metadata.face_px;
+  if (capture.face_px && pair.vertical_split) {
+    auto& [x, y, width, height] = *capture.face_px;
+    capture.face_px = {y, x, height, width};
+  }
+  const int width = capture.camera.width_px, height = capture.camera.height_px;
+  Frame& frame = capture.frames.emplace_back();
+  frame.left = frame.right = ImageU16(width, height);
+  Image picture(width, height, 3);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const int u = std::min(x, left.width - 1), v = std::min(y, left.height - 1);
+      for (int c = 0; c < 3; ++c) {
+        const int stored = left.channels == 1 ? 0 : c;
+        picture.at(x, y, c) = 0.5f * (left.at(u, v, stored) + right.at(u, v, stored));
+      }
+      frame.left.at(x, y) = digital_number(left_gray.at(u, v));
+      frame.right.at(x, y) = digital_number(right_gray.at(u, v));
+    }
+  }
+  return {std::move(capture), std::move(picture)};
+}
+
+}  // namespace dualpixel::pipeline

@@ -1,0 +1,41 @@
+#pragma once
+#include <string>
+
+#include "capture/capture.h"
+#include "capture/image/image.h"
+
+/// A dual-pixel pair as public data sets store it: two pictures, and perhaps a few words about them.
+namespace dualpixel::pipeline {
+
+struct PlainPair {
+  std::string left, right;      ///< PNG, TIFF or JPEG, 8 or 16 bits, grey or RGB (alpha is ignored), of one size
+  std::string metadata;         ///< JSON file, see below; none where empty
+  bool vertical_split = false;  ///< stored on their side: disparity runs down the columns
+};
+
+struct PlainPairCapture {
+  Capture capture;
+  Image picture;  ///< linear RGB, the mean of the two, for the portrait to blur: see PortraitOptions
+};
+
+/// One frame without mosaic or truth, each pixel of the pictures a DP pixel. A view is (R + 2 G + B) / 4 in linear
+/// light, as Bayer photosites weigh it. A vertical split is transposed, so that right(x, y + d) = left(x, y) of the
+/// pictures is right(x + d) = left(x) here; transpose what comes out. Pictures with odd sides get their last column or
+/// row twice.
+///
+/// The metadata's fields, all optional; others are refused:
+///   encoding               "srgb" (default: what 8-bit files and most 16-bit ones hold) or "linear"
+///   black_level            linear signal of darkness, of the file's full scale, [0, 1); default 0
+///   white_level            linear signal at which pixels clip, (black_level, 1]; default 1
+///   noise {shot, read}     variance shot * x + read of a view's pixel whose mean is x, 0 black and 1 clipped; default:
+///                          estimated from the views, as shot noise
+///   focus_distance_m       default 1; it sets how strongly the portrait is blurred, not the disparity
+///   face_px                x, y, width, height of a face in the pictures
+/// Pictures that are grey, in one channel or in three, are given no new noise where they are blurred: it is coloured.
+/// Throws InputError where a file cannot be used, sizes differ, or a pixel is not finite or beyond [0, 1].
+PlainPairCapture read_plain_pair(const PlainPair& pair);
+
+/// Columns as rows.
+Image transposed(const Image& image);
+
+}  // namespace dualpixel::pipeline

@@ -1,0 +1,227 @@
+#include "scenes/people/data_set/read_people_set.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+
+#include "capture/error.h"
+#include "capture/files.h"
+#include "capture/json_fields.h"
+
+namespace dualpixel::scenes {
+namespace {
+
+constexpr std::size_t kSide = kPictureSide_px;
+constexpr std::size_t kMostItems = 1 << 24, kMostValuesOfAnItem = 1 << 30;
+
+std::size_t bytes_of_type(const std::string& type) { return type == "|u1" ? 1 : 4; }
+
+}  // namespace
+
+MappedArray::MappedArray(const std::string& path) : path_(path) {
+  require_regular_file(path);
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  struct stat status {};
+  const bool readable = file >= 0 && fstat(file, &status) == 0;
+  file_bytes_ = static_cast<std::size_t>(status.st_size);
+  void* const mapped =
+      readable && file_bytes_ > 0 ? mmap(nullptr, file_bytes_, PROT_READ, MAP_PRIVATE, file, 0) : MAP_FAILED;
+  if (file >= 0) close(file);
+  if (!readable) throw InputError(printable(path_) + ": cannot be read");
+  if (mapped == MAP_FAILED) throw InputError(printable(path_) + ": is empty, or cannot be mapped into memory");
+  file_ = static_cast<const char*>(mapped);
+  try {
+    read_header();
+  } catch (...) {
+    munmap(mapped, file_bytes_);
+    throw;
+  }
+}
+
+void MappedArray::read_header() {
+  const auto fail = [&](const std::string& why) { throw InputError(printable(path_) + ": " + why); };
+  if (file_bytes_ < 10 || std::memcmp(file_, "\x93NUMPY\x01\x00", 8) != 0) fail("is no NumPy file of version 1");
+  std::uint16_t header = 0;
+  std::memcpy(&header, file_ + 8, 2);
+  header_bytes_ = 10 + std::size_t{header};
+  if (header_bytes_ > file_bytes_) fail("its header is cut off");
+  if (header_bytes_ % 4 != 0) fail(fmt::format("its header ends at byte {}: must be a multiple of 4", header_bytes_));
+  std::string_view rest(file_ + 10, header);
+  const auto take = [&](std::string_view word) {
+    const bool there = rest.starts_with(word);
+    if (there) rest.remove_prefix(word.size());
+    return there;
+  };
+  const auto take_size = [&] {
+    std::size_t& size = shape_.emplace_back();
+    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), size);
+    rest.remove_prefix(end - rest.data());
+    return error == std::errc();
+  };
+  bool known = take("{'descr': '");
+  const bool of_bytes = take("|u1");
+  known = known && (of_bytes || take("<f4")) && take("', 'fortran_order': False, 'shape': (") && take_size();
+  while (known && take(", ")) known = take_size();
+  if (shape_.size() == 1) take(",");
+  known = known && take("), }") && rest.find_first_not_of(" \n") == std::string_view::npos;
+  if (!known) fail("its header is not that of a C-order array of uint8 or float32");
+  type_ = of_bytes ? "|u1" : "<f4";
+  if (shape_[0] > kMostItems) fail(fmt::format("{} items; at most {} are read", shape_[0], kMostItems));
+  std::size_t values = 1;
+  for (std::size_t i = 1; i < shape_.size(); ++i) {
+    if (shape_[i] > kMostValuesOfAnItem / std::max<std::size_t>(values, 1)) {
+      fail(fmt::format("shape ({}): items of more than {} values are not read", fmt::join(shape_, ", "),
+                       kMostValuesOfAnItem));
+    }
+    values *= shape_[i];
+  }
+  item_bytes_ = values * bytes_of_type(type_);
+  const std::size_t expected = header_bytes_ + shape_[0] * item_bytes_;
+  if (expected != file_bytes_) fail(fmt::format("holds {} bytes; its header says {}", file_bytes_, expected));
+}
+
+MappedArray::~MappedArray() { munmap(const_cast<char*>(file_), file_bytes_); }
+
+const std::uint8_t* MappedArray::bytes(std::size_t i) const {
+  return reinterpret_cast<const std::uint8_t*>(file_ + header_bytes_ + i * item_bytes_);
+}
+
+const float* MappedArray::floats(std::size_t i) const { return reinterpret_cast<const float*>(bytes(i)); }
+
+void MappedArray::require(const std::string& type, const std::vector<std::size_t>& rest) const {
+  if (type_ == type && std::equal(shape_.begin() + 1, shape_.end(), rest.begin(), rest.end())) return;
+  throw InputError(fmt::format("{}: '{}' values of shape ({}): must be '{}' of shape (N, {})", printable(path_), type_,
+                               fmt::join(shape_, ", "), type, fmt::join(rest, ", ")));
+}
+
+std::string changed_file(const std::string& shard) {
+  std::string index = shard + "/" + kShardFile;
+  const nlohmann::json json = read_json_file(index);
+  if (!json.is_object() || !json.contains("files") || !json["files"].is_object()) return index;
+  const nlohmann::json& files = json["files"];
+  for (const char* name : kShardFiles) {
+    std::string path = shard + "/" + name;
+    std::error_code error;
+    if (!files.contains(name) || !std::filesystem::is_regular_file(path, error) || files[name] != file_hash(path)) {
+      return path;
+    }
+  }
+  return "";
+}
+
+void require_unchanged(const std::string& folder) {
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (!entry.is_directory() || !entry.path().filename().string().starts_with("shard_")) continue;
+    const std::string changed = changed_file(entry.path().string());
+    if (!changed.empty()) {
+      throw InputError(printable(changed) + ": is not as it was written, by the hash in shard.json");
+    }
+  }
+}
+
+void PeopleSet::add_shard(const std::string& shard) {
+  const auto map = [&](const char* name, const char* type, const std::vector<std::size_t>& rest) {
+    arrays_.push_back(std::make_unique<MappedArray>(shard + "/" + name));
+    arrays_.back()->require(type, rest);
+    return arrays_.back().get();
+  };
+  const MappedArray* const pictures = map("pictures.npy", "|u1", {kSide, kSide, 3});
+  const MappedArray* const masks = map("masks.npy", "|u1", {kSide, kSide});
+  const MappedArray* const keypoints = map("keypoints.npy", "<f4", {kKeypoints, 3});
+  const MappedArray* const faces = map("faces.npy", "<f4", {4});
+  const std::size_t count = pictures->shape()[0];
+  for (const MappedArray* array : {masks, keypoints, faces}) {
+    if (array->shape()[0] == count) continue;
+    throw InputError(
+        fmt::format("{}: {} items; pictures.npy beside it has {}", printable(array->path()), array->shape()[0], count));
+  }
+  constexpr std::size_t kValues = std::size_t{kKeypoints} * 3;
+  for (const auto& [array, values] : {std::pair{keypoints, kValues}, std::pair{faces, std::size_t{4}}}) {
+    const float* const first = array->floats(0);
+    if (std::all_of(first, first + count * values, [](float v) { return std::isfinite(v); })) continue;
+    throw InputError(printable(array->path()) + ": holds a value that is not finite");
+  }
+
+  const std::string list = shard + "/samples.json";
+  const nlohmann::json samples = read_json_file(list);
+  if (!samples.is_array() || samples.size() != count) {
+    throw InputError(
+        fmt::format("{}: must be a list of {} samples, as pictures.npy beside it", printable(list), count));
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    PersonSample sample{pictures->bytes(i), masks->bytes(i), keypoints->floats(i), faces->floats(i), {}};
+    const float* const face = sample.face;
+    const auto in_picture = [](float center) { return center >= 0 && center <= static_cast<float>(kSide); };
+    if (!(face[2] > 0 && face[3] > 0 && in_picture(face[0] + face[2] / 2) && in_picture(face[1] + face[3] / 2))) {
+      throw InputError(fmt::format("{}: face {}: {} {} {} {}: must have a size, and its centre in the picture",
+                                   printable(faces->path()), i, face[0], face[1], face[2], face[3]));
+    }
+    Fields fields(samples[i], list, fmt::format("/{}", i));
+    fields.required("people").integer("people", sample.people, 1, 1000);
+    fields.required("composite").boolean("composite", sample.composite);
+    const nlohmann::json& tags = fields.raw("tags");
+    if (!tags.is_array()) fields.fail("tags", "must be a list of words");
+    for (const nlohmann::json& tag : tags) {
+      if (!tag.is_string()) fields.fail("tags", "must be a list of words");
+      sample.tags.push_back(printable(tag.get<std::string>()));
+    }
+    fields.required("seed").integer("seed", sample.seed, 0, std::numeric_limits<std::uint64_t>::max());
+    samples_.push_back(std::move(sample));
+  }
+}
+
+PeopleSet::PeopleSet(const std::vector<std::string>& folders, bool held_out) {
+  std::string hashed;
+  for (const std::string& folder : folders) {
+    const std::string index = folder + "/" + kSetFile;
+    std::error_code error;
+    if (std::filesystem::exists(folder + "/shard_00000", error) && !std::filesystem::exists(index, error)) {
+      throw InputError(printable(folder) + ": is not finished: run `dualpixel people` with its options again");
+    }
+    const nlohmann::json json = read_json_file(index);
+    const auto field = [&](const char* name) { return json.is_object() ? json.value(name, nlohmann::json()) : json; };
+    if (field("format") != "dualpixel people" || field("version") != 1 || field("size_px") != kSide) {
+      throw InputError(fmt::format("{}: /format, /version, /size_px: {}, {}, {}: must be \"dualpixel people\", 1, {}",
+                                   printable(index), printable(field("format").dump()),
+                                   printable(field("version").dump()), printable(field("size_px").dump()), kSide));
+    }
+    if (field("held_out") != held_out) {
+      throw InputError(
+          fmt::format("{}: /held_out: {}: must be {}: a network is judged with what it has not learnt from",
+                      printable(index), printable(field("held_out").dump()), held_out));
+    }
+    std::vector<std::string> shards;
+    for (std::filesystem::directory_iterator entry(folder, error), end; entry != end; entry.increment(error)) {
+      if (entry->path().filename().string().starts_with("shard_")) shards.push_back(entry->path().string());
+    }
+    if (error) throw InputError(printable(folder) + ": cannot be read as a folder: " + error.message());
+    std::sort(shards.begin(), shards.end());
+
+    const std::size_t before = samples_.size();
+    hashed += read_file(index);
+    for (const std::string& shard : shards) {
+      add_shard(shard);
+      hashed += read_file(shard + "/" + kShardFile);
+    }
+    if (field("count") != samples_.size() - before || samples_.size() == before) {
+      throw InputError(fmt::format("{}: /count: {}: its shards hold {}", printable(index),
+                                   printable(field("count").dump()), samples_.size() - before));
+    }
+  }
+  hash_ = hash_of(hashed);
+}
+
+}  // namespace dualpixel::scenes

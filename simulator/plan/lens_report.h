@@ -1,0 +1,47 @@
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "simulator/lens/disparity_field.h"
+#include "simulator/lens/lens_sampler.h"
+#include "simulator/lens/prescription/lens_analysis.h"
+
+/// Everything that `dualpixel lens` says about a lens, worked out once for the terminal, for programs and for the page
+/// (evaluation/report/lens_page.h).
+namespace dualpixel::simulator {
+
+/// What a lens file may say about its source, before it is cut.
+inline constexpr std::size_t kLongestNoteBytes = 2000;
+
+/// The polynomials that stand for a prescription against its exact trace, at one distance from the axis.
+struct FastFormError {
+  double field = 0;   ///< of the sensor's half diagonal
+  double rms_px = 0;  ///< of single rays, as lengths on the sensor, photosites
+  double largest_px = 0;
+  double disagreeing = 0;      ///< share of rays that only one of the two blocks
+  double disparity_dp_px = 0;  ///< at infinity, what rendering is about
+};
+
+/// A place on the sensor along one of its middle lines, in half widths (or half heights).
+struct CutPoint {
+  double place = 0;
+  DisparityCoefficients coefficients;
+};
+
+struct LensReport {
+  Lens lens;
+  SensorGrid sensor;
+  std::vector<FieldAnalysis> fields;    ///< of a prescription focused on infinity
+  std::vector<double> field_of_radius;  ///< their chief rays' heights over the image radius
+  std::vector<CutPoint> horizontal, vertical;
+  std::vector<FastFormError> fast_form;
+  std::vector<std::string> warnings;
+};
+
+LensReport report_lens(const Lens& lens, const SensorGrid& sensor);
+
+nlohmann::ordered_json to_json(const LensReport& report);
+std::string to_text(const LensReport& report);
+
+}  // namespace dualpixel::simulator

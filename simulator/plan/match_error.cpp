@@ -1,0 +1,133 @@
+#include "simulator/plan/match_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "simulator/lens/cfa.h"
+
+namespace dualpixel::simulator {
+namespace {
+
+constexpr int kPixels = kWindowDpPx * kWindowDpPx;
+
+std::vector<double> pixels_of(const Image& view, const MatchWindow& window) {
+  std::vector<double> values;
+  for (int y = window.y; y < window.y + kWindowDpPx; ++y) {
+    for (int x = window.x; x < window.x + kWindowDpPx; ++x) values.push_back(view.at(x, y));
+  }
+  return values;
+}
+
+double dot(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+void subtract_mean(std::vector<double>& values) {
+  double sum = 0;
+  for (double value : values) sum += value;
+  for (double& value : values) value -= sum / static_cast<double>(values.size());
+}
+
+/// dB/dx in a window, less its projections on 1 and B.
+std::vector<double> texture(const Image& view, const MatchWindow& window) {
+  std::vector<double> g;
+  for (int y = window.y; y < window.y + kWindowDpPx; ++y) {
+    for (int x = window.x; x < window.x + kWindowDpPx; ++x) g.push_back(0.5 * (view.at(x + 1, y) - view.at(x - 1, y)));
+  }
+  std::vector<double> b = pixels_of(view, window);
+  subtract_mean(g);
+  subtract_mean(b);
+  const double square = dot(b, b);
+  const double share = square > 0 ? dot(g, b) / square : 0;
+  for (int i = 0; i < kPixels; ++i) g[i] -= share * b[i];
+  return g;
+}
+
+/// The weights of one view from its two renders; returns the variance of the shift under the sensor's noise, infinite
+/// without texture.
+double fit_weights(const Image& first, const Image& second, const MatchWindow& window, const NoiseProfile& noise,
+                   int frames, std::vector<float>& weights) {
+  const std::vector<double> g1 = texture(first, window), g2 = texture(second, window);
+  const double energy = dot(g1, g2);
+  if (!(energy > 0)) return std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kPixels; ++i) weights.push_back(static_cast<float>(-0.5 * (g1[i] + g2[i]) / energy));
+  double light = 0;
+  for (double value : pixels_of(first, window)) light += value / kPixels;
+  return (noise.shot_dn * light + noise.read_dn2) / frames / energy;
+}
+
+double weighted_sum(const Image& view, const MatchWindow& window, const std::vector<float>& weights) {
+  double sum = 0;
+  for (int y = 0; y < kWindowDpPx; ++y) {
+    for (int x = 0; x < kWindowDpPx; ++x) {
+      sum += static_cast<double>(weights[y * kWindowDpPx + x]) * view.at(window.x + x, window.y + y);
+    }
+  }
+  return sum;
+}
+
+double covariance(const DpViews& a, const DpViews& b, const MatchWindow& window) {
+  double sum = 0;
+  for (const Image DpViews::*view : {&DpViews::left, &DpViews::right}) {
+    std::vector<double> first = pixels_of(a.*view, window);
+    subtract_mean(first);
+    sum += dot(first, pixels_of(b.*view, window));
+  }
+  return sum;
+}
+
+}  // namespace
+
+DpViews expected_dp_views(const Views& views, const SensorOptions& sensor, const ExposureOptions& exposure,
+                          double lux_per_nit) {
+  const Image electrons = expected_electrons(views.left, views.right, sensor, exposure, lux_per_nit);
+  const double gain = gain_dn_per_electron(sensor, exposure.iso);
+  const double white = std::exp2(sensor.bits) - 1 - sensor.black_level_dn;
+  DpViews dp{Image(electrons.width / 2, electrons.height / 4), Image(electrons.width / 2, electrons.height / 4)};
+  for (int y = 0; y < electrons.height; ++y) {
+    for (int x = 0; x < electrons.width; ++x) {
+      if (cfa_color(x, y) != 1) continue;
+      // a full photosite loses charge of both halves
+      const double left = electrons.at(x, y, 0), right = electrons.at(x, y, 1);
+      const double kept = std::min(1.0, sensor.full_well_e / std::max(left + right, 1e-30));
+      dp.left.at(x / 2, y / 4) += static_cast<float>(0.25 * gain * kept * left);
+      dp.right.at(x / 2, y / 4) += static_cast<float>(0.25 * gain * kept * right);
+    }
+  }
+  for (Image* view : {&dp.left, &dp.right}) {
+    for (float& value : view->data) value = static_cast<float>(std::min<double>(value, white));
+  }
+  return dp;
+}
+
+double MatchWindow::shift_dp_px(const DpViews& views) const {
+  return weighted_sum(views.right, *this, right_weight) - weighted_sum(views.left, *this, left_weight);
+}
+
+double MatchWindow::correlation(const DpViews& a1, const DpViews& a2, const DpViews& b1, const DpViews& b2) const {
+  const double between = 0.5 * (covariance(a1, b2, *this) + covariance(a2, b1, *this));
+  const double within = covariance(a1, a2, *this) * covariance(b1, b2, *this);
+  return within > 0 ? between / std::sqrt(within) : 0;
+}
+
+MatchWindows match_windows(const DpViews& first, const DpViews& second, const Exposure& exposure, int frames,
+                           double most_sensor_noise_dp_px, int offset_x, int offset_y) {
+  MatchWindows windows;
+  const NoiseProfile& noise = exposure.dp_noise;
+  for (int y = offset_y; y + kWindowDpPx <= first.left.height; y += kWindowDpPx) {
+    for (int x = 1 + offset_x; x + kWindowDpPx < first.left.width; x += kWindowDpPx) {
+      MatchWindow window{x, y, {}, {}, 0};
+      const double left = fit_weights(first.left, second.left, window, noise, frames, window.left_weight);
+      const double right = fit_weights(first.right, second.right, window, noise, frames, window.right_weight);
+      window.sensor_noise_dp_px = std::sqrt(left + right);
+      ++windows.total;
+      if (window.sensor_noise_dp_px <= most_sensor_noise_dp_px) windows.textured.push_back(std::move(window));
+    }
+  }
+  return windows;
+}
+
+}  // namespace dualpixel::simulator

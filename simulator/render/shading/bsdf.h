@@ -1,0 +1,23 @@
+#pragma once
+#include <glm/glm.hpp>
+
+#include "simulator/render/shading/surface.h"
+
+/// glTF's metallic-roughness reflection (glTF 2.0, Appendix B): a Lambertian base under a GGX coat with Schlick's
+/// Fresnel term. A dielectric of roughness 1 is plainly Lambertian: its coat would cost time and change next to
+/// nothing. Light that would bounce between microfacets is lost, as in glTF's own model: up to 60 % of a fully rough
+/// metal's. Directions are unit and point away from the surface; `to_eye` and `to_light` lie above the geometric
+/// normal.
+namespace dualpixel::simulator {
+
+/// Reflected radiance per unit irradiance (1/sr), without the cosine.
+glm::vec3 bsdf(const Surface& surface, glm::vec3 to_eye, glm::vec3 to_light);
+
+/// Solid-angle density with which sample_bsdf() picks `to_light`.
+float bsdf_pdf(const Surface& surface, glm::vec3 to_eye, glm::vec3 to_light);
+
+/// A direction for u, v in [0, 1): with probability one half the cosine lobe, else the GGX lobe (the cosine lobe alone
+/// where the surface is Lambertian). It may lie below the surface: then it carries nothing.
+glm::vec3 sample_bsdf(const Surface& surface, glm::vec3 to_eye, float u, float v);
+
+}  // namespace dualpixel::simulator

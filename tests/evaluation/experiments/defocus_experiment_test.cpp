@@ -1,0 +1,69 @@
+#include "evaluation/experiments/defocus_experiment.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "capture/json_fields.h"
+#include "simulator/simulate.h"
+#include "tests/run_program.h"
+#include "tests/temporary_folder.h"
+
+namespace dualpixel::evaluation {
+namespace {
+
+// The paper's figure of colour halos: ours leaves what is in focus as it is, bit for bit but for the blend to 1.5 px,
+// and brings no foreground into the wall; a gather does the second, a single pass the first.
+TEST(DefocusExperiment, HalosAreOthers) {
+  for (const float radius_px : {5.0f, 9.0f}) {
+    const std::vector<Halo> halos = measure_halos(radius_px);
+    ASSERT_EQ(halos.size(), 3u);
+    const Halo &ours = halos[0], &gather = halos[1], &single = halos[2];
+    EXPECT_EQ(ours.inside, 0);
+    EXPECT_EQ(gather.inside, 0);
+    EXPECT_GT(single.inside, 0.03);
+    EXPECT_GT(gather.outside, 0.03);
+    // What lies behind the disc is not in the picture: lights there are missing from ours as from the single pass.
+    EXPECT_LT(ours.outside, 0.1 * gather.outside);
+    EXPECT_LT(ours.outside, 1.3 * single.outside + 0.001);
+  }
+}
+
+TEST(DefocusExperiment, BadLensesAreRefused) {
+  const TemporaryFolder folder;
+  for (const std::string lens : {"f/0@50mm-equivalent", "f/1.4@50mm-equivalents"}) {
+    expect_one_line_refusal(run_program("portrait nowhere -o '" + (folder / "out") + "' --match-lens '" + lens + "'"));
+  }
+  const Outcome seg = run_program("portrait nowhere -o '" + (folder / "out") +
+                                  "' --mode seg --true-mask --match-lens f/1.4@50mm-equivalent");
+  expect_one_line_refusal(seg);
+  EXPECT_NE(seg.err.find("--match-lens"), std::string::npos) << seg.err;
+}
+
+SceneDefocus measure(const std::string& name) {
+  const std::string path = std::string(DUALPIXEL_SOURCE_DIR "/scenes/") + name + ".json";
+  nlohmann::json document = read_json_file(path);
+  for (const char* assignment :
+       {"sensor.width_px=672", "sensor.height_px=504", "sensor.pixel_pitch_um=5.6", "render.samples_per_pixel=32",
+        "render.photograph_samples_per_pixel=512", "render.all_in_focus_samples_per_pixel=192"}) {
+    apply_override(document, assignment);
+  }
+  const simulator::Simulation s = simulator::read_simulation(document, path);
+  return measure_defocus(simulator::simulate(s, simulator::load_scene(s)), name);
+}
+
+// True disparity and physically true blur against the ray-traced photograph, on a sixteenth of the photosites. From
+// the picture that the phone took there is its noise, its own blur and its clipped highlights on top.
+TEST(SlowDefocusExperiment, TrueDisparityComesNearThePhotograph) {
+  for (const auto& [name, floor_db] : {std::pair{"slanted_planes", 34.0}, {"portrait", 30.0}}) {
+    const SceneDefocus scene = measure(name);
+    EXPECT_GT(scene.rungs[0].closeness.all_db, floor_db) << name;
+    EXPECT_GT(scene.rungs[1].closeness.all_db, scene.untouched.all_db + 8) << name;
+    // sunlit leaves are clipped in the one, nothing is in the other
+    const double won_db = scene.recovered.closeness.all_db - scene.rungs[1].closeness.all_db;
+    EXPECT_GT(won_db, name == std::string("portrait") ? 0.3 : -0.01) << name;
+  }
+}
+
+}  // namespace
+}  // namespace dualpixel::evaluation

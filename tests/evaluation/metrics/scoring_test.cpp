@@ -1,0 +1,162 @@
+#include "evaluation/metrics/scoring.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "capture/error.h"
+#include "tests/pipeline/portrait/synthetic.h"
+#include "tests/temporary_folder.h"
+
+namespace dualpixel::evaluation {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// synthetic.h: 64 x 48, the bottom row not valid; a jump of 1.5 DP px between columns 31 and 32.
+constexpr int kValid = 64 * 47;
+
+Json score(const Capture& capture, const pipeline::StoredResult& stored) {
+  return score_result(capture, "c", stored, "r");
+}
+
+TEST(Score, OfAnAffineImageOfTheTruth) {
+  const Capture capture = synthetic_capture();
+  const Json figures = score(capture, synthetic_stored(capture))["disparity"]["everything"];
+  EXPECT_EQ(figures["pixels"], kValid);
+  EXPECT_EQ(figures["coverage"], 1);
+  // estimate - truth = -(truth + 0.2) / 2; the truth is -1 on the left, uniform in 32 steps on 0.5..1.5 on the right.
+  EXPECT_NEAR(figures["bias_px"].get<double>(), -0.1, 1e-6);
+  const double step_variance = (32.0 * 32 - 1) / 12 / (31.0 * 31);
+  EXPECT_NEAR(figures["rmse_px"].get<double>(), std::sqrt((0.64 + 1.44 + step_variance) / 2) / 2, 1e-6);
+  EXPECT_EQ(figures["bad_0p1"], 1);
+  EXPECT_NEAR(figures["affine_scale"].get<double>(), 2, 1e-6);
+  EXPECT_NEAR(figures["affine_offset_px"].get<double>(), 0.2, 1e-6);
+  EXPECT_NEAR(figures["rmse_affine_px"].get<double>(), 0, 1e-6);
+  EXPECT_EQ(figures["aiwe2"], figures["rmse_affine_px"]);
+  EXPECT_NEAR(figures["aiwe1"].get<double>(), 0, 1e-6);
+  EXPECT_EQ(figures["bad_0p1_affine"], 0);
+  EXPECT_NEAR(figures["one_minus_rho_average_ranks"].get<double>(), 0, 1e-12);
+}
+
+TEST(Score, CutsRegionsAsDefined) {
+  const Capture capture = synthetic_capture();
+  const Json regions = score(capture, synthetic_stored(capture))["disparity"];
+  EXPECT_EQ(regions["confident"]["pixels"], 64 * 24);
+  EXPECT_NEAR(regions["confident"]["coverage"].get<double>(), 24.0 / 47, 1e-12);
+  EXPECT_EQ(regions["depth_edges"]["pixels"], 16 * 47);
+  EXPECT_EQ(regions["person"]["pixels"], 32 * 24);
+}
+
+// A result that shows a later frame, where all is 2.5 photosites to the right and 3 further down, is scored where the
+// first frame's points are: all figures stay but for the columns and rows that left the picture.
+TEST(Score, LooksUpALaterBaseFrameAlongTheMotion) {
+  Capture capture = synthetic_capture();
+  capture.frames.push_back(capture.frames.front());
+  pipeline::StoredResult stored = synthetic_stored(capture);
+  for (Image* image : {&stored.result.disparity_dp_px, &stored.result.input, &stored.result.portrait}) {
+    const Image still = *image;
+    for (int y = 3; y < 48; ++y) {
+      for (int x = 3; x < 64; ++x) {
+        for (int c = 0; c < image->channels; ++c) {
+          image->at(x, y, c) = 0.5f * (still.at(x - 3, y - 3, c) + still.at(x - 2, y - 3, c));
+        }
+      }
+    }
+  }
+  const double before = score(capture, stored)["disparity"]["everything"]["rmse_affine_px"];
+  EXPECT_GT(before, 0.2);
+  stored.result.base_frame = 1;
+  EXPECT_EQ(score(capture, stored)["disparity"]["everything"]["rmse_affine_px"], before);  // no motion: static
+  capture.truth->motion = {Image(64, 48, 2, 3.0f)};
+  for (std::size_t i = 0; i < capture.truth->motion[0].data.size(); i += 2) capture.truth->motion[0].data[i] = 2.5f;
+  const Json figures = score(capture, stored);
+  EXPECT_EQ(figures["disparity"]["everything"]["pixels"], 62 * 45);
+  // smeared twice by half a pixel: at the jump of 1.5 two columns err by a quarter of it
+  EXPECT_NEAR(figures["disparity"]["everything"]["rmse_affine_px"].get<double>(), 0.375 * std::sqrt(2.0 / 62), 0.01);
+  EXPECT_NEAR(figures["disparity"]["everything"]["bad_0p1_affine"].get<double>(), 2.0 / 62, 1e-6);
+  EXPECT_EQ(figures["disparity"]["person"]["pixels"], 32 * 24);
+  stored.result.base_frame = 2;
+  EXPECT_THROW(score(capture, stored), InputError);
+}
+
+TEST(Score, LeavesOutPixelsWithoutTruthOrEstimate) {
+  const Capture capture = synthetic_capture();
+  pipeline::StoredResult stored = synthetic_stored(capture);
+  std::fill_n(stored.result.disparity_dp_px.row(47), 64, 1e6f);  // the row without truth
+  std::fill_n(stored.result.disparity_dp_px.row(0), 64, NAN);
+  const Json figures = score(capture, stored)["disparity"]["everything"];
+  EXPECT_EQ(figures["pixels"], kValid - 64);
+  EXPECT_NEAR(figures["coverage"].get<double>(), 46.0 / 47, 1e-12);
+  EXPECT_NEAR(figures["rmse_affine_px"].get<double>(), 0, 1e-6);
+}
+
+TEST(Score, SaysWhyFiguresAreNull) {
+  const Capture capture = synthetic_capture();
+  pipeline::StoredResult stored = synthetic_stored(capture);
+  std::fill(stored.result.disparity_dp_px.data.begin(), stored.result.disparity_dp_px.data.end(), NAN);
+  stored.result.portrait = capture.truth->photograph;
+  const Json all_nan = score(capture, stored);
+  EXPECT_TRUE(all_nan["disparity"]["everything"]["rmse_px"].is_null());
+  EXPECT_TRUE(all_nan["disparity"]["person"]["ause"].is_null());
+  EXPECT_TRUE(all_nan["image"]["psnr_db"].is_null());
+  const std::string notes = all_nan["notes"].dump();
+  EXPECT_NE(notes.find("disparity.everything: no pixel"), std::string::npos);
+  EXPECT_NE(notes.find("image.psnr_db: infinite"), std::string::npos);
+  EXPECT_NE(score_table(all_nan).find("note: disparity.everything: no pixel"), std::string::npos);
+
+  std::fill(stored.result.disparity_dp_px.data.begin(), stored.result.disparity_dp_px.data.end(), 0.5f);
+  const Json constant = score(capture, stored);
+  EXPECT_TRUE(constant["disparity"]["everything"]["one_minus_rho_average_ranks"].is_null());
+  EXPECT_TRUE(constant["disparity"]["everything"]["rmse_affine_px"].is_number());
+  EXPECT_NE(constant["notes"].dump().find("average_ranks: undefined, the estimate or the truth is constant"),
+            std::string::npos);
+}
+
+TEST(Score, ComparesPictures) {
+  const Capture capture = synthetic_capture();
+  const Json figures = score(capture, synthetic_stored(capture))["image"];
+  EXPECT_NEAR(figures["psnr_linear_db"].get<double>(), 20, 1e-4);  // 0.1 everywhere, nothing clips
+  EXPECT_NEAR(figures["psnr_linear_input_db"].get<double>(), -20 * std::log10(0.2), 1e-4);
+  EXPECT_EQ(figures["psnr_db"], figures["psnr_srgb_db"]);
+  EXPECT_GT(figures["ssim"], figures["ssim_input"]);
+}
+
+TEST(Score, OfTheMaskAloneHasNoDisparity) {
+  const Capture capture = synthetic_capture();
+  pipeline::StoredResult stored = synthetic_stored(capture);
+  stored.result.disparity_dp_px = stored.result.confidence = {};
+  const Json figures = score(capture, stored);
+  EXPECT_FALSE(figures.contains("disparity"));
+  EXPECT_TRUE(figures["image"]["psnr_db"].is_number());
+  EXPECT_NE(score_table(figures).find("Disparity: none"), std::string::npos);
+}
+
+TEST(Score, CarriesStages) {
+  const Capture capture = synthetic_capture();
+  const Json figures = score(capture, synthetic_stored(capture));
+  EXPECT_EQ(figures["stages"]["merge"]["ms"], 12.5);
+  EXPECT_EQ(figures["stages"]["blur"]["peak_rss_mb"], 350);
+}
+
+TEST(Score, RefusesWhatDoesNotFit) {
+  Capture capture = synthetic_capture();
+  const pipeline::StoredResult stored = synthetic_stored(synthetic_capture(32, 24));
+  EXPECT_EQ(message_of<InputError>([&] { score(capture, stored); }), "r: 32 x 24 pixels; the capture c has 64 x 48");
+  capture.truth.reset();
+  EXPECT_EQ(message_of<InputError>([&] { score(capture, stored); }), "c: holds no truth to score against");
+}
+
+TEST(Score, IsTheSameForAnyNumberOfThreads) {
+  const Capture capture = synthetic_capture();
+  const auto with_threads = [&](int threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return score(capture, synthetic_stored(capture)).dump();
+  };
+  EXPECT_EQ(with_threads(1), with_threads(8));
+}
+
+}  // namespace
+}  // namespace dualpixel::evaluation

@@ -1,0 +1,361 @@
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include "capture/error.h"
+#include "pipeline/portrait/portrait.h"
+#include "tests/pipeline/texture.h"
+
+namespace dualpixel::pipeline {
+namespace {
+
+constexpr int kWidth = 512, kHeight = 384;
+constexpr double kBackground = 0.8;  // disparity, DP px
+
+bool on_subject(double x, double y) { return std::abs(x - 256) < 110 && std::abs(y - 220) < 120; }
+
+/// A warm, in-focus rectangle in front of a cool background, both textured, shifted without blur.
+Capture make_capture(double background_dp_px = kBackground) {
+  Capture capture;
+  capture.camera.width_px = kWidth;
+  capture.camera.height_px = kHeight;
+  capture.camera.focus_distance_m = 1;
+  capture.exposure.black_level_dn = 64;
+  capture.exposure.white_level_dn = 1023;
+  capture.exposure.mosaic_noise = capture.exposure.dp_noise = {0.16, 1};
+  const Texture subject(1, 0.06), background(2, 0.06);
+  const auto signal = [](bool person, float texture, int c) {
+    const double warm[] = {0.6, 0.5, 0.35}, cool[] = {0.25, 0.3, 0.4};
+    return (person ? warm[c] : cool[c]) * (1 + 0.25 * texture);
+  };
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  const auto digital = [&](double value) {
+    const double dn = 959 * std::max(value, 0.0);
+    return static_cast<std::uint16_t>(
+        std::clamp(std::lround(64 + dn + std::sqrt(0.16 * dn + 1) * normal(random)), 0l, 1023l));
+  };
+  const Image subject_full = subject.raster(kWidth, kHeight, 0.5, 1, 0.5, 1);
+  const Image background_full = background.raster(kWidth, kHeight, 0.5, 1, 0.5, 1);
+  const Image subject_dp = subject.raster(kWidth / 2, kHeight / 4, 1, 2, 2, 4);
+  // Half of the disparity either way, so that the picture lies in the middle; 2 photosites a DP pixel.
+  const Image background_left = background.raster(kWidth / 2, kHeight / 4, 1 + background_dp_px, 2, 2, 4);
+  const Image background_right = background.raster(kWidth / 2, kHeight / 4, 1 - background_dp_px, 2, 2, 4);
+  for (int k = 0; k < 3; ++k) {
+    Frame frame{ImageU16(kWidth, kHeight), ImageU16(kWidth / 2, kHeight / 4), ImageU16(kWidth / 2, kHeight / 4)};
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const bool person = on_subject(x + 0.5, y + 0.5);
+        frame.mosaic.at(x, y) =
+            digital(signal(person, (person ? subject_full : background_full).at(x, y), (x & 1) + (y & 1)));
+      }
+    }
+    for (int y = 0; y < kHeight / 4; ++y) {
+      for (int x = 0; x < kWidth / 2; ++x) {
+        const bool person = on_subject(2 * x + 1, 4 * y + 2);
+        frame.left.at(x, y) = digital(0.5 * signal(person, (person ? subject_dp : background_left).at(x, y), 1));
+        frame.right.at(x, y) = digital(0.5 * signal(person, (person ? subject_dp : background_right).at(x, y), 1));
+      }
+    }
+    capture.frames.push_back(frame);
+  }
+  return capture;
+}
+
+PortraitOptions test_options(Mode mode = Mode::dp) {
+  PortraitOptions options;
+  options.mode = mode;
+  options.blur_radius.reference_width_px = options.mask_blur.reference_width_px =
+      kWidth;  // as strong as in a large picture
+  return options;
+}
+
+Image person_mask() {
+  Image mask(kWidth / 4, kHeight / 4);
+  for (int y = 0; y < mask.height; ++y) {
+    for (int x = 0; x < mask.width; ++x) mask.at(x, y) = on_subject(4 * x + 2, 4 * y + 2) ? 1 : 0;
+  }
+  return mask;
+}
+
+/// Calls f(x, y) at least `margin` pixels from the subject's outline and the border, on it or off it.
+template <typename F>
+void away_from_edges(bool subject, int margin, const F& f) {
+  for (int y = margin; y < kHeight - margin; ++y) {
+    for (int x = margin; x < kWidth - margin; ++x) {
+      bool all = true;
+      for (const int dx : {-margin, 0, margin}) {
+        for (const int dy : {-margin, 0, margin}) all = all && on_subject(x + dx, y + dy) == subject;
+      }
+      if (all) f(x, y);
+    }
+  }
+}
+
+double mean_of(const Image& image, bool subject) {
+  double sum = 0, count = 0;
+  away_from_edges(subject, 24, [&](int x, int y) {
+    sum += image.at(x, y);
+    count += 1;
+  });
+  return sum / count;
+}
+
+/// Mean square difference between horizontal neighbours in green.
+double detail_of(const Image& rgb, bool subject) {
+  double sum = 0, count = 0;
+  away_from_edges(subject, 24, [&](int x, int y) {
+    sum += std::pow(rgb.at(x, y, 1) - rgb.at(x - 1, y, 1), 2);
+    count += 1;
+  });
+  return sum / count;
+}
+
+void expect_finite(const PortraitResult& result) {
+  for (const Image* image : {&result.input, &result.portrait, &result.portrait_srgb, &result.disparity_dp_px,
+                             &result.confidence, &result.blur_radius_px, &result.mask}) {
+    for (const float value : image->data) ASSERT_TRUE(std::isfinite(value));
+  }
+}
+
+TEST(Portrait, FindsDisparitiesKeepsTheSubjectAndBlursTheBackground) {
+  const PortraitResult result = run_portrait(make_capture(), test_options());
+  expect_finite(result);
+  EXPECT_NEAR(mean_of(result.disparity_dp_px, true), 0, 0.05);
+  EXPECT_NEAR(mean_of(result.disparity_dp_px, false), kBackground, 0.08);  // locking to pixels included
+  EXPECT_GT(mean_of(result.confidence, false), 0.5);
+  EXPECT_EQ(result.matched_disparity_dp_px.width, kWidth / 2);
+  EXPECT_EQ(result.matched_disparity_dp_px.height, kHeight / 4);
+  EXPECT_EQ(result.focus_disparity_dp_px, 0);
+  EXPECT_GT(detail_of(result.portrait, true), 0.98 * detail_of(result.input, true));
+  EXPECT_LT(detail_of(result.portrait, false), 0.2 * detail_of(result.input, false));
+  EXPECT_EQ(result.stages.size(), 8u);
+  for (const StageTime& stage : result.stages) EXPECT_GT(stage.peak_rss_mb, 0);
+}
+
+TEST(Portrait, SwappedViewsPutTheBackgroundInFront) {
+  Capture capture = make_capture();
+  for (Frame& frame : capture.frames) std::swap(frame.left, frame.right);
+  EXPECT_NEAR(mean_of(run_portrait(capture, test_options()).disparity_dp_px, false), -kBackground, 0.08);
+}
+
+// Five DP pixels are beyond the paper's range of three: its method says so by confidence 0, the other one finds them.
+TEST(Portrait, TheLikelihoodMatcherReachesFurther) {
+  const Capture capture = make_capture(5);
+  double within[2] = {}, confidence[2] = {};
+  for (const Matcher matcher : {Matcher::paper, Matcher::likelihood}) {
+    PortraitOptions options = test_options();
+    options.matcher = matcher;
+    const PortraitResult result = run_portrait(capture, options, {});
+    const int which = matcher == Matcher::paper ? 0 : 1;
+    int count = 0;
+    for (int y = 4; y < 12; ++y) {  // above the subject
+      for (int x = 24; x < kWidth / 2 - 24; ++x, ++count) {
+        within[which] += std::abs(result.matched_disparity_dp_px.at(x, y) - 5) < 0.25 ? 1 : 0;
+        confidence[which] += result.matched_confidence.at(x, y);
+      }
+    }
+    within[which] /= count;
+    confidence[which] /= count;
+  }
+  EXPECT_GT(within[1], 0.95);
+  EXPECT_GT(confidence[1], 0.5);
+  EXPECT_LT(within[0], 0.05);
+  EXPECT_LT(confidence[0], 0.2);
+}
+
+TEST(Portrait, AnUnknownNoiseIsNotTakenForNone) {
+  // views of noise alone: whoever takes it for texture believes what it finds there
+  Capture capture = make_capture();
+  capture.frames.resize(1);
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal(64 + 240, std::sqrt(0.16 * 240 + 1));
+  for (ImageU16* view : {&capture.frames[0].left, &capture.frames[0].right}) {
+    for (std::uint16_t& dn : view->data) dn = static_cast<std::uint16_t>(std::lround(normal(random)));
+  }
+  PortraitOptions options = test_options();
+  options.matcher = Matcher::likelihood;
+  const auto mean_confidence = [&] {
+    const Image confidence = run_portrait(capture, options).matched_confidence;
+    return std::accumulate(confidence.data.begin(), confidence.data.end(), 0.0) /
+           static_cast<double>(confidence.data.size());
+  };
+  const double known = mean_confidence();
+  capture.exposure.dp_noise = {};
+  const double estimated = mean_confidence();
+  EXPECT_LT(estimated, 2 * known);  // 1.1 of it here; taken for none, 13 times
+}
+
+TEST(Portrait, FacesSetTheFocus) {
+  Capture capture = make_capture(0.3);
+  capture.face_px = {40, 10, 400, 60};  // on the background
+  const PortraitResult background = run_portrait(capture, test_options());
+  EXPECT_NEAR(background.focus_disparity_dp_px, 0.3, 0.08);
+  EXPECT_LT(mean_of(background.blur_radius_px, false), mean_of(background.blur_radius_px, true));
+  capture = make_capture(1.5);
+  capture.face_px = {40, 10, 400, 60};  // too far from focus to be trusted
+  EXPECT_EQ(run_portrait(capture, test_options()).focus_disparity_dp_px, 0);
+}
+
+// Section 5.1: the largest face that is in focus; without one, what was tapped, wherever it lies.
+TEST(Portrait, FocusGoesToTheLargestSharpFaceAndThenToTheTap) {
+  const Capture capture = make_capture(1.5);
+  const Face behind{40, 10, 400, 60}, subject{220, 180, 80, 80};
+  PortraitOptions options = test_options();
+  options.faces = {behind, subject};
+  options.tap = behind;
+  EXPECT_NEAR(run_portrait(capture, options).focus_disparity_dp_px, 0, 0.08);
+  options.faces = {behind};
+  EXPECT_NEAR(run_portrait(capture, options).focus_disparity_dp_px, 1.5, 0.15);
+  options.tap.reset();
+  EXPECT_EQ(run_portrait(capture, options).focus_disparity_dp_px, 0);
+}
+
+TEST(Portrait, MaskFlattensThePerson) {
+  Capture capture = make_capture();
+  const PortraitResult plain = run_portrait(capture, test_options());
+  const PortraitResult merged = run_portrait(capture, test_options(Mode::dp_seg), person_mask());
+  expect_finite(merged);
+  const auto spread = [](const Image& disparity) {
+    float low = 9, high = -9;
+    away_from_edges(true, 24, [&](int x, int y) {
+      low = std::min(low, disparity.at(x, y));
+      high = std::max(high, disparity.at(x, y));
+    });
+    return high - low;
+  };
+  EXPECT_LT(spread(merged.disparity_dp_px), 0.01f);
+  EXPECT_LT(spread(merged.disparity_dp_px), spread(plain.disparity_dp_px));
+  EXPECT_TRUE(merged.mask.same_size(merged.input));
+  EXPECT_NEAR(mean_of(merged.disparity_dp_px, false), kBackground, 0.08);
+}
+
+TEST(Portrait, MaskAloneBlursTheBackground) {
+  const PortraitResult result = run_portrait(make_capture(), test_options(Mode::seg), person_mask());
+  expect_finite(result);
+  EXPECT_TRUE(result.disparity_dp_px.empty());
+  EXPECT_GT(mean_of(result.mask, true), 0.99);
+  EXPECT_LT(mean_of(result.mask, false), 0.01);
+  EXPECT_GT(detail_of(result.portrait, true), 0.98 * detail_of(result.input, true));
+  EXPECT_LT(detail_of(result.portrait, false), 0.6 * detail_of(result.input, false));
+}
+
+TEST(Portrait, MissingOrBrokenMasksAreTheUsersErrors) {
+  const Capture capture = make_capture();
+  EXPECT_THROW(run_portrait(capture, test_options(Mode::seg)), InputError);
+  EXPECT_THROW(run_portrait(capture, test_options(Mode::dp_seg), Image(4, 4, 3)), InputError);
+  EXPECT_THROW(run_portrait(capture, test_options(Mode::seg), Image(4, 4, 1, NAN)), InputError);
+}
+
+TEST(Portrait, AGivenPictureTakesTheBurstsPlace) {
+  Capture capture = make_capture();
+  PortraitOptions options = test_options();
+  options.picture = Image(kWidth, kHeight, 3, 0.25f);
+  EXPECT_THROW(run_portrait(capture, options), InputError);  // of which of the three frames?
+  capture.frames.resize(1);
+  EXPECT_EQ(run_portrait(capture, options).input.data, options.picture->data);
+  for (const Image& unfit : {Image(kWidth, kHeight / 2, 3, 0.25f), Image(kWidth, kHeight, 1, 0.25f),
+                             Image(kWidth, kHeight, 3, 1.5f), Image(kWidth, kHeight, 3, NAN)}) {
+    options.picture = unfit;
+    EXPECT_THROW(run_portrait(capture, options), InputError);
+  }
+}
+
+TEST(Portrait, PeopleAreFoundWhereNoMaskIsGiven) {
+  const Capture capture = make_capture();
+  for (const Mode mode : {Mode::dp_seg, Mode::seg}) {
+    PortraitOptions options = test_options(mode);
+    const Face face{200, 120, 60, 60};
+    options.find_people = [&](const Image& picture) {
+      EXPECT_EQ(picture.width, kWidth);
+      EXPECT_EQ(picture.channels, 3);
+      return FoundPeople{{face}, person_mask()};
+    };
+    const PortraitResult found = run_portrait(capture, options);
+    EXPECT_EQ(found.mode, mode);
+    ASSERT_EQ(found.faces.size(), 1U);
+    EXPECT_TRUE(found.warnings.empty());
+    Capture with_face = capture;  // as if mask and face had been given
+    with_face.face_px = {face.x, face.y, face.width, face.height};
+    EXPECT_EQ(found.portrait.data, run_portrait(with_face, test_options(mode), person_mask()).portrait.data);
+
+    // A mask that is given is used, and nobody is looked for.
+    options.find_people = [](const Image&) -> FoundPeople { throw std::logic_error("looked for people"); };
+    EXPECT_TRUE(run_portrait(capture, options, person_mask()).faces.empty());
+  }
+}
+
+TEST(Portrait, WhereNobodyIsFoundDisparityDoes) {
+  const Capture capture = make_capture();
+  const PortraitResult plain = run_portrait(capture, test_options());
+  for (const Mode mode : {Mode::dp_seg, Mode::seg}) {
+    PortraitOptions options = test_options(mode);
+    options.find_people = [](const Image&) { return FoundPeople{}; };
+    const PortraitResult result = run_portrait(capture, options);
+    EXPECT_EQ(result.mode, Mode::dp);
+    EXPECT_EQ(result.portrait.data, plain.portrait.data);
+    ASSERT_EQ(result.warnings.size(), 1U);
+    EXPECT_NE(result.warnings[0].find("no face found"), std::string::npos);
+    // a face too small to seed a mask
+    options.find_people = [](const Image&) { return FoundPeople{{}, {}, {{200, 120, 20, 20}}}; };
+    const std::vector<std::string> warnings = run_portrait(capture, options).warnings;
+    ASSERT_EQ(warnings.size(), 1U);
+    EXPECT_NE(warnings[0].find("no face is large enough"), std::string::npos);
+    // a face about which the network sees nobody
+    const Face face = {200, 120, 20, 20};
+    options.find_people = [&](const Image&) { return FoundPeople{{face}, Image(256, 256, 1, 0.5F), {face}}; };
+    const PortraitResult unseen = run_portrait(capture, options);
+    EXPECT_EQ(unseen.mode, Mode::dp);
+    EXPECT_TRUE(unseen.faces.empty());
+    ASSERT_EQ(unseen.warnings.size(), 1U);
+    EXPECT_NE(unseen.warnings[0].find("nobody is seen there"), std::string::npos);
+  }
+}
+
+TEST(SlowPortrait, SameBytesForAnyNumberOfThreads) {
+  const Capture capture = make_capture();
+  for (const Mode mode : {Mode::dp, Mode::dp_seg, Mode::seg}) {
+    std::vector<PortraitResult> results;
+    for (const int threads : {1, 2, 8}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      PortraitOptions options = test_options(mode);
+      options.bokeh.aperture = {5, 0.5};
+      results.push_back(run_portrait(capture, options, person_mask()));
+    }
+    for (const PortraitResult& result : results) {
+      EXPECT_EQ(result.portrait.data, results[0].portrait.data);
+      EXPECT_EQ(result.disparity_dp_px.data, results[0].disparity_dp_px.data);
+      EXPECT_EQ(result.mask.data, results[0].mask.data);
+    }
+  }
+}
+
+TEST(Portrait, FlatAndOddlySizedCapturesAreFinite) {
+  for (const auto& [width, height] : {std::pair{2, 4}, {6, 1200}, {130, 92}}) {
+    for (const std::uint16_t level : {64, 500, 1023}) {
+      Capture capture;
+      capture.camera.width_px = width;
+      capture.camera.height_px = height;
+      capture.camera.focus_distance_m = INFINITY;
+      capture.exposure.black_level_dn = 64;
+      capture.exposure.white_level_dn = 1023;
+      Frame frame;
+      frame.mosaic = ImageU16(width, height, 1, level);
+      frame.left = frame.right = ImageU16(width / 2, height / 4, 1, level);
+      capture.frames = {frame};
+      const PortraitResult dp = run_portrait(capture, test_options());
+      expect_finite(dp);
+      for (std::size_t i = 0; i < dp.input.data.size(); ++i) ASSERT_NEAR(dp.portrait.data[i], dp.input.data[i], 1e-5);
+      expect_finite(run_portrait(capture, test_options(Mode::seg), Image(3, 2, 1, 0.5f)));
+      capture.frames[0].mosaic = {};  // views alone
+      expect_finite(run_portrait(capture, test_options()));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace dualpixel::pipeline

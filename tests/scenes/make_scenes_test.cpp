@@ -1,0 +1,34 @@
+// The shipped scenes are made by code: the same bytes every time, and each with a scene file that names it.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "capture/json_fields.h"
+#include "simulator/simulate.h"
+#include "tests/temporary_folder.h"
+
+namespace dualpixel {
+namespace {
+
+TEST(SlowScenes, AreTheSameBytesEveryTime) {
+  const TemporaryFolder first, second;
+  for (const TemporaryFolder* folder : {&first, &second}) {
+    ASSERT_EQ(std::system(("'" DUALPIXEL_MAKE_SCENES "' '" + folder->path.string() + "'").c_str()), 0);
+  }
+  EXPECT_EQ(first.names().size(), 4u);
+  for (const std::string& name : first.names()) {
+    EXPECT_TRUE(read_bytes(first / name) == read_bytes(second / name)) << name;
+    EXPECT_TRUE(read_bytes(first / name) == read_bytes(DUALPIXEL_SOURCE_DIR "/scenes/" + name)) << name;
+  }
+}
+
+TEST(Scenes, EveryShippedFileIsAValidScene) {
+  for (const std::string name : {"portrait", "calibration_target", "slanted_planes", "occlusion_edges"}) {
+    const std::string path = DUALPIXEL_SOURCE_DIR "/scenes/" + name + ".json";
+    const simulator::Simulation simulation = simulator::read_simulation(read_json_file(path), path);
+    EXPECT_EQ(simulation.gltf_path, DUALPIXEL_SOURCE_DIR "/scenes/" + name + ".glb");
+  }
+}
+
+}  // namespace
+}  // namespace dualpixel

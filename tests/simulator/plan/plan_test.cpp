@@ -1,0 +1,356 @@
+#include "simulator/plan/plan.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+#include "capture/error.h"
+#include "capture/json_fields.h"
+#include "simulator/lens/disparity_field.h"
+#include "simulator/lens/lens_file.h"
+#include "simulator/plan/match_error.h"
+#include "simulator/render/truth.h"
+#include "simulator/sampling/hash.h"
+#include "tests/run_program.h"
+#include "tests/simulator/test_scenes.h"
+
+namespace dualpixel::simulator {
+namespace {
+
+using namespace testing;
+
+/// A camera at the origin that looks along +z through the phone's thin lens; eight windows of a matcher.
+Simulation small_camera() {
+  Simulation s;
+  s.pose = CameraPose{{0, 0, 0}, {0, 0, 1}, {0, 1, 0}};
+  s.lens.thin = {4.442e-3, 1.8, 0.8};
+  s.sensor.width_px = 132;
+  s.sensor.height_px = 128;
+  s.sensor.pixel_pitch_um = 11.2;
+  s.render.samples_per_pixel = 12;
+  s.render.max_bounces = 3;
+  return s;
+}
+
+/// A wall at 1 m with a speckle of 6 mm, about a DP pixel.
+Scene speckled_wall() {
+  Scene scene;
+  Texture texture;
+  texture.width = texture.height = 128;
+  for (int i = 0; i < 128 * 128; ++i) {
+    const auto grey = static_cast<std::uint8_t>(40 + hash(7, i) % 200);
+    texture.rgba.insert(texture.rgba.end(), {grey, grey, grey, 255});
+  }
+  scene.textures.push_back(texture);
+  Material m = diffuse(1);
+  m.double_sided = true;
+  m.base_color_texture.texture = 0;
+  scene.materials.push_back(m);
+  scene.meshes.push_back(make_quad({-0.4f, -0.4f, 1}, {0.8f, 0, 0}, {0, 0.8f, 0}, 0));
+  return scene;
+}
+
+Scene glowing_wall() {
+  Scene scene = speckled_wall();
+  scene.materials[0].unlit = true;
+  scene.unlit_white_nits = 500;
+  return scene;
+}
+
+/// No light falls on the wall but what a white wall behind the camera returns: the lamp has a shade at its back.
+Scene wall_in_indirect_light() {
+  Scene scene = speckled_wall();
+  Material white = diffuse(0.8f), black = diffuse(0);
+  white.double_sided = black.double_sided = true;
+  Material lamp = glowing(200000);
+  lamp.double_sided = true;
+  scene.materials.insert(scene.materials.end(), {white, black, lamp});
+  scene.meshes.push_back(make_quad({-2, -2, -0.5f}, {4, 0, 0}, {0, 4, 0}, 1));
+  scene.meshes.push_back(make_quad({0.4f, -0.5f, 0.52f}, {1, 0, 0}, {0, 1, 0}, 2));
+  scene.meshes.push_back(make_quad({0.75f, -0.15f, 0.5f}, {0.3f, 0, 0}, {0, 0.3f, 0}, 3));
+  return scene;
+}
+
+int chosen_bounces(const Plan& p) { return p.bounces[p.bounce].bounces; }
+int chosen_samples(const Plan& p) { return p.samples[p.sample].samples; }
+
+TEST(Plan, AWallThatShinesNeedsNoBounces) {
+  const Plan p = plan(small_camera(), glowing_wall(), 0.02, 1);
+  EXPECT_TRUE(p.met);
+  EXPECT_EQ(p.windows, 8);
+  EXPECT_EQ(p.windows_textured, 8);
+  EXPECT_EQ(chosen_bounces(p), 0);
+  for (const BounceRung& rung : p.bounces) EXPECT_EQ(rung.error_dp_px, 0);  // not one path goes on
+}
+
+TEST(SlowPlan, IndirectLightNeedsABounce) {
+  const Plan p = plan(small_camera(), wall_in_indirect_light(), 0.1, 1);
+  ASSERT_TRUE(p.measured);
+  EXPECT_EQ(p.bounces[0].lost_windows, p.windows_textured);
+  EXPECT_GE(p.bounces[0].error_dp_px, 1);
+  EXPECT_EQ(chosen_bounces(p), 1);
+}
+
+TEST(Plan, AnAberratedLensWithoutAberrationsIsAThinOne) {
+  Simulation s = small_camera();
+  s.lens.model = Lens::Model::aberrated;
+  s.lens.aberrations.image_radius_mm = 1.1;
+  const Plan p = plan(s, glowing_wall(), 0.02, 1);
+  ASSERT_EQ(p.lenses.size(), 2u);
+  EXPECT_LT(p.lenses[0].error_dp_px, 1e-3);
+  EXPECT_EQ(planned(s, p).lens.model, Lens::Model::thin);
+}
+
+TEST(Plan, ALensOutOfFocusIsNotReplacedByOneInFocus) {
+  Simulation s = small_camera();
+  s.lens.model = Lens::Model::aberrated;
+  s.lens.aberrations.image_radius_mm = 1.1;
+  s.lens.aberrations.focus_um = 20;
+  const Plan p = plan(s, glowing_wall(), 0.02, 1);
+  // a focus surface dz behind the sensor changes the signed blur diameter by 2 R dz / z_i, and disparity is alpha times
+  // that, in DP pixels
+  const double blur_m = 2 * s.lens.thin.rim_slope() * 20e-6;
+  const double expected = s.lens.split.alpha(s.lens.thin.rim_slope()) * blur_m / (2 * 11.2e-6);
+  EXPECT_NEAR(p.lenses[0].error_dp_px, expected, 0.01 * expected);
+  EXPECT_EQ(planned(s, p).lens.model, Lens::Model::aberrated);
+}
+
+TEST(Plan, LessToleranceTakesMoreSamples) {
+  Simulation s = small_camera();
+  s.burst_frames = 1000000;  // so that the sensor's own noise is no excuse
+  const Plan coarse = plan(s, glowing_wall(), 0.08, 1);
+  const Plan fine = plan(s, glowing_wall(), 0.0002, 1);
+  EXPECT_GT(chosen_samples(fine), chosen_samples(coarse));
+  ASSERT_GT(fine.sample, 0u);
+  for (const Plan* p : {&coarse, &fine}) {
+    EXPECT_TRUE(p->met);
+    EXPECT_LE(p->error_dp_px(p->lens, p->bounce, p->sample), p->tolerance_dp_px);
+    if (p->sample > 0) {
+      EXPECT_GT(p->error_dp_px(p->lens, p->bounce, p->sample - 1), p->tolerance_dp_px);
+    }
+  }
+}
+
+TEST(Plan, WithoutTextureBouncesAndSamplesStay) {
+  Scene scene = glowing_wall();
+  scene.materials[0].base_color_texture.texture = -1;
+  const Plan p = plan(small_camera(), scene, 0.02, 1);
+  EXPECT_FALSE(p.measured);
+  EXPECT_EQ(p.windows_textured, 0);
+  const Simulation s = planned(small_camera(), p);
+  EXPECT_EQ(s.render.max_bounces, 3);
+  EXPECT_EQ(s.render.samples_per_pixel, 12);
+  EXPECT_NE(plan_text(p).find("not measured"), std::string::npos);
+}
+
+TEST(Plan, SaysSoWhereNothingReachesTheTolerance) {
+  Simulation s = small_camera();
+  s.burst_frames = 2000000000;  // so that the sensor's own noise is no excuse
+  const Plan p = plan(s, glowing_wall(), 3e-6, 1);
+  ASSERT_TRUE(p.measured);
+  EXPECT_FALSE(p.met);
+  EXPECT_EQ(chosen_samples(p), 65536);
+  EXPECT_NE(plan_text(p).find("Nothing reaches 3e-06 DP px"), std::string::npos);
+}
+
+TEST(Plan, IsTheSameForAnyNumberOfThreads) {
+  const auto text = [&](int threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return plan_json(plan(small_camera(), glowing_wall(), 0.05, 3), false).dump();
+  };
+  EXPECT_EQ(text(1), text(4));
+}
+
+TEST(Plan, RefusesASensorSmallerThanAWindow) {
+  Simulation s = small_camera();
+  s.path = "scene.json";
+  s.sensor.width_px = 34;
+  try {
+    plan(s, glowing_wall(), 0.02, 1);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "scene.json: /sensor: 34 x 128 photosites: a plan needs at least 36 x 64, one matcher's window");
+  }
+}
+
+// The program
+
+const std::string kScene = "'" DUALPIXEL_SOURCE_DIR "/scenes/calibration_target.json' ";
+const std::string kSmall = "--set sensor.width_px=132 --set sensor.height_px=128 --set sensor.pixel_pitch_um=28 ";
+
+TEST(SlowPlanProgram, PrintsATableOrJsonAndWritesIt) {
+  const TemporaryFolder folder;
+  const Outcome table = run_program("plan " + kScene + kSmall + "--tolerance-px 0.05");
+  EXPECT_EQ(table.status, 0) << table.err;
+  EXPECT_NE(table.out.find("Enough for 0.05 DP px: thin lens, 0 bounces, "), std::string::npos) << table.out;
+  const Outcome as_json =
+      run_program("plan " + kScene + kSmall + "--tolerance-px 0.05 --json -o '" + (folder / "plan.json") + "'");
+  EXPECT_EQ(as_json.status, 0) << as_json.err;
+  EXPECT_EQ(as_json.out, read_bytes(folder / "plan.json"));
+  const nlohmann::json parsed = nlohmann::json::parse(as_json.out);
+  EXPECT_EQ(parsed["chosen"]["max_bounces"], 0);
+  EXPECT_EQ(parsed["tolerance_met"], true);
+  EXPECT_GT(parsed["lens_models"][0]["picture_s"], 0);
+}
+
+TEST(SlowPlanProgram, SimulateAutoAppliesItAndRecordsIt) {
+  const TemporaryFolder folder;
+  const std::string arguments =
+      "simulate " + kScene + kSmall +
+      "--set burst.frames=1 --set render.photograph_samples_per_pixel=1 --set render.max_bounces=5 --auto "
+      "--tolerance-px 0.05 -o ";
+  ASSERT_EQ(run_program(arguments + "'" + (folder / "a") + "'").status, 0);
+  ASSERT_EQ(run_program(arguments + "'" + (folder / "b") + "' --threads 1").status, 0);
+  EXPECT_EQ(read_bytes(folder / "a/capture.json"), read_bytes(folder / "b/capture.json"));
+  const nlohmann::json plan_of_capture = read_capture(folder / "a", false).provenance["plan"];
+  EXPECT_EQ(plan_of_capture["chosen"]["max_bounces"], 0);
+  EXPECT_EQ(plan_of_capture["tolerance_dp_px"], 0.05);
+  // and it differs from what the scene file says
+  const int samples = plan_of_capture["chosen"]["samples_per_pixel"];
+  ASSERT_EQ(run_program("simulate " + kScene + kSmall +
+                        "--set burst.frames=1 --set render.photograph_samples_per_pixel=1 --set render.max_bounces=0 "
+                        "--set render.samples_per_pixel=" +
+                        std::to_string(samples) + " -o '" + (folder / "c") + "'")
+                .status,
+            0);
+  const auto left = [&](const char* name) { return read_capture(folder / name, false).frames[0].left.data; };
+  EXPECT_EQ(left("a"), left("c"));
+}
+
+TEST(SlowPlanProgram, BadOptionsGetOneLine) {
+  expect_one_line_refusal(run_program("plan nowhere.json"));
+  expect_one_line_refusal(run_program("plan"));
+  expect_one_line_refusal(run_program("plan " + kScene + "--tolerance-px 0"));
+  expect_one_line_refusal(run_program("plan " + kScene + "--tolerance-px fine"));
+  expect_one_line_refusal(run_program("plan " + kScene + "--set sensor.width_px=8 --set sensor.height_px=8"));
+  expect_one_line_refusal(run_program("plan " + kScene + kSmall + "-o /dev/null/plan.json"));
+  const TemporaryFolder folder;
+  expect_one_line_refusal(run_program("simulate " + kScene + "-o '" + (folder / "capture") + "' --tolerance-px 0.1"));
+}
+
+// The promise
+
+/// A sensor that covers the lens's picture with 104 x 32 DP pixels; focus as the scene has it, or at 3 m for lenses
+/// that cannot focus so near.
+Simulation covering(const std::string& scene, const std::string& lens) {
+  const std::string path = DUALPIXEL_SOURCE_DIR "/scenes/" + scene + ".json";
+  Simulation s = read_simulation(read_json_file(path), path);
+  const std::string lens_path = DUALPIXEL_SOURCE_DIR "/lens_models/" + lens + ".json";
+  try {
+    s.lens = read_lens_file(lens_path, s.lens.thin.focus_distance_m);
+  } catch (const InputError&) {
+    s.lens = read_lens_file(lens_path, 3);
+  }
+  s.sensor.width_px = 208;
+  s.sensor.height_px = 128;
+  const double radius_mm = s.lens.prescription ? s.lens.prescription->image_radius_mm : 3.5;
+  s.sensor.pixel_pitch_um = 2e3 * radius_mm / std::hypot(s.sensor.width_px, s.sensor.height_px);
+  return s;
+}
+
+/// RMS disparity error of a lens against another one over the depths of a scene, at places that the plan does not use.
+double traced_error(const Simulation& s, const Scene& scene, const Lens& lens, const Lens& reference) {
+  const RenderScene world(scene);
+  const auto camera_with = [&](const Lens& chosen) {
+    Simulation other = s;
+    other.lens = chosen;
+    return place_camera(other, scene);
+  };
+  const CameraView a = camera_with(lens), b = camera_with(reference);
+  const Image depth_m = trace_truth(world, a).depth_m;
+  double sum = 0;
+  int count = 0;
+  for (int y = 5; y < s.sensor.height_px; y += 13) {
+    for (int x = 3; x < s.sensor.width_px; x += 13) {
+      const auto c = trace_disparity(a.lens, x, y), e = trace_disparity(b.lens, x, y);
+      ++count;
+      if (e.left_light == 0 || e.right_light == 0) continue;
+      sum +=
+          std::pow((c.slope_dp_px_m - e.slope_dp_px_m) / depth_m.at(x, y) + c.intercept_dp_px - e.intercept_dp_px, 2);
+    }
+  }
+  return std::sqrt(sum / count);
+}
+
+/// What the plan promises for a scene and a lens: the chosen settings' error against a reference with everything on, in
+/// windows half a window off the plan's and with other random numbers. Two references: their noise does not count.
+/// Where the chosen lens draws the picture elsewhere, or nothing has texture, the two renders cannot be compared window
+/// by window; then the lens's own error is traced, and the reference is rendered through the chosen lens.
+void keeps_its_promise(const std::string& scene_name, const std::string& lens, double tolerance_dp_px) {
+  const Simulation s = covering(scene_name, lens);
+  const Scene scene = load_scene(s);
+  const Plan p = plan(s, scene, tolerance_dp_px, 5);
+  const LensRung& rung = p.lenses[p.lens];
+  EXPECT_TRUE(p.met) << lens;
+
+  const bool comparable = p.measured && rung.picture_shift_px < 0.1;
+  const double lens_error = comparable ? 0 : traced_error(s, scene, rung.model.lens, p.lenses.back().model.lens);
+  const RenderScene world(scene);
+  const auto render = [&](const Lens& through, int bounces, int samples, std::uint64_t seed) {
+    Simulation other = s;
+    other.lens = through;
+    const CameraView camera = place_camera(other, scene);
+    return expected_dp_views(render_views(world, camera, {samples, bounces, seed}), s.sensor, s.exposure,
+                             camera.lens.lux_per_nit());
+  };
+  double square = lens_error * lens_error;
+  std::size_t count = 0;
+  if (p.measured) {
+    const Lens& full = comparable ? p.lenses.back().model.lens : rung.model.lens;
+    std::vector<DpViews> cheap;
+    for (int seed = 91; seed < 107; ++seed) {
+      cheap.push_back(render(rung.model.lens, chosen_bounces(p), chosen_samples(p), seed));
+    }
+    const int samples = std::clamp(2 * chosen_samples(p), 64, 128);
+    const DpViews first = render(full, kReferenceBounces, samples, 1001);
+    const DpViews second = render(full, kReferenceBounces, samples, 1002);
+    double products = 0;
+    for (const auto& [x, y] : {std::pair{8, 0}, std::pair{0, 8}, std::pair{8, 8}}) {
+      const MatchWindows windows =
+          match_windows(first, second, describe_exposure(s.sensor, s.exposure), s.burst_frames, tolerance_dp_px, x, y);
+      count += windows.textured.size();
+      for (const MatchWindow& w : windows.textured) {
+        for (const DpViews& views : cheap) {
+          const double at = w.shift_dp_px(views);
+          products += (at - w.shift_dp_px(first)) * (at - w.shift_dp_px(second)) / static_cast<double>(cheap.size());
+        }
+      }
+    }
+    ASSERT_GT(count, 0u);
+    square += products / static_cast<double>(count);
+  }
+  const double error = std::sqrt(std::max(square, 0.0));
+  std::cout << fmt::format("{:<20}{:<31}{:<16}{} bounces{:>5} samples  promised {:.4f}, found {:.4f} in {} windows{}\n",
+                           scene_name, lens, rung.model.name, chosen_bounces(p), chosen_samples(p),
+                           p.error_dp_px(p.lens, p.bounce, p.sample), error, count,
+                           comparable ? "" : fmt::format(", of it {:.4f} traced", lens_error));
+  EXPECT_LE(error, tolerance_dp_px) << scene_name << ' ' << lens;
+}
+
+void keeps_its_promise(const std::string& scene, double tolerance_dp_px) {
+  const std::vector<std::string> lenses = {
+      "phone_thin_4.4mm_f1.8",         "phone_aberrated_4.4mm_f1.8", "phone_6p_4.2mm_f1.8",
+      "phone_7p_4.9mm_f1.85",          "double_gauss_100mm_f5",      "full_frame_50mm_f1.8",
+      "full_frame_50mm_f4_dual_pixel", "portrait_100mm_f1.1",        "telephoto_250mm_f5.4"};
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, lenses.size()),
+      [&](const auto& some) {
+        for (std::size_t i = some.begin(); i < some.end(); ++i) keeps_its_promise(scene, lenses[i], tolerance_dp_px);
+      },
+      tbb::simple_partitioner());
+}
+
+TEST(SlowPlan, KeepsItsPromiseInSlantedPlanes) { keeps_its_promise("slanted_planes", 0.02); }
+TEST(SlowPlan, KeepsItsPromiseAtOcclusionEdges) { keeps_its_promise("occlusion_edges", 0.05); }
+TEST(SlowPlan, KeepsItsPromiseOnTheCalibrationTarget) { keeps_its_promise("calibration_target", 0.02); }
+// A sweep of a quarter of an hour: run it with --gtest_also_run_disabled_tests.
+TEST(SlowPlan, DISABLED_KeepsItsPromiseInThePortrait) { keeps_its_promise("portrait", 0.1); }
+
+}  // namespace
+}  // namespace dualpixel::simulator

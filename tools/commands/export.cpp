@@ -1,0 +1,279 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "capture/capture.h"
+#include "capture/dng.h"
+#include "capture/error.h"
+#include "capture/files.h"
+#include "capture/image/image_io.h"
+#include "capture/image/npy.h"
+#include "capture/image/resample.h"
+#include "evaluation/report/report_images.h"
+#include "pipeline/burst/demosaic.h"
+#include "tools/commands/commands.h"
+
+namespace dualpixel::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ExportOptions {
+  std::string capture;
+  std::string output;
+  std::string format;
+};
+
+/// A capture on its way out.
+struct Export {
+  const Capture& capture;
+  std::string source;  ///< as messages name the capture
+  std::string name;    ///< of the capture's folder: data sets name their pictures by it
+  std::string folder;  ///< where to write
+
+  bool dense() const { return capture.camera.dp_downsample_x * capture.camera.dp_downsample_y == 1; }
+
+  const Truth& truth() const {
+    if (!capture.truth) throw InputError(printable(source) + ": holds no truth, which this layout needs");
+    return *capture.truth;
+  }
+  const ImageU16& mosaic() const {
+    const ImageU16& mosaic = capture.frames.front().mosaic;
+    if (mosaic.empty()) throw InputError(printable(source) + ": holds no mosaic, which this layout needs");
+    return mosaic;
+  }
+  /// The path of a new file, its folders made.
+  std::string file(const std::string& relative) const {
+    const fs::path path = fs::path(folder) / relative;
+    fs::create_directories(path.parent_path());
+    return path.string();
+  }
+};
+
+/// 0..1 as 0..65535, clipped.
+ImageU16 levels(const Image& image) {
+  ImageU16 result(image.width, image.height, image.channels);
+  for (std::size_t i = 0; i < image.data.size(); ++i) {
+    result.data[i] = static_cast<std::uint16_t>(std::lround(65535 * std::clamp(image.data[i], 0.0f, 1.0f)));
+  }
+  return result;
+}
+
+Image srgb(Image image) {
+  for (float& value : image.data) value = srgb_from_linear(value);
+  return image;
+}
+
+/// `image`'s channel `c` in all three colours.
+Image grey(const Image& image, int c = 0) {
+  Image result(image.width, image.height, 3);
+  for (std::size_t i = 0; i < result.data.size(); ++i) result.data[i] = image.data[i / 3 * image.channels + c];
+  return result;
+}
+
+Image scaled(Image image, float factor) {
+  for (float& value : image.data) value *= factor;
+  return image;
+}
+
+/// Linear RGB, white balanced.
+Image developed(const Image& mosaic, const Capture& capture) {
+  return pipeline::demosaic(pipeline::white_balanced(mosaic, capture.camera.cfa, capture.exposure.white_balance),
+                            capture.camera.cfa);
+}
+
+/// A quarter turn clockwise: what was on the left is at the top.
+template <typename T>
+ImageOf<T> turned(const ImageOf<T>& image) {
+  ImageOf<T> result(image.height, image.width, image.channels);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      for (int c = 0; c < image.channels; ++c) result.at(image.height - 1 - y, x, c) = image.at(x, y, c);
+    }
+  }
+  return result;
+}
+
+/// Of shape (height, width), or (height, width, channels).
+void write_npy(const std::string& path, const Image& image) {
+  std::vector<std::size_t> shape = {static_cast<std::size_t>(image.height), static_cast<std::size_t>(image.width)};
+  if (image.channels > 1) shape.push_back(static_cast<std::size_t>(image.channels));
+  const auto* values = reinterpret_cast<const char*>(image.data.data());
+  write_file(path, npy_bytes("<f4", shape, {values, image.data.size() * sizeof(float)}));
+}
+
+/// visit(file name without its ending, raw, whether raw is a mosaic) for the pictures of every frame.
+void each_raw(const Export& e, const std::function<void(const std::string&, const ImageU16&, bool)>& visit) {
+  for (std::size_t i = 0; i < e.capture.frames.size(); ++i) {
+    const Frame& frame = e.capture.frames[i];
+    if (!frame.mosaic.empty()) visit(fmt::format("{:03}_mosaic", i), frame.mosaic, true);
+    visit(fmt::format("{:03}_left", i), frame.left, false);
+    visit(fmt::format("{:03}_right", i), frame.right, false);
+  }
+}
+
+void export_dng(const Export& e) {
+  const Camera& camera = e.capture.camera;
+  const double pixel_height = static_cast<double>(camera.dp_downsample_y) / camera.dp_downsample_x;
+  each_raw(e, [&](const std::string& name, const ImageU16& raw, bool whole) {
+    write_file(e.file(name + ".dng"),
+               dng(raw, e.capture, whole || e.dense(),
+                   whole ? e.capture.exposure.mosaic_noise : e.capture.exposure.dp_noise, whole ? 1 : pixel_height));
+  });
+}
+
+void export_png16(const Export& e) {
+  each_raw(e, [&](const std::string& name, const ImageU16& raw, bool) {
+    write_png16(e.file(name + ".png"), levels(normalised(raw, e.capture.exposure)));
+  });
+}
+
+void export_exr(const Export& e) {
+  each_raw(e, [&](const std::string& name, const ImageU16& raw, bool) {
+    const Image image = normalised(raw, e.capture.exposure);
+    write_exr(e.file(name + ".exr"), {{"Y", &image}}, false);
+  });
+}
+
+void export_npy(const Export& e) {
+  each_raw(e, [&](const std::string& name, const ImageU16& raw, bool) {
+    write_npy(e.file(name + ".npy"), normalised(raw, e.capture.exposure));
+  });
+  if (!e.capture.truth) return;
+  const Truth& truth = *e.capture.truth;
+  const std::vector<std::pair<const char*, const Image*>> maps = {{"depth_m", &truth.depth_m},
+                                                                  {"blur_px", &truth.blur_px},
+                                                                  {"disparity_dp_px", &truth.disparity_dp_px},
+                                                                  {"person", &truth.person_mask},
+                                                                  {"all_in_focus", &truth.all_in_focus},
+                                                                  {"photograph", &truth.photograph}};
+  for (const auto& [name, image] : maps) write_npy(e.file(fmt::format("truth/{}.npy", name)), *image);
+  for (std::size_t i = 0; i < truth.motion.size(); ++i) {
+    write_npy(e.file(fmt::format("truth/motion_{:03}.npy", i + 1)), truth.motion[i]);
+  }
+}
+
+/// Dense views are demosaicked to full size. Others are green alone: grey, at the Bayer planes' size, where their
+/// pixels are square.
+void export_dpdd(const Export& e) {
+  const Capture& capture = e.capture;
+  const Image left = normalised(capture.frames[0].left, capture.exposure);
+  const Image right = normalised(capture.frames[0].right, capture.exposure);
+  const int width = capture.camera.bayer_plane_width(), height = capture.camera.bayer_plane_height();
+  const auto picture = [&](const Image& signal) {
+    return e.dense() ? developed(signal, capture) : grey(resize_bilinear(signal, width, height));
+  };
+  const auto write = [&](const char* kind, const Image& linear) {
+    write_png16(e.file(fmt::format("{}/{}.png", kind, e.name)), levels(srgb(linear)), true);
+  };
+  Image sum = left;
+  for (std::size_t i = 0; i < sum.data.size(); ++i) sum.data[i] += right.data[i];
+  const Image& sharp = e.truth().all_in_focus;
+  write("inputL", picture(scaled(left, 2)));
+  write("inputR", picture(scaled(right, 2)));
+  write("inputC", picture(sum));
+  write("target", e.dense() ? sharp : grey(resize_area(sharp, width, height), 1));
+}
+
+/// Depth as the data set stores it: 0..255 for 0.2 .. 100 m, 100 * 0.2 / (100 - (100 - 0.2) d).
+float stored_depth(float depth_m) {
+  constexpr float kNear_m = 0.2f, kFar_m = 100;
+  return std::clamp((kFar_m - kFar_m * kNear_m / depth_m) / (kFar_m - kNear_m), 0.0f, 1.0f);
+}
+
+void export_google_dp(const Export& e) {
+  const Capture& capture = e.capture;
+  if (e.dense())
+    throw InputError(printable(e.source) + ": google-dp holds green views; these are dense, of all colours");
+  const double to_10_bits = 1023.0 / ((1 << capture.exposure.bits) - 1);
+  const auto view = [&](const char* side, ImageU16 raw) {
+    for (std::uint16_t& value : raw.data) value = static_cast<std::uint16_t>(16 * std::lround(to_10_bits * value));
+    write_png16(e.file(fmt::format("raw_{}_pd/{}/result_pd_{}_center.png", side, e.name, side)), turned(raw));
+  };
+  view("left", capture.frames[0].left);
+  view("right", capture.frames[0].right);
+  const Image rgb = developed(normalised(e.mosaic(), capture.exposure), capture);
+  write_file(e.file(fmt::format("scaled_images/{}/result_scaled_image_center.jpg", e.name)),
+             evaluation::jpeg(turned(srgb(rgb)), 95));
+  Image depth = e.truth().depth_m;
+  for (float& value : depth.data) value = stored_depth(value);
+  write_png8(e.file(fmt::format("merged_depth/{}/result_merged_depth_center.png", e.name)), turned(depth));
+  const Image sure = turned(e.truth().valid);
+  write_npy(e.file(fmt::format("merged_conf/{}/result_merged_conf_center.npy", e.name)), sure);
+  write_exr(e.file(fmt::format("merged_conf/{}/result_merged_conf_center.exr", e.name)), {{"Y", &sure}}, false);
+}
+
+void export_rgbd(const Export& e) {
+  const Capture& capture = e.capture;
+  const auto path = [&](const char* kind, const char* ending) {
+    return e.file(fmt::format("{}/{}.{}", kind, e.name, ending));
+  };
+  const Image rgb = developed(normalised(e.mosaic(), capture.exposure), capture);
+  write_png16(path("rgb", "png"), levels(srgb(rgb)), true);
+  write_exr(path("depth", "exr"), {{"Z", &e.truth().depth_m}}, false);
+  write_png16(path("left", "png"), levels(scaled(normalised(capture.frames[0].left, capture.exposure), 2)));
+  write_png16(path("right", "png"), levels(scaled(normalised(capture.frames[0].right, capture.exposure), 2)));
+}
+
+struct Format {
+  void (*write)(const Export&);
+  const char* meaning;  ///< stands in export.json and in the help
+};
+const std::map<std::string, Format> kFormats = {
+    {"dng", {export_dng, "every frame's mosaic and views as Digital Negatives; digital numbers"}},
+    {"png16", {export_png16, "every frame's mosaic and views; linear, 0 black, 65535 white"}},
+    {"exr", {export_exr, "every frame's mosaic and views, channel Y; linear, 0 black, 1 white"}},
+    {"npy", {export_npy, "NumPy float32: every frame's mosaic and views, linear, 0 black, 1 white; maps of truth/"}},
+    {"dpdd",
+     {export_dpdd,
+      "the first frame as inputL, inputR, inputC and target, 16-bit sRGB: views times 2; grey at half size unless "
+      "dense"}},
+    {"google-dp",
+     {export_google_dp,
+      "the first frame as raw_left_pd, raw_right_pd (10 bits times 16), scaled_images, merged_depth (8 bits d: 20 / "
+      "(100 "
+      "- 99.8 d / 255) m), merged_conf; turned clockwise"}},
+    {"rgbd",
+     {export_rgbd, "the first frame as rgb (16-bit sRGB), depth (EXR, m), left and right (16-bit linear, times 2)"}}};
+
+void run(const ExportOptions& options) {
+  NewFolder folder(options.output, "export.json");
+  const Capture capture = read_capture(options.capture, true);
+  const fs::path source = fs::absolute(options.capture).lexically_normal();
+  const std::string name = (source.has_filename() ? source : source.parent_path()).filename().string();
+  const Format& format = kFormats.at(options.format);
+  format.write({capture, options.capture, name, folder.path()});
+  const nlohmann::ordered_json about = {
+      {"format", "dualpixel-export"}, {"version", 1},    {"layout", options.format},
+      {"meaning", format.meaning},    {"capture", name}, {"provenance", capture.provenance}};
+  write_file(folder.path() + "/export.json",
+             about.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  folder.commit();
+}
+
+}  // namespace
+
+void add_export(CLI::App& program) {
+  auto options = std::make_shared<ExportOptions>();
+  CLI::App* command = program.add_subcommand("export", "Write a capture as other software reads it");
+  command->add_option("capture", options->capture, "Capture folder")->required()->type_name("CAPTURE_DIR");
+  command->add_option("-o,--output", options->output, "Folder to write")->required()->type_name("DIR");
+  std::vector<std::string> names;
+  std::string list = "Formats:\n";
+  for (const auto& [name, format] : kFormats) {
+    names.push_back(name);
+    list += fmt::format("  {:<10} {}\n", name, format.meaning);
+  }
+  command->add_option("--format", options->format, "One of those below")->required()->check(CLI::IsMember(names));
+  add_threads_option(*command);
+  command->footer(list + "Example:\n  dualpixel export out/capture -o out/dng --format dng");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace dualpixel::tools

@@ -1,0 +1,220 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "capture/capture.h"
+#include "capture/error.h"
+#include "capture/files.h"
+#include "capture/image/image_io.h"
+#include "capture/json_fields.h"
+#include "evaluation/report/calibration_page.h"
+#include "scenes/people/data_set/read_people_set.h"
+#include "simulator/lens/lens_file.h"
+#include "simulator/scene/gltf/gltf.h"
+#include "tools/commands/commands.h"
+
+namespace dualpixel::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using json = nlohmann::ordered_json;
+
+json describe_capture(const std::string& path) {
+  const Capture capture = read_capture(path, true);  // verifies every file on the way
+  json document = json::parse(nlohmann::json(read_json_file(path + "/capture.json")).dump());
+  json frames = {{"count", capture.frames.size()},
+                 {"mosaic", !capture.frames.front().mosaic.empty()},
+                 {"dp_width_px", capture.camera.dp_width()},
+                 {"dp_height_px", capture.camera.dp_height()}};
+  json description = {{"kind", "capture"},
+                      {"version", document["version"]},
+                      {"camera", document["camera"]},
+                      {"exposure", document["exposure"]},
+                      {"frames", frames},
+                      {"truth", capture.truth.has_value()},
+                      {"manifest", document.contains("files") ? "verified" : "absent"}};
+  if (document.contains("provenance")) description["provenance"] = document["provenance"];
+  return description;
+}
+
+json describe_gltf(const std::string& path) {
+  const simulator::Scene scene = simulator::read_gltf(path);
+  std::size_t stored = 0, triangles = 0, person_triangles = 0;
+  for (const simulator::Mesh& mesh : scene.meshes) {
+    const auto persons = std::count_if(mesh.placements.begin(), mesh.placements.end(),
+                                       [](const simulator::Placement& placement) { return placement.person; });
+    const bool placed = !mesh.placements.empty();
+    stored += mesh.triangles.size();
+    triangles += mesh.triangles.size() * (placed ? mesh.placements.size() : 1);
+    person_triangles += mesh.triangles.size() * (placed ? persons : mesh.person);
+  }
+  json cameras = json::array();
+  for (const simulator::CameraNode& camera : scene.cameras) cameras.push_back(printable(camera.name));
+  json warnings = json::array();
+  for (const std::string& warning : scene.warnings) warnings.push_back(printable(warning));
+  return {{"kind", "glTF scene"},
+          {"meshes", scene.meshes.size()},
+          {"triangles", triangles},
+          {"stored_triangles", stored},
+          {"person_triangles", person_triangles},
+          {"materials", scene.materials.size()},
+          {"textures", scene.textures.size()},
+          {"lights", scene.lights.size()},
+          {"cameras", cameras},
+          {"warnings", warnings}};
+}
+
+json describe_picture(const std::string& path) {
+  const PictureSize size = picture_size(path);
+  return {{"kind", "picture"},
+          {"format", size.format},
+          {"width_px", size.width},
+          {"height_px", size.height},
+          {"channels", size.channels}};
+}
+
+/// A JSON file by what it holds: a scene names its glTF file and its camera, a lens its model or another lens.
+json describe_json(const std::string& path) {
+  const nlohmann::json document = read_json_file(path);
+  json description = {{"kind", "JSON"}};
+  if (document.contains("asset")) return describe_gltf(path);
+  if (document.contains("camera") || document.contains("gltf")) description["kind"] = "scene";
+  // the JSON that `dualpixel lens` prints has a model, too, but no version
+  if (document.contains("version") && (document.contains("model") || document.contains("file"))) {
+    simulator::read_lens_file(path, std::numeric_limits<double>::infinity());  // refuses what is none
+    description["kind"] = "lens";
+  }
+  if (document.contains("format") && document["format"] == "dualpixel-result") description["kind"] = "portrait result";
+  for (const auto& [key, value] : document.items()) description.emplace(key, value);
+  return description;
+}
+
+json describe_calibration(const std::string& path) {
+  const pipeline::Calibration calibration = evaluation::read_calibration_folder(path);
+  const Camera& camera = calibration.camera;
+  json focuses = json::array();
+  std::vector<float> residuals;
+  std::size_t lines = 0, nodes = 0;
+  double least_r_squared = 1;
+  for (const pipeline::FocusCalibration& f : calibration.focuses) {
+    least_r_squared = std::min(least_r_squared, f.r_squared);
+    focuses.push_back(std::isinf(f.focus_distance_m) ? json("inf") : json(f.focus_distance_m));
+    nodes += f.slope_dp_px_m.data.size();
+    for (std::size_t i = 0; i < f.slope_dp_px_m.data.size(); ++i) {
+      if (f.slope_dp_px_m.data[i] == 0) continue;
+      residuals.push_back(f.residual_dp_px.data[i]);
+      ++lines;
+    }
+  }
+  std::nth_element(residuals.begin(), residuals.begin() + static_cast<std::ptrdiff_t>(lines / 2), residuals.end());
+  return {{"kind", "calibration"},
+          {"camera", camera.name},
+          {"width_px", camera.width_px},
+          {"height_px", camera.height_px},
+          {"focal_length_mm", camera.focal_length_mm},
+          {"f_number", camera.f_number},
+          {"focus_distances_m", focuses},
+          {"nearest_target_m", calibration.nearest_target_m},
+          {"farthest_target_m", calibration.farthest_target_m},
+          {"places_with_a_line", static_cast<double>(lines) / static_cast<double>(nodes)},
+          {"median_residual_dp_px", residuals[lines / 2]},
+          {"least_r_squared", least_r_squared},
+          {"warnings", calibration.warnings}};
+}
+
+json describe_people(const std::string& path) {
+  const std::string index = path + "/" + scenes::kSetFile;
+  bool held_out = false;
+  if (fs::exists(index)) Fields(read_json_file(index), index).required("held_out").boolean("held_out", held_out);
+  const scenes::PeopleSet set({path}, held_out);
+  scenes::require_unchanged(path);
+  std::size_t composites = 0, groups = 0;
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    composites += set[i].composite;
+    groups += set[i].people > 1;
+  }
+  json description = {{"kind", "people set"}};
+  const nlohmann::json document = read_json_file(index);
+  for (const auto& [key, value] : document.items()) description.emplace(key, value);
+  description["composite_samples"] = composites;
+  description["samples_of_groups"] = groups;
+  return description;
+}
+
+json describe(const std::string& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) {
+    if (fs::exists(path + "/capture.json", error)) return describe_capture(path);
+    if (fs::exists(path + "/result.json", error)) return describe_json(path + "/result.json");
+    if (fs::exists(path + "/calibration.json", error)) return describe_calibration(path);
+    if (fs::exists(path + "/" + scenes::kSetFile, error) || fs::exists(path + "/shard_00000", error)) {
+      return describe_people(path);
+    }
+    throw InputError(printable(path) +
+                     ": is a folder without capture.json, result.json, calibration.json or people.json");
+  }
+  char head[4] = {};
+  std::ifstream(path, std::ios::binary).read(head, sizeof(head));
+  if (std::string(head, 4) == "glTF" || fs::path(path).extension() == ".gltf") return describe_gltf(path);
+  if (fs::path(path).extension() == ".json") return describe_json(path);
+  return describe_picture(path);
+}
+
+void print(const json& value, const std::string& indent) {
+  for (const auto& [key, entry] : value.items()) {
+    const std::string name = printable(key);
+    if (entry.is_object() && !entry.empty()) {
+      fmt::print("{}{}\n", indent, name);
+      print(entry, indent + "  ");
+    } else {
+      const std::string text = entry.is_string() ? entry.get<std::string>() : entry.dump();
+      fmt::print("{}{:<{}} {}\n", indent, name, 26 - static_cast<int>(indent.size()), printable(text));
+    }
+  }
+}
+
+struct InfoOptions {
+  std::string path;
+  std::string page;
+  bool as_json = false;
+};
+
+}  // namespace
+
+void add_info(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("info", "Say what a file or folder is, and verify it");
+  const auto options = std::make_shared<InfoOptions>();
+  command
+      ->add_option(
+          "path", options->path,
+          "Folder of a capture, a result, a calibration or a people set; scene or lens JSON, glTF file or picture")
+      ->required();
+  command->add_option("-o,--output", options->page, "Write a page with the lines and maps of a calibration")
+      ->type_name("PAGE.html");
+  command->add_flag("--json", options->as_json, "Print JSON");
+  command->footer(
+      "Example:\n  dualpixel info out/capture --json\n  dualpixel info out/calibration -o calibration.html");
+  command->callback([options] {
+    const json description = describe(options->path);
+    if (!options->page.empty()) {
+      if (description["kind"] != "calibration") {
+        throw InputError(printable(options->path) + ": -o: pages are made of calibrations only");
+      }
+      replace_file(options->page, evaluation::to_page(evaluation::read_calibration_folder(options->path),
+                                                      evaluation::read_measurements(options->path)));
+    }
+    if (options->as_json) {
+      std::cout << description.dump(2) << '\n';
+    } else {
+      print(description, "");
+    }
+  });
+}
+
+}  // namespace dualpixel::tools

@@ -1,0 +1,46 @@
+#include <fmt/format.h>
+
+#include <iostream>
+#include <memory>
+
+#include "capture/capture.h"
+#include "capture/error.h"
+#include "capture/files.h"
+#include "evaluation/metrics/scoring.h"
+#include "tools/commands/commands.h"
+
+namespace dualpixel::tools {
+namespace {
+
+struct ScoreOptions {
+  std::string capture;
+  std::string result;
+  bool json = false;
+};
+
+void run(const ScoreOptions& options) {
+  const pipeline::StoredResult stored = pipeline::read_result(options.result);
+  const Capture capture = read_capture(options.capture, true);
+  pipeline::require_own_capture(stored, options.capture, options.result);
+  const nlohmann::ordered_json score = evaluation::score_result(capture, options.capture, stored, options.result);
+  const std::string json = score.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  replace_file(options.result + "/score.json", json);
+  std::cout << (options.json ? json : evaluation::score_table(score));
+}
+
+}  // namespace
+
+void add_score(CLI::App& program) {
+  auto options = std::make_shared<ScoreOptions>();
+  CLI::App* command = program.add_subcommand("score", "Compare a portrait result with its capture's truth");
+  command->add_option("capture", options->capture, "Capture folder, with truth")->required()->type_name("CAPTURE_DIR");
+  command->add_option("result", options->result, "Result folder; score.json is written into it")
+      ->required()
+      ->type_name("RESULT_DIR");
+  command->add_flag("--json", options->json, "Print JSON instead of a table");
+  add_threads_option(*command);
+  command->footer("Example:\n  dualpixel score out/capture out/dp");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace dualpixel::tools

@@ -1,0 +1,145 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <memory>
+
+#include "capture/capture.h"
+#include "capture/error.h"
+#include "capture/files.h"
+#include "capture/json_fields.h"
+#include "simulator/journal.h"
+#include "simulator/plan/plan.h"
+#include "simulator/simulate.h"
+#include "tools/commands/commands.h"
+
+namespace dualpixel::tools {
+namespace {
+
+struct SimulateOptions {
+  std::string scene;
+  std::string output;
+  std::vector<std::string> overrides;
+  std::optional<std::uint64_t> seed;
+  bool automatic = false;
+  double tolerance_dp_px = 0.02;
+  bool dry_run = false;
+  bool resume = false;
+};
+
+/// Where the journal of a capture lies: beside its folder, which is replaced as a whole, never in it.
+std::string journal_beside(std::string folder) {
+  while (folder.size() > 1 && folder.back() == '/') folder.pop_back();
+  return folder + ".resume";
+}
+
+void run(const SimulateOptions& options) {
+  nlohmann::json json = read_json_file(options.scene);
+  for (const std::string& assignment : options.overrides) apply_override(json, assignment);
+  if (options.seed) apply_override(json, fmt::format("render.seed={}", *options.seed));
+  simulator::Simulation simulation = simulator::read_simulation(json, options.scene);
+  if (options.resume && simulation.time_budget_s && !options.automatic) {
+    throw InputError(
+        fmt::format("{}: /render/time_budget_s: {} cannot go with --resume, whose bytes must not depend on "
+                    "the clock; leave either out",
+                    printable(options.scene), *simulation.time_budget_s));
+  }
+  const simulator::Scene scene = simulator::load_scene(simulation);
+  simulator::place_camera(simulation, scene);  // refuses a missing camera before anything is rendered
+  if (!options.dry_run) {                      // and a folder that could not be written in the end
+    const NewFolder writable(options.output, "capture.json");
+  }
+  for (const std::string& warning : scene.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
+  nlohmann::json plan_of_capture;
+  if (options.automatic) {
+    const simulator::Plan chosen =
+        simulator::plan(simulation, scene, options.tolerance_dp_px, simulation.render.seed, Progress("plan"));
+    simulation = simulator::planned(std::move(simulation), chosen);
+    plan_of_capture = simulator::plan_json(chosen, false);
+    const std::string text = simulator::plan_text(chosen);
+    std::cerr << text.substr(text.rfind('\n', text.size() - 2) + 1);  // the sentence that concludes it
+  }
+  if (options.dry_run) {
+    const bool by_error = simulation.noise_fraction || simulation.render_error || simulation.time_budget_s;
+    std::cout << fmt::format(
+        "{}: {} x {} photosites, {}, a burst of {}: can be simulated\n", options.scene, simulation.sensor.width_px,
+        simulation.sensor.height_px,
+        by_error ? "samples by error" : fmt::format("{} samples each", simulation.render.samples_per_pixel),
+        simulation.burst_frames);
+    return;
+  }
+
+  const std::string journal_path = journal_beside(options.output);
+  std::optional<simulator::Journal> journal;
+  if (options.resume) {
+    const simulator::CameraView camera = simulator::place_camera(simulation, scene);
+    const std::string inputs = fmt::format("{} {} {} {}", simulation.json.dump(), file_hash(simulation.gltf_path),
+                                           simulation.render.max_bounces, DUALPIXEL_VERSION);
+    journal.emplace(journal_path, simulator::fingerprint(scene, camera, inputs));
+    simulation.render.store = &*journal;
+  }
+
+  std::map<std::string, Progress> bars;
+  Capture capture = simulator::simulate(simulation, scene, [&](const std::string& stage, double fraction) {
+    bars.try_emplace(stage, stage).first->second(fraction);
+  });
+  capture.provenance["program"] = "dualpixel " DUALPIXEL_VERSION;
+  capture.provenance["scene_file"] = std::filesystem::path(options.scene).filename().string();
+  capture.provenance["gltf_xxh64"] = file_hash(simulation.gltf_path);
+  if (options.automatic) capture.provenance["plan"] = plan_of_capture;
+  write_capture(capture, options.output);
+  std::error_code left_behind;  // the capture is there: not worth failing for
+  if (options.resume) std::filesystem::remove(journal_path, left_behind);
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& program) {
+  auto options = std::make_shared<SimulateOptions>();
+  CLI::App* command = program.add_subcommand("simulate", "Render a scene into a dual-pixel capture with its truth");
+  command->add_option("scene", options->scene, "Scene JSON file")->required()->type_name("SCENE.json");
+  command->add_option("-o,--output", options->output, "Capture folder to write")->required()->type_name("DIR");
+  add_overrides_option(*command, options->overrides, "camera.focus_distance_m=0.9");
+  command->add_option("--seed", options->seed, "Seed of rendering and noise (render.seed)")
+      ->check(any_seed())
+      ->type_name("N");
+  CLI::Option* automatic = command->add_flag(
+      "--auto", options->automatic, "Lens model, bounces and samples by 'dualpixel plan' instead of the scene file's");
+  add_tolerance_option(*command, options->tolerance_dp_px)->needs(automatic);
+  const auto sampling_option = [&](const std::string& name, const std::string& field, const std::string& meaning,
+                                   const CLI::Range& range, const std::string& unit) {
+    return command
+        ->add_option_function<double>(
+            name, [options, field](double to) { options->overrides.push_back(fmt::format("render.{}={}", field, to)); },
+            meaning)
+        ->check(range)
+        ->type_name(unit)
+        ->excludes(automatic);
+  };
+  const CLI::Range shares(1e-4, 100.0);
+  CLI::Option* by_noise = sampling_option(
+      "--noise-fraction", "noise_fraction",
+      "Sample the views until their error is this share of the sensor's noise, RMS; at 0.25 nobody sees it", shares,
+      "SHARE");
+  CLI::Option* by_error =
+      sampling_option("--error", "error",
+                      "Sample the views until their error is this share of the white level's signal", shares, "SHARE");
+  CLI::Option* by_time = sampling_option("--time-budget", "time_budget_s", "Sample the views for about so many seconds",
+                                         CLI::Range(0.0, 1e7), "S");
+  by_error->excludes(by_noise);
+  by_time->excludes(by_noise)->excludes(by_error);
+  command
+      ->add_flag("--resume", options->resume,
+                 "Keep finished tiles in DIR.resume, and go on from there after an interruption: the same bytes come "
+                 "out. Tiles of another scene or of other options are refused")
+      ->excludes(by_time);
+  command->add_flag("--dry-run", options->dry_run, "Check scene and options, render nothing");
+  add_threads_option(*command);
+  command->footer(
+      "Examples:\n  dualpixel simulate scenes/portrait.json -o out/capture --set camera.focus_distance_m=0.9 --seed 7\n"
+      "  dualpixel simulate scenes/occlusion_edges.json -o out/edges --auto --tolerance-px 0.05");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace dualpixel::tools
