@@ -6,13 +6,14 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/burst/merge.h"
-#include "simulator/render/views.h"
-#include "simulator/sampling/hash.h"
-#include "simulator/sensor/sensor.h"
 #include "evaluation/report/report_assets.h"
 #include "evaluation/report/report_page.h"
 #include "evaluation/report/svg_plot.h"
+#include "pipeline/burst/merge.h"
+#include "pipeline/disparity/matchers.h"
+#include "simulator/render/views.h"
+#include "simulator/sampling/hash.h"
+#include "simulator/sensor/sensor.h"
 
 namespace dualpixel::evaluation {
 namespace {
@@ -95,13 +96,9 @@ simulator::ExposureOptions expose_grey(double lux, double lux_per_nit, const sim
 }
 
 /// Disparity of every tile that the border does not cut short.
-std::vector<double> match(const Image& left, const Image& right, Matcher matcher, const pipeline::ViewNoise& noise) {
-  pipeline::TileDisparity tiles;
-  if (matcher == Matcher::paper) {
-    tiles = pipeline::match_tiles(pipeline::normalize_locally(left), pipeline::normalize_locally(right));
-  } else {
-    tiles = pipeline::match_by_likelihood(left, right, {.noise = noise});
-  }
+std::vector<double> match(const Image& left, const Image& right, const Matcher& matcher,
+                          const pipeline::ViewNoise& noise) {
+  const pipeline::TileDisparity tiles = matcher.match(left, right, noise, {});
   std::vector<double> values;
   for (int y = 1; y + 1 < tiles.disparity_dp_px.height; ++y) {
     for (int x = 1; x + 1 < tiles.disparity_dp_px.width; ++x) values.push_back(tiles.disparity_dp_px.at(x, y));
@@ -139,9 +136,9 @@ DisparitySpread spread(const std::vector<double>& first, const std::vector<doubl
   return s;
 }
 
-/// A static burst of the target, as single frame and merged, matched by both matchers.
+/// A static burst of the target, as single frame and merged, matched by the first two of matchers().
 struct Matched {
-  std::vector<double> one[2], six[2];  ///< of Matcher::paper and ::likelihood
+  std::vector<double> one[2], six[2];  ///< of the paper's matcher and of the likelihood one
 };
 
 Matched expose_and_match(const Target& target, double lux, simulator::SensorOptions sensor, std::uint64_t seed) {
@@ -160,15 +157,13 @@ Matched expose_and_match(const Target& target, double lux, simulator::SensorOpti
   const auto left = static_cast<float>(pipeline::merged_view_variance(kFrames));
   const pipeline::ViewNoise noise = pipeline::view_noise(exposure);
   Matched result;
-  for (const Matcher matcher : {Matcher::paper, Matcher::likelihood}) {
-    const int i = static_cast<int>(matcher);
+  for (const int i : {0, 1}) {
+    const Matcher& matcher = pipeline::matchers()[i];
     result.one[i] = match(single.left, single.right, matcher, noise);
     result.six[i] = match(merged.left, merged.right, matcher, {left * noise.shot, left * noise.read});
   }
   return result;
 }
-
-std::string name_of(Matcher matcher) { return matcher == Matcher::paper ? "paper" : "likelihood"; }
 
 Json to_json(const DisparitySpread& s) {
   return {{"sigma_dp_px", s.sigma},
@@ -190,14 +185,14 @@ Json to_json(const NoiseExperiment& experiment, const NoiseExperimentOptions& op
                         {"sigma_ratio", p.one.sigma / p.six.sigma},
                         {"robust_sigma_ratio", p.one.robust / p.six.robust}});
     }
-    light.push_back({{"matcher", name_of(sweep.matcher)}, {"prnu", sweep.prnu}, {"points", points}});
+    light.push_back({{"matcher", sweep.matcher}, {"prnu", sweep.prnu}, {"points", points}});
   }
   for (const DepthSweep& sweep : experiment.depth) {
     Json points = Json::array();
     for (const DepthPoint& p : sweep.points) {
       points.push_back({{"depth_m", p.depth_m}, {"sigma_dp_px", p.sigma_dp_px}, {"depth_sigma_m", p.depth_sigma_m}});
     }
-    depth.push_back({{"matcher", name_of(sweep.matcher)}, {"focus_distance_m", sweep.focus_m}, {"points", points}});
+    depth.push_back({{"matcher", sweep.matcher}, {"focus_distance_m", sweep.focus_m}, {"points", points}});
   }
   return {{"format", "dualpixel-experiment-noise"},
           {"version", 1},
@@ -237,7 +232,7 @@ std::string explanation(const NoiseExperiment& experiment) {
     text += fmt::format(
         "<li>{}: ratio {:.2f} and {:.2f}, without outliers {:.2f} and {:.2f}; of the six frames' error {:.3f} and "
         "{:.3f} DP px change from burst to burst, {:.3f} and {:.3f} stay.</li>\n",
-        name_of(sweep.matcher), dim.one.sigma / dim.six.sigma, bright.one.sigma / bright.six.sigma,
+        sweep.matcher, dim.one.sigma / dim.six.sigma, bright.one.sigma / bright.six.sigma,
         dim.one.robust / dim.six.robust, bright.one.robust / bright.six.robust, dim.six.temporal, bright.six.temporal,
         dim.six.floor, bright.six.floor);
   }
@@ -250,7 +245,7 @@ std::array<int, 2> best_in_focus(const NoiseExperiment& experiment) {
   for (const DepthSweep& sweep : experiment.depth) {
     for (std::size_t i = 0; i < sweep.points.size(); ++i) {
       if (sweep.points[i].depth_m != sweep.focus_m) continue;
-      count[static_cast<int>(sweep.matcher)] +=
+      count[sweep.matcher == "paper" ? 0 : 1] +=
           std::all_of(experiment.depth.begin(), experiment.depth.end(), [&](const DepthSweep& other) {
             return other.matcher != sweep.matcher || other.points[i].depth_sigma_m >= sweep.points[i].depth_sigma_m;
           });
@@ -278,7 +273,7 @@ std::string to_page(const NoiseExperiment& experiment, const NoiseExperimentOpti
     ratio.log_x = true;
     for (const LightSweep& sweep : experiment.light) {
       ratio.series.push_back(over_light(
-          fmt::format("{}{}", name_of(sweep.matcher), sweep.prnu > 0 ? ", fixed pattern" : ""), sweep,
+          fmt::format("{}{}", sweep.matcher, sweep.prnu > 0 ? ", fixed pattern" : ""), sweep,
           [&](const LightPoint& p) { return robust ? p.one.robust / p.six.robust : p.one.sigma / p.six.sigma; },
           sweep.prnu > 0));
     }
@@ -286,7 +281,7 @@ std::string to_page(const NoiseExperiment& experiment, const NoiseExperimentOpti
   }
   for (const LightSweep& sweep : experiment.light) {
     Plot plot;
-    plot.title = fmt::format("Standard deviation, matcher {}{}", name_of(sweep.matcher),
+    plot.title = fmt::format("Standard deviation, matcher {}{}", sweep.matcher,
                              sweep.prnu > 0 ? fmt::format(", fixed pattern of {:g} %", 100 * sweep.prnu) : "");
     plot.x_label = kLightLabel;
     plot.y_label = "DP px";
@@ -311,11 +306,12 @@ std::string to_page(const NoiseExperiment& experiment, const NoiseExperimentOpti
       "lens "
       "measures {} best by the paper's matcher and {} by likelihood.</p><div class=\"plots\">",
       options.depth_lux, options.focus_distances_m.size(), of_paper, of_likelihood);
-  for (const Matcher matcher : {Matcher::paper, Matcher::likelihood}) {
+  for (const Matcher& row : pipeline::matchers()) {
+    const std::string matcher(row.name);
     Plot disparity, depth;
-    disparity.title = "Disparity, matcher " + name_of(matcher);
+    disparity.title = "Disparity, matcher " + matcher;
     disparity.y_label = "DP px";
-    depth.title = "Depth, matcher " + name_of(matcher);
+    depth.title = "Depth, matcher " + matcher;
     depth.y_label = "mm";
     for (Plot* plot : {&disparity, &depth}) {
       plot->x_label = "depth of the target, m";
@@ -353,7 +349,7 @@ NoiseExperiment measure_noise(const NoiseExperimentOptions& options, const std::
   for (const double prnu : {0.0, options.prnu}) {
     simulator::SensorOptions sensor;
     sensor.prnu = prnu;
-    LightSweep sweeps[2] = {{Matcher::paper, prnu, {}}, {Matcher::likelihood, prnu, {}}};
+    LightSweep sweeps[2] = {{"paper", prnu, {}}, {"likelihood", prnu, {}}};
     for (const double lux : options.light_lux) {
       const Matched first = expose_and_match(target, lux, sensor, simulator::hash(options.seed, 1));
       step(2);
@@ -372,7 +368,7 @@ NoiseExperiment measure_noise(const NoiseExperimentOptions& options, const std::
     // d = S (1/z - 1/D), S in DP px m
     const double slope =
         lens.split.alpha(lens.thin.rim_slope()) * lens.thin.pupil_diameter_m() * lens.thin.image_distance_m() / 2.8e-6;
-    DepthSweep sweeps[2] = {{Matcher::paper, focus_m, {}}, {Matcher::likelihood, focus_m, {}}};
+    DepthSweep sweeps[2] = {{"paper", focus_m, {}}, {"likelihood", focus_m, {}}};
     for (const double depth_m : options.depths_m) {
       const Matched matched =
           expose_and_match(render_target(depth_m, focus_m, options.width_px / 2, options.height_px / 2,

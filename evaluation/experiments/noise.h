@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/portrait/portrait.h"
-
 /// Wadhwa et al. 2018, supplement, "Controlled Experiments on DP Data": how noisy disparity is, over light and over
 /// depth. A textured, fronto-parallel target in the central quarter of the field; one disparity per tile; since it
 /// should be the same everywhere, its standard deviation over the tiles is the error.
@@ -40,7 +38,7 @@ struct LightPoint {
   DisparitySpread one, six;  ///< from one frame, and from six merged ones
 };
 struct LightSweep {
-  pipeline::Matcher matcher;
+  std::string matcher;  ///< its name in pipeline/disparity/matchers.h
   double prnu = 0;
   std::vector<LightPoint> points;
 };
@@ -51,7 +49,7 @@ struct DepthPoint {
   double depth_sigma_m = 0;  ///< the same by the slope of disparity over depth
 };
 struct DepthSweep {
-  pipeline::Matcher matcher;
+  std::string matcher;  ///< its name in pipeline/disparity/matchers.h
   double focus_m = 0;
   std::vector<DepthPoint> points;
 };

@@ -106,16 +106,11 @@ std::optional<double> focus_disparity(const Image& disparity, const std::vector<
 }
 
 TileDisparity match(const MergedBurst& burst, const Capture& capture, const PortraitOptions& options) {
-  if (options.matcher == Matcher::paper) {
-    return match_tiles(normalize_locally(burst.left, options.normalize),
-                       normalize_locally(burst.right, options.normalize), options.match);
-  }
   const auto left = static_cast<float>(merged_view_variance(static_cast<int>(capture.frames.size())));
   const ViewNoise noise = view_noise(capture.exposure);
-  LikelihoodMatchOptions likelihood = options.likelihood_match;
-  likelihood.noise.reset();
-  if (noise.shot > 0 || noise.read > 0) likelihood.noise = {left * noise.shot, left * noise.read};
-  return match_by_likelihood(burst.left, burst.right, likelihood);
+  std::optional<ViewNoise> merged;
+  if (noise.shot > 0 || noise.read > 0) merged = {left * noise.shot, left * noise.read};
+  return matcher_named(options.matcher).match(burst.left, burst.right, merged, options.matching);
 }
 
 void require_picture(const Image& picture, const Capture& capture) {

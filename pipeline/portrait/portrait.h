@@ -14,9 +14,7 @@
 #include "pipeline/defocus/layers.h"
 #include "pipeline/defocus/mask_blur.h"
 #include "pipeline/defocus/noise.h"
-#include "pipeline/disparity/likelihood/likelihood_match.h"
-#include "pipeline/disparity/paper/match.h"
-#include "pipeline/disparity/paper/normalize.h"
+#include "pipeline/disparity/matchers.h"
 #include "pipeline/disparity/upsample.h"
 #include "pipeline/edge_aware/bilateral_solver.h"
 #include "pipeline/edge_aware/filter_mask.h"
@@ -34,22 +32,15 @@ enum class Mode {
   seg      ///< person mask alone: a background blur, two layers
 };
 
-enum class Matcher {
-  paper,      ///< normalised views, sums of squared differences, a parabola (match.h)
-  likelihood  ///< linear views, wider range, a predicted error (likelihood_match.h)
-};
-
 /// Each stage's header says what its values mean and where they are from.
 struct PortraitOptions {
   Mode mode = Mode::dp;
-  Matcher matcher = Matcher::paper;
-  std::uint64_t seed = 1;  ///< of the synthetic noise
+  std::string matcher = "paper";  ///< a name of the table in matchers.h
+  std::uint64_t seed = 1;         ///< of the synthetic noise
   /// A face counts as well focused, and its median disparity as d_focus, up to this |disparity| in DP px. The paper
   /// asks for "close to zero" (section 5.1) and gives no value.
   double face_in_focus_dp_px = 0.5;
-  NormalizeOptions normalize;
-  MatchOptions match;
-  LikelihoodMatchOptions likelihood_match;  ///< its noise is the capture's own, estimated where that has none
+  MatcherOptions matching;  ///< noise is the capture's own, estimated where that has none
   UpsampleOptions tile_upsample;
   std::optional<Calibration> calibration;  ///< of the capture's camera; matched disparity is corrected by it
   /// Of people, full-resolution px, largest first; empty: Capture::face_px, or else those that find_people detects.

@@ -169,7 +169,7 @@ void transpose_back(pipeline::PortraitResult& result) {
 void run(const PortraitCommand& command) {
   pipeline::PortraitOptions options;
   options.mode = kModes.at(command.mode);
-  options.matcher = command.matcher == "paper" ? pipeline::Matcher::paper : pipeline::Matcher::likelihood;
+  options.matcher = command.matcher;
   options.seed = command.seed;
   const bool needs_mask = options.mode != pipeline::Mode::dp;
   const bool find_people = needs_mask && command.mask.empty() && !command.true_mask;

@@ -1,10 +1,12 @@
 #include "pipeline/disparity/likelihood/likelihood_match.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <vector>
 
+#include "capture/error.h"
 #include "capture/image/rows.h"
 #include "pipeline/disparity/likelihood/prepared_views.h"
 #include "pipeline/disparity/likelihood/refine_shift.h"
@@ -17,16 +19,31 @@ using namespace likelihood;
 /// Correlation of neighbouring tiles' errors other than noise, measured on the portrait scene.
 constexpr float kModelShare = 0.2f;
 
+OptionFields fields(LikelihoodMatchOptions& options) {
+  return {{"range_px", &options.range_px, 2, 64, "DP px", "ours"},
+          {"clipped", &options.clipped, 0, 1e6, "normalized signal", "ours"},
+          {"offset_search", &options.offset_search, 1e-6, 1, "of the signal", "ours"},
+          {"offset", &options.offset, 1e-6, 1, "of the signal", "ours"},
+          {"model_error", &options.model_error, 0, 1, "of the cost's contrast", "ours"},
+          {"neighbor_weight", &options.neighbor_weight, 0, 1, "", "ours"},
+          {"confident_sigma_dp_px", &options.confident_sigma_dp_px, 1e-6, 1e6, "DP px", "ours"}};
+}
+
+void check(const LikelihoodMatchOptions& options) {
+  check_options("likelihood_match", options);
+  if (!options.noise) return;
+  const ViewNoise& noise = *options.noise;
+  if (!(noise.shot >= 0 && noise.read >= 0 && noise.shot + noise.read < INFINITY)) {
+    throw InputError(fmt::format("likelihood_match.noise: shot {}, read {}: must be finite and not negative",
+                                 noise.shot, noise.read));
+  }
+}
+
 TileDisparity match_by_likelihood(const Image& left, const Image& right, const LikelihoodMatchOptions& options) {
-  if (!left.same_size(right)) throw std::invalid_argument("disparity: left and right view differ in size");
-  if (left.channels > 1 || right.channels > 1) throw std::invalid_argument("disparity: views must have one channel");
-  if (options.range_px < 2 || options.range_px > 64) throw std::invalid_argument("disparity: range must be 2..64 px");
+  require_views(left, right);
+  check(options);
   if (left.empty()) return {};
   const ViewNoise noise = options.noise ? *options.noise : estimate_noise(left, right);
-  if (!(noise.shot >= 0 && noise.read >= 0 && noise.shot + noise.read < INFINITY)) {
-    throw std::invalid_argument("disparity: noise must be finite and not negative");
-  }
-
   const int range = options.range_px;
   const int margin = range / 2 + 1 + 8;  // half the range, a step of refinement, the taps
   const PreparedViews views = prepare_views(left, right, margin, noise, options.clipped);

@@ -3,16 +3,17 @@
 
 #include "capture/image/image.h"
 #include "pipeline/disparity/noise_model.h"
-#include "pipeline/disparity/paper/match.h"
+#include "pipeline/disparity/tile_disparity.h"
+#include "pipeline/option_field.h"
 
 /// Disparity of every tile by maximum likelihood, with the error that it is likely to have: beside the paper's method
-/// (match.h), for views as they are, not normalised.
+/// (match.h), for views as they are, not normalized.
 namespace dualpixel::pipeline {
 
 struct LikelihoodMatchOptions {
   int range_px = 16;               ///< shifts from -range to range are tried, DP pixels; 2..64
   std::optional<ViewNoise> noise;  ///< of one view's pixel; estimated from the views where not given
-  float clipped = 0.98f;           ///< pixels at or above it, normalised signal, say nothing
+  float clipped = 0.98f;           ///< pixels at or above it, normalized signal, say nothing
   /// Standard deviation of the offset between the views that is left after the local gain is taken out, over the
   /// signal.
   float offset_search = 0.03f;  ///< while the disparity is unknown
@@ -20,20 +21,25 @@ struct LikelihoodMatchOptions {
   /// Share of the cost's contrast over the range by which an alternative may exceed the best and still be likely: what
   /// kernels that are mirrored rather than equal, and whole-pixel steps, do to the cost of a true match.
   float model_error = 0.02f;
-  float neighbour_weight = 0.25f;      ///< of what each of four neighbouring tiles says about a tile's shift
+  float neighbor_weight = 0.25f;       ///< of what each of four neighboring tiles says about a tile's shift
   float confident_sigma_dp_px = 0.3f;  ///< predicted error at which confidence is 1/2, DP px
 };
 
-/// `left` and `right` are linear views of one size, one channel, normalised signal. Returns d with right(x + d) =
+OptionFields fields(LikelihoodMatchOptions& options);
+
+/// Throws InputError where a value is out of its range, or the noise is negative or not finite.
+void check(const LikelihoodMatchOptions& options);
+
+/// `left` and `right` are linear views of one size, one channel, normalized signal. Returns d with right(x + d) =
 /// left(x) for each 8 x 8 tile, both views sampled half the shift away from it: right(x + d/2) = left(x - d/2), so that
 /// mirrored kernels pull equally. Steps:
 ///   1. The ratio of local means, over a tenth of the picture's width, takes lens shading out of both views evenly.
 ///   2. All whole shifts, on views smoothed by 1/4 1/2 1/4: squared difference over noise, the offset between the views
-///      marginalised (normal, `offset_search`). Neighbours 1, 2 and 4 tiles away add what they say about the shift,
-///      capped, so that a tile without texture takes its neighbours' and a depth edge stays where it is.
+///      marginalized (normal, `offset_search`). Neighbors 1, 2 and 4 tiles away add what they say about the shift,
+///      capped, so that a tile without texture takes its neighbors' and a depth edge stays where it is.
 ///   3. Gauss-Newton on the views interpolated by a windowed sinc, each pixel weighed by its noise, the offset
-///      marginalised (`offset`). What noise alone adds to the curvature is known, and taken out of it.
-///   4. Beyond 1.4 px of shift, where blur is wider than a tile, the mean over the neighbours that agree.
+///      marginalized (`offset`). What noise alone adds to the curvature is known, and taken out of it.
+///   4. Beyond 1.4 px of shift, where blur is wider than a tile, the mean over the neighbors that agree.
 ///
 /// sigma_dp_px is the predicted standard deviation of the error, at most range_px; root-sum-square of
 ///   - that of steps 3 and 4 (noise, offset), its square times 1 + 3 x the residual's excess over what noise explains
@@ -43,18 +49,17 @@ struct LikelihoodMatchOptions {
 ///     of textures: beyond |b| = 4 px of blur a single one may err by more, 0.13 px were seen at |b| = 6;
 ///   - 0.3 px times the root of the share of pixels that are left out, of the tile's inside the views: what is left may
 ///     be a highlight's rim;
-///   - half the spread of disparity over 3 x 3 tiles beyond what their errors explain, where it clearly is: on a slope,
-///   at
-///     an edge, in foliage a tile measures where its texture is;
-///   - what a tile differs from its neighbours by, where fewer than 5 of 8 agree: highlights, structures narrower than
+///   - half the spread of disparity over 3 x 3 tiles beyond what their errors explain, where it clearly is: on a
+///     slope, at an edge, in foliage a tile measures where its texture is;
+///   - what a tile differs from its neighbors by, where fewer than 5 of 8 agree: highlights, structures narrower than
 ///     their blur, mistakes.
-/// `shared` is the share of sigma^2 that neighbours have in common: 0.2 of all but the noise, and what step 4 pooled.
+/// `shared` is the share of sigma^2 that neighbors have in common: 0.2 of all but the noise, and what step 4 pooled.
 /// Confidence is 1 / (1 + (sigma / confident_sigma_dp_px)^2), and 0 where the least cost lies at an end of the range,
 /// where step 3 left its shift by more than 1.5 px, or nothing was to be seen.
 ///
-/// Pixels that are clipped or not finite are left out. Throws std::invalid_argument where the views' sizes differ, they
-/// have more than one channel, the range is out of bounds or the noise is negative or not finite; empty views give an
-/// empty answer. The answer does not depend on the number of threads.
+/// Pixels that are clipped or not finite are left out; empty views give an empty answer. The answer does not depend on
+/// the number of threads. Throws InputError where the views' sizes differ, they have more than one channel, or an
+/// option is out of range.
 TileDisparity match_by_likelihood(const Image& left, const Image& right, const LikelihoodMatchOptions& options = {});
 
 }  // namespace dualpixel::pipeline

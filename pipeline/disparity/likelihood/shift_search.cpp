@@ -167,7 +167,7 @@ std::vector<FoundShift> search_shifts(const PreparedViews& views, const Likeliho
       temper(costs.at(column, row), costs.shifts(), options.model_error);
     }
   });
-  for (const int distance : {1, 2, 4}) costs = with_neighbours(costs, distance, options.neighbour_weight);
+  for (const int distance : {1, 2, 4}) costs = with_neighbours(costs, distance, options.neighbor_weight);
   std::vector<FoundShift> found(static_cast<std::size_t>(columns) * rows);
   for_rows(rows, [&](int row) {
     for (int column = 0; column < columns; ++column) {

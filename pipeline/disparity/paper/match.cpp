@@ -87,7 +87,21 @@ float agreement(const TileDisparity& tiles, int x, int y, const MatchOptions& op
 
 }  // namespace
 
+OptionFields fields(MatchOptions& options) {
+  return {{"tile_px", &options.tile_px, 1, 64, "DP px", "4.1: 8"},
+          {"range_px", &options.range_px, 1, 64, "DP px", "4.1: 3"},
+          {"ssd_scale", &options.ssd_scale, 1e-6, 1e6, "", "ours"},
+          {"ssd_floor", &options.ssd_floor, 0, 1e6, "", "ours"},
+          {"deviation_dp_px", &options.deviation_dp_px, 1e-6, 1e6, "DP px", "ours"},
+          {"second_minimum", &options.second_minimum, 0, 0.999, "", "ours"},
+          {"agreement_dp_px", &options.agreement_dp_px, 1e-6, 1e6, "DP px", "ours"}};
+}
+
+void check(const MatchOptions& options) { check_options("match", options); }
+
 TileDisparity match_tiles(const Image& left, const Image& right, const MatchOptions& options) {
+  require_views(left, right);
+  check(options);
   const int tile = options.tile_px;
   const int range = options.range_px;
   const int columns = (left.width + tile - 1) / tile;

@@ -1,5 +1,7 @@
 #pragma once
 #include "capture/image/image.h"
+#include "pipeline/disparity/tile_disparity.h"
+#include "pipeline/option_field.h"
 
 /// Disparity of every tile by brute force (Wadhwa et al. 2018, section 4.1).
 namespace dualpixel::pipeline {
@@ -16,16 +18,12 @@ struct MatchOptions {
   float agreement_dp_px = 0.3f;  ///< difference from a neighbouring tile at which its support falls to 1/e, DP px
 };
 
-/// One pixel for each tile, ceil(size / tile_px) of them; the last row and column may be cut.
-struct TileDisparity {
-  Image disparity_dp_px;  ///< always finite, within +- range_px
-  Image confidence;       ///< 0..1
-  Image sigma_dp_px;      ///< predicted standard deviation of the error; empty from match_tiles, which predicts none
-  Image shared;           ///< share of sigma^2, 0..1, that neighbouring tiles' errors have in common; empty as sigma is
-  int tile_px = 8;
-};
+OptionFields fields(MatchOptions& options);
 
-/// `left` and `right` are normalised views (normalize.h) of one size. Returns d with right(x + d) = left(x): for each
+/// Throws InputError where a value is out of its range.
+void check(const MatchOptions& options);
+
+/// `left` and `right` are normalized views (normalize.h) of one size. Returns d with right(x + d) = left(x): for each
 /// tile of the left view, the minimum of the parabola through the least sum of squared differences and its neighbours.
 ///
 /// Near the left and right border a tile shrinks to the pixels whose whole search range lies inside the right view.
@@ -36,6 +34,8 @@ struct TileDisparity {
 ///     g2 the mean squared horizontal gradient less the share q / 4 that noise has in it;
 ///   - ((1 - q/q2) / (1 - second_minimum))^2, at most 1, q2 the least cost more than one pixel away;
 ///   - the share of the eight neighbours' confidence that agrees, each by exp(-(difference / agreement)^2).
+///
+/// Throws InputError where the views differ in size or have more than one channel, and where an option is out of range.
 TileDisparity match_tiles(const Image& left, const Image& right, const MatchOptions& options = {});
 
 }  // namespace dualpixel::pipeline

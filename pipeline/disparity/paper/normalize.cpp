@@ -1,14 +1,30 @@
 #include "pipeline/disparity/paper/normalize.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "capture/error.h"
 #include "capture/image/rows.h"
 
 namespace dualpixel::pipeline {
 
+OptionFields fields(NormalizeOptions& options) {
+  return {{"window_px", &options.window_px, 3, 255, "DP px, odd", "S: 9"},
+          {"std_floor", &options.std_floor, 1e-9, 1, "normalized signal", "S: 0.001"}};
+}
+
+void check(const NormalizeOptions& options) {
+  check_options("normalize", options);
+  if (options.window_px % 2 == 0) {
+    throw InputError(fmt::format("normalize.window_px: {}: must be odd", options.window_px));
+  }
+}
+
 Image normalize_locally(const Image& view, const NormalizeOptions& options) {
+  check(options);
   const int reach = options.window_px / 2;
   const int width = view.width;
   Image out(width, view.height);

@@ -1,5 +1,6 @@
 #pragma once
 #include "capture/image/image.h"
+#include "pipeline/option_field.h"
 
 /// Local normalisation of a DP view: takes out the lens shading that differs between the views (Wadhwa et al. 2018,
 /// supplement, "DP Normalization").
@@ -10,8 +11,13 @@ struct NormalizeOptions {
   float std_floor = 0.001f;  ///< added to the standard deviation, normalised signal (supplement: 0.001)
 };
 
+OptionFields fields(NormalizeOptions& options);
+
+/// Throws InputError where a value is out of its range.
+void check(const NormalizeOptions& options);
+
 /// (view - local mean) / (local standard deviation + std_floor); windows end at the picture's border. Values that are
-/// not finite count as 0.
+/// not finite count as 0. Throws InputError where an option is out of range.
 Image normalize_locally(const Image& view, const NormalizeOptions& options = {});
 
 }  // namespace dualpixel::pipeline

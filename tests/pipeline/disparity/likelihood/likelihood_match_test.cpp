@@ -1,4 +1,5 @@
 #include "pipeline/disparity/likelihood/likelihood_match.h"
+#include "capture/error.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -438,10 +439,10 @@ TEST(LikelihoodMatch, SmallAndBrokenViewsAreFiniteAndRefusedWhereTheyDiffer) {
     for (const float confidence : tiles.confidence.data) EXPECT_TRUE(confidence >= 0 && confidence <= 1);
   }
   EXPECT_TRUE(match_by_likelihood({}, {}).confidence.empty());
-  EXPECT_THROW(match_by_likelihood(Image(8, 8), Image(8, 9)), std::invalid_argument);
-  EXPECT_THROW(match_by_likelihood(Image(8, 8, 3), Image(8, 8, 3)), std::invalid_argument);
-  EXPECT_THROW(match_by_likelihood(Image(8, 8), Image(8, 8), {.range_px = 1}), std::invalid_argument);
-  EXPECT_THROW(match_by_likelihood(Image(8, 8), Image(8, 8), {.noise = ViewNoise{-1, 0}}), std::invalid_argument);
+  EXPECT_THROW(match_by_likelihood(Image(8, 8), Image(8, 9)), InputError);
+  EXPECT_THROW(match_by_likelihood(Image(8, 8, 3), Image(8, 8, 3)), InputError);
+  EXPECT_THROW(match_by_likelihood(Image(8, 8), Image(8, 8), {.range_px = 1}), InputError);
+  EXPECT_THROW(match_by_likelihood(Image(8, 8), Image(8, 8), {.noise = ViewNoise{-1, 0}}), InputError);
 }
 
 TEST(LikelihoodMatch, DoesNotDependOnThreads) {

@@ -1,0 +1,56 @@
+#include "pipeline/disparity/matchers.h"
+
+#include <fmt/format.h>
+
+#include <string>
+#include <vector>
+
+#include "capture/error.h"
+
+namespace dualpixel::pipeline {
+namespace {
+
+TileDisparity match_as_in_paper(const Image& left, const Image& right, const std::optional<ViewNoise>& /*noise*/,
+                                const MatcherOptions& options) {
+  return match_tiles(normalize_locally(left, options.normalize), normalize_locally(right, options.normalize),
+                     options.match);
+}
+
+TileDisparity match_likeliest(const Image& left, const Image& right, const std::optional<ViewNoise>& noise,
+                              const MatcherOptions& options) {
+  LikelihoodMatchOptions likelihood = options.likelihood_match;
+  likelihood.noise = noise;
+  return match_by_likelihood(left, right, likelihood);
+}
+
+constexpr Matcher kMatchers[] = {
+    {"paper", "normalized views, sums of squared differences, a parabola, as in Wadhwa et al. 2018",
+     [](const MatcherOptions& options) { return options.match.range_px; }, match_as_in_paper},
+    {"likelihood", "linear views and their noise, maximum likelihood, a predicted error",
+     [](const MatcherOptions& options) { return options.likelihood_match.range_px; }, match_likeliest},
+};
+
+}  // namespace
+
+OptionFields fields(MatcherOptions& options) {
+  OptionFields all = grouped("normalize", fields(options.normalize));
+  for (const OptionFields& group :
+       {grouped("match", fields(options.match)), grouped("likelihood_match", fields(options.likelihood_match))}) {
+    all.insert(all.end(), group.begin(), group.end());
+  }
+  return all;
+}
+
+std::span<const Matcher> matchers() { return kMatchers; }
+
+const Matcher& matcher_named(std::string_view name) {
+  std::vector<std::string> names;
+  for (const Matcher& matcher : kMatchers) {
+    if (matcher.name == name) return matcher;
+    names.emplace_back(matcher.name);
+  }
+  throw InputError(fmt::format("matcher: {}: must be {}{}", printable(std::string(name)), fmt::join(names, " or "),
+                               did_you_mean(std::string(name), names)));
+}
+
+}  // namespace dualpixel::pipeline

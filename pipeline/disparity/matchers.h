@@ -1,0 +1,48 @@
+#pragma once
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "pipeline/disparity/likelihood/likelihood_match.h"
+#include "pipeline/disparity/noise_model.h"
+#include "pipeline/disparity/paper/match.h"
+#include "pipeline/disparity/paper/normalize.h"
+#include "pipeline/disparity/tile_disparity.h"
+
+/// Every way of finding disparity between the two DP views, as one table. To add a matcher:
+///   1. write it in its own folder beside paper/ and likelihood/, with an options struct that has fields() and check();
+///   2. add that struct to MatcherOptions and its fields to fields(MatcherOptions&);
+///   3. add one row to the table in matchers.cpp;
+///   4. describe it in docs/disparity.md.
+/// The command line, run_portrait, benchmarks and experiments read the table.
+namespace dualpixel::pipeline {
+
+/// Options of all matchers; each reads its own.
+struct MatcherOptions {
+  NormalizeOptions normalize;               ///< paper
+  MatchOptions match;                       ///< paper
+  LikelihoodMatchOptions likelihood_match;  ///< likelihood; its noise is replaced by what the matcher is given
+};
+
+/// All but the noise, as "normalize.window_px", "match.range_px", "likelihood_match.range_px", ...
+OptionFields fields(MatcherOptions& options);
+
+struct Matcher {
+  std::string_view name;         ///< on the command line and in a result's provenance
+  std::string_view description;  ///< one phrase, for help and tables
+  /// Largest |disparity| that can be found, DP px.
+  int (*range_dp_px)(const MatcherOptions& options);
+  /// `left` and `right` are linear views of one size, one channel, normalized signal; `noise` is that of one view's
+  /// pixel, estimated from the views by matchers that need it where not given. Throws InputError where the views or an
+  /// option cannot be used.
+  TileDisparity (*match)(const Image& left, const Image& right, const std::optional<ViewNoise>& noise,
+                         const MatcherOptions& options);
+};
+
+/// In the order in which tables list them; the first is the paper's, the default.
+std::span<const Matcher> matchers();
+
+/// Throws InputError for a name that the table lacks, with the nearest one that it has.
+const Matcher& matcher_named(std::string_view name);
+
+}  // namespace dualpixel::pipeline
