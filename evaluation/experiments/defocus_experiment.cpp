@@ -182,7 +182,7 @@ SceneDefocus measure_defocus(const Capture& capture, const std::string& name) {
   const Judge judge(truth, blur_radii(truth.disparity_dp_px, from_sharp));
   SceneDefocus scene{name, truth.photograph, judge(dp.input), {}, {}, {}};
   pipeline::Bokeh recover;
-  recover.highlights.emplace();
+  recover.recover_highlights = true;
   recover.white = white;
   Image bright = render_defocus(dp.input, truth.disparity_dp_px, blur_radii(truth.disparity_dp_px, from_picture),
                                 from_picture, {}, recover)
@@ -208,7 +208,7 @@ SceneDefocus measure_defocus(const Capture& capture, const std::string& name) {
   const pipeline::PortraitResult both = pipeline::run_portrait(shot, options, person);
   add("mask", render(both.input, both.disparity_dp_px, from_picture));
   const auto seg = [&](float radius_px) {
-    return pipeline::blur_background(dp.input, person, {radius_px, static_cast<double>(camera.width_px)}).picture.rgb;
+    return pipeline::blur_background(dp.input, person, {radius_px, static_cast<double>(camera.width_px)}).rgb;
   };
   BilateralGridOptions coarse;
   coarse.cell_px = coarse.cell_luma = coarse.cell_chroma = 16;

@@ -17,7 +17,7 @@ namespace {
 Image recovered(const Image& rgb, const Image& mask, float radius_px, const Bokeh& bokeh) {
   Image radii = mask;
   for (float& value : radii.data) value = radius_px * (1 - value);
-  return recover_highlights(rgb, radii, bokeh.white, *bokeh.highlights);
+  return recover_highlights(rgb, radii, bokeh.white, bokeh.highlights);
 }
 
 }  // namespace
@@ -30,7 +30,7 @@ MaskBlurOptions blur_for_face(double face_width_px, int image_width_px, MaskBlur
   return options;
 }
 
-MaskBlurred blur_background(const Image& rgb, const Image& mask, const MaskBlurOptions& options, const Bokeh& bokeh) {
+Defocused blur_background(const Image& rgb, const Image& mask, const MaskBlurOptions& options, const Bokeh& bokeh) {
   require_valid(bokeh.aperture);
   if (!mask.same_size(rgb)) {
     throw InputError(fmt::format("defocus: mask: {} x {}: must have the picture's size, {} x {}", mask.width,
@@ -38,13 +38,15 @@ MaskBlurred blur_background(const Image& rgb, const Image& mask, const MaskBlurO
   }
   const int width = rgb.width, height = rgb.height;
   const float radius = static_cast<float>(options.radius_px * width / options.reference_width_px);
-  const Layer background = cut_background(bokeh.highlights ? recovered(rgb, mask, radius, bokeh) : rgb, mask, radius);
-  const float brightest = bokeh.highlights ? static_cast<float>(bokeh.white) : std::numeric_limits<float>::infinity();
+  const Layer background =
+      cut_background(bokeh.recover_highlights ? recovered(rgb, mask, radius, bokeh) : rgb, mask, radius);
+  const float brightest =
+      bokeh.recover_highlights ? static_cast<float>(bokeh.white) : std::numeric_limits<float>::infinity();
   Image stack(background.rgba.width, background.rgba.height, 4);
   scatter_gradient(background, stack, bokeh.aperture);
 
   const RowEnlarger enlarged(stack, width, height);
-  MaskBlurred out{{Image(width, height, 3), Image(width, height)}, Image(width, height)};
+  Defocused out{Image(width, height, 3), Image(width, height), Image(width, height)};
   tbb::parallel_for(tbb::blocked_range<int>(0, height, 32), [&](const tbb::blocked_range<int>& rows) {
     std::vector<float> mixed, blurred;
     for (int y = rows.begin(); y < rows.end(); ++y) {
@@ -57,10 +59,9 @@ MaskBlurred blur_background(const Image& rgb, const Image& mask, const MaskBlurO
         const float weight = disc[3] > 1e-3f ? share * (1 - mask.row(y)[x]) : 0;
         for (int c = 0; c < 3; ++c) {
           const float own = rgb.row(y)[3 * x + c];
-          out.picture.rgb.row(y)[3 * x + c] =
-              weight > 0 ? own + weight * (std::min(disc[c] / disc[3], brightest) - own) : own;
+          out.rgb.row(y)[3 * x + c] = weight > 0 ? own + weight * (std::min(disc[c] / disc[3], brightest) - own) : own;
         }
-        out.picture.blurred.row(y)[x] = weight;
+        out.blurred.row(y)[x] = weight;
         out.radius_px.row(y)[x] = weight * radius;
       }
     }

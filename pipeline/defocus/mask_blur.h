@@ -1,6 +1,7 @@
 #pragma once
 #include "capture/image/image.h"
-#include "pipeline/defocus/render.h"
+#include "pipeline/defocus/bokeh.h"
+#include "pipeline/defocus/defocused.h"
 
 /// The blur where nothing but a person mask is known (Wadhwa et al. 2018, end of section 5.2).
 namespace dualpixel::pipeline {
@@ -16,16 +17,12 @@ struct MaskBlurOptions {
 /// At most 1.5 times the default, as r_max is in the depth renderer. 0 and below: the default.
 MaskBlurOptions blur_for_face(double face_width_px, int image_width_px, MaskBlurOptions options = {});
 
-struct MaskBlurred {
-  Defocused picture;
-  Image radius_px;  ///< full-resolution px: the background's radius, times how much of the blurred picture shows
-};
-
 /// The background (1 - mask) [R, G, B, 1] is blurred by one disc, or the aperture's shape, at half resolution, and
 /// divided by its alpha, so that the person's colours never bleed into it. A depth plane is feigned by mixing: the
 /// blurred picture's share falls linearly from 1 at the top to 0 at the bottom (Aperture::lying: left to right). The
-/// person is laid over it. `mask` is of the picture's size, 0..1. Throws InputError where their sizes differ.
-MaskBlurred blur_background(const Image& rgb, const Image& mask, const MaskBlurOptions& options = {},
-                            const Bokeh& bokeh = {});
+/// person is laid over it. Defocused::radius_px is the background's radius times how much of the blurred picture shows.
+/// `mask` is of the picture's size, 0..1. Throws InputError where their sizes differ.
+Defocused blur_background(const Image& rgb, const Image& mask, const MaskBlurOptions& options = {},
+                          const Bokeh& bokeh = {});
 
 }  // namespace dualpixel::pipeline

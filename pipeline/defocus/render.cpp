@@ -105,17 +105,18 @@ Defocused render_defocus(const Image& rgb, const Image& disparity_dp_px, const I
   const int width = rgb.width, height = rgb.height;
   const Extent extent = extent_of(disparity_dp_px, radius_px, mapping.r_max_px);
   if (!extent.valid) return render_mended(rgb, disparity_dp_px, radius_px, mapping, options, bokeh);
-  if (extent.largest_px == 0) return {rgb, Image(width, height)};
+  if (extent.largest_px == 0) return {rgb, Image(width, height), {}};
   const std::vector<Band> bands = make_bands(extent.low_dp_px, extent.high_dp_px, mapping, options);
-  const Stacks stacks = bokeh.highlights
-                            ? blur_bands(recover_highlights(rgb, radius_px, bokeh.white, *bokeh.highlights),
+  const Stacks stacks = bokeh.recover_highlights
+                            ? blur_bands(recover_highlights(rgb, radius_px, bokeh.white, bokeh.highlights),
                                          disparity_dp_px, radius_px, bands, bokeh.aperture)
                             : blur_bands(rgb, disparity_dp_px, radius_px, bands, bokeh.aperture);
-  const float brightest = bokeh.highlights ? static_cast<float>(bokeh.white) : std::numeric_limits<float>::infinity();
+  const float brightest =
+      bokeh.recover_highlights ? static_cast<float>(bokeh.white) : std::numeric_limits<float>::infinity();
 
   const RowEnlarger below(stacks.below, width, height);
   const RowEnlarger above(stacks.above.empty() ? stacks.below : stacks.above, width, height);
-  Defocused out{Image(width, height, 3), Image(width, height)};
+  Defocused out{Image(width, height, 3), Image(width, height), {}};
   tbb::parallel_for(tbb::blocked_range<int>(0, height, 32), [&](const tbb::blocked_range<int>& rows) {
     std::vector<float> mixed, behind, front(4 * static_cast<std::size_t>(width));
     for (int y = rows.begin(); y < rows.end(); ++y) {

@@ -1,14 +1,10 @@
 #pragma once
 #include "pipeline/defocus/bokeh.h"
+#include "pipeline/defocus/defocused.h"
 #include "pipeline/defocus/layers.h"
 
 /// Synthetic defocus from disparity (Wadhwa et al. 2018, sections 5.2 and 5.3).
 namespace dualpixel::pipeline {
-
-struct Defocused {
-  Image rgb;
-  Image blurred;  ///< 0..1: how much of a pixel comes from blurred layers; 0: it is the input's
-};
 
 /// Blurs linear `rgb` by `radius_px` (blur_radius.h's r(x), full-resolution px): bands of disparity are blurred at half
 /// resolution, the in-focus one by brute force and the others in the gradient domain, enlarged, and laid over each

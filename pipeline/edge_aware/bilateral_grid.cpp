@@ -1,7 +1,5 @@
 #include "pipeline/edge_aware/bilateral_grid.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -197,6 +195,12 @@ struct Segment {
 
 }  // namespace
 
+OptionFields fields(BilateralGridOptions& options) {
+  return {{"cell_px", &options.cell_px, 1, 1e6, "px of the guide", "ours"},
+          {"cell_luma", &options.cell_luma, 1, 1e6, "levels of 255", "ours"},
+          {"cell_chroma", &options.cell_chroma, 1, 1e6, "levels of 255", "ours"}};
+}
+
 BilateralGrid make_bilateral_grid(const Image& guide, const BilateralGridOptions& options) {
   if (guide.empty() || (guide.channels != 1 && guide.channels != 3)) {
     throw InputError("bilateral grid: the guide must be a picture of 1 or 3 channels");
@@ -204,13 +208,7 @@ BilateralGrid make_bilateral_grid(const Image& guide, const BilateralGridOptions
   if (guide.pixel_count() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
     throw InputError("bilateral grid: the guide must have under 2^31 pixels");
   }
-  for (const auto& [name, cell] : {std::pair{"cell_px", options.cell_px},
-                                   {"cell_luma", options.cell_luma},
-                                   {"cell_chroma", options.cell_chroma}}) {
-    if (!(cell >= 1 && cell <= 1e6f)) {
-      throw InputError(fmt::format("bilateral grid: {} {}, allowed 1 to 1e6", name, cell));
-    }
-  }
+  check_options("grid", options);
   BilateralGrid grid;
   grid.cells = options;
   grid.width = guide.width;

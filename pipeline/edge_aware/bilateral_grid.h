@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "capture/image/image.h"
+#include "pipeline/option_field.h"
 
 /// The bilateral grid of Barron and Poole 2016, "The Fast Bilateral Solver", section 2: pixels that are near in x, y,
 /// Y, Cb and Cr share a vertex; vertices one cell apart along one of the five axes are neighbours.
@@ -16,6 +17,8 @@ struct BilateralGridOptions {
   float cell_luma = 8;    ///< along Y, of 255 levels; at least 1. 8, 8, 8 as the authors' public code
   float cell_chroma = 8;  ///< along Cb and Cr, of 255 levels; at least 1
 };
+
+OptionFields fields(BilateralGridOptions& options);
 
 struct BilateralGrid {
   static constexpr int kNeighbors = 10;  ///< two along each axis: left, right, up, down, less and more Y, Cb, Cr

@@ -64,7 +64,7 @@ Vertices make_vertices(const BilateralGrid& grid) { return Vertices(static_cast<
 
 /// The diagonal n for which Dn B Dn has about as much in each row as the vertex has pixels. B has twice the number of
 /// axes on its diagonal, 1 for each neighbour.
-Vertices bistochastise(const BilateralGrid& grid, int iterations) {
+Vertices bistochastize(const BilateralGrid& grid, int iterations) {
   Vertices pixels = make_vertices(grid), n = pixels, next = pixels;
   for_pixels(grid, [&](std::size_t, std::int32_t v) { pixels[v] += 1; });
   std::fill(n.begin(), n.end() - 1, 1.0);
@@ -273,24 +273,137 @@ std::pair<Image, Image> split_channels(const Image& image) {
 }
 
 void require_inputs(const BilateralGrid& grid, const Image& guide, const Image& target, const Image& confidence,
-                    const Image& start, const BilateralSolverOptions& options) {
+                    const Image& start) {
   const auto fits = [&](const Image& image) { return image.width == grid.width && image.height == grid.height; };
-  if (!fits(guide) || (guide.channels != 1 && guide.channels != 3) || !fits(target) || !fits(confidence) ||
-      confidence.channels != 1 || target.channels < 1 ||
-      (!start.empty() && (!fits(start) || start.channels != target.channels))) {
-    throw InputError(
-        fmt::format("bilateral solver: guide (1 or 3 channels), target, confidence (1) and start must be {} x {}",
-                    grid.width, grid.height));
+  if (fits(guide) && (guide.channels == 1 || guide.channels == 3) && fits(target) && fits(confidence) &&
+      confidence.channels == 1 && target.channels >= 1 &&
+      (start.empty() || (fits(start) && start.channels == target.channels))) {
+    return;
   }
-  const auto require = [](const char* name, double value, bool allowed, const char* range) {
-    if (!allowed) throw InputError(fmt::format("bilateral solver: {} {}, allowed {}", name, value, range));
-  };
-  require("lambda", options.lambda, options.lambda > 0 && options.lambda <= 1e12f, "above 0, up to 1e12");
-  require("iterations", options.iterations, options.iterations >= 0, "0 and up");
-  require("least_residual", options.least_residual, options.least_residual >= 0, "0 and up");
-  require("bistochastic_iterations", options.bistochastic_iterations, options.bistochastic_iterations >= 1, "1 and up");
-  require("robust_rounds", options.robust_rounds, options.robust_rounds >= 0, "0 and up");
-  require("robust_scale", options.robust_scale, options.robust_scale > 0, "above 0");
+  throw InputError(
+      fmt::format("bilateral solver: guide (1 or 3 channels), target, confidence (1) and start must be {} x {}",
+                  grid.width, grid.height));
+}
+
+/// Confidence, 0 where it or any channel of the target is not finite, nowhere negative.
+Image usable_confidence(const Image& target, const Image& confidence) {
+  Image usable = confidence;
+  for_rows(usable.height, [&](int y) {
+    for (int x = 0; x < usable.width; ++x) {
+      float& value = usable.at(x, y);
+      for (int c = 0; c < target.channels; ++c) value = std::isfinite(target.at(x, y, c)) ? value : 0;
+      value = std::isfinite(value) ? std::max(value, 0.0f) : 0;
+    }
+  });
+  return usable;
+}
+
+/// One problem being solved: the system of Eq. 4, its right side, and the memory that its solves share.
+class Solver {
+ public:
+  Solver(const BilateralGrid& grid, const Image& target, const BilateralSolverOptions& options)
+      : grid_(grid),
+        target_(target),
+        options_(options),
+        system_{grid, bistochastize(grid, options.bistochastic_iterations), make_vertices(grid), make_vertices(grid),
+                make_vertices(grid)},
+        scratch_{make_vertices(grid), make_vertices(grid),
+                 std::vector<float>(static_cast<std::size_t>(grid.vertices) + 1)},
+        sums_(make_vertices(grid)),
+        right_(sums_),
+        u_(target.channels) {
+    for (double& s : system_.s) s *= std::sqrt(static_cast<double>(options.lambda));
+  }
+
+  /// All rounds of reweighting, each channel by itself.
+  void solve_values(const Image& confidence, const Image& start) {
+    weight_ = confidence;
+    for (int round = 0; round <= options_.robust_rounds; ++round) {
+      if (round > 0) reweight(confidence);
+      set_weights(system_, weight_);
+      convergence_ = {};
+      for (int c = 0; c < target_.channels; ++c) {
+        splat([&](std::size_t i) { return target_at(i, c); });
+        if (round == 0) {
+          u_[c] = start.empty() ? start_values(system_, sums_) : mean_of_pixels(grid_, start, c);
+          for_vertices(grid_, [&](int v) { u_[c][v] *= system_.s[v]; });
+        }
+        solve_for(u_[c]);
+      }
+    }
+  }
+
+  double value(int channel, int vertex) const { return u_[channel][vertex] / system_.s[vertex]; }
+
+  /// E[t^2] - E[t]^2 of every vertex, taken about the mean of all targets lest digits cancel.
+  Vertices variances(int channel) {
+    const double center = mean_of_finite(target_, channel);
+    splat([&](std::size_t i) { return (target_at(i, channel) - center) * (target_at(i, channel) - center); });
+    Vertices squares = start_values(system_, sums_);
+    for_vertices(grid_, [&](int v) { squares[v] *= system_.s[v]; });
+    solve_for(squares);
+    for_vertices(grid_, [&](int v) {
+      const double mean = u_[channel][v] / system_.s[v] - center;
+      squares[v] = std::max(squares[v] / system_.s[v] - mean * mean, 0.0);
+    });
+    return squares;
+  }
+
+  std::vector<bool> reached() const { return reached_vertices(system_); }
+  const Convergence& convergence() const { return convergence_; }
+
+ private:
+  double target_at(std::size_t pixel, int channel) const { return target_.data[pixel * target_.channels + channel]; }
+
+  /// Sums of confidence times what f says of a pixel's target, and the system's right side.
+  template <typename F>
+  void splat(const F& f) {
+    std::fill(sums_.begin(), sums_.end(), 0.0);
+    for_pixels(grid_, [&](std::size_t i, std::int32_t v) {
+      if (weight_.data[i] > 0) sums_[v] += weight_.data[i] * f(i);
+    });
+    for_vertices(grid_, [&](int v) { right_[v] = sums_[v] / system_.s[v]; });
+  }
+
+  void solve_for(Vertices& u) {
+    const Convergence convergence = solve(system_, right_, u, options_, scratch_);
+    convergence_.iterations = std::max(convergence_.iterations, convergence.iterations);
+    convergence_.residual = std::max(convergence_.residual, convergence.residual);
+  }
+
+  /// Weights of Geman and McClure's loss at the last round's values.
+  void reweight(const Image& confidence) {
+    const double scale = 1 / (static_cast<double>(options_.robust_scale) * options_.robust_scale);
+    for_pixels(grid_, [&](std::size_t i, std::int32_t v) {
+      if (!(confidence.data[i] > 0)) return;
+      double error = 0;
+      for (int c = 0; c < target_.channels; ++c) {
+        const double difference = target_at(i, c) - u_[c][v] / system_.s[v];
+        error += difference * difference;
+      }
+      const double likeness = 1 / (1 + scale * error);
+      weight_.data[i] = static_cast<float>(confidence.data[i] * likeness * likeness);
+    });
+  }
+
+  const BilateralGrid& grid_;
+  const Image& target_;
+  const BilateralSolverOptions& options_;
+  System system_;
+  Iterates scratch_;
+  Vertices sums_, right_;
+  std::vector<Vertices> u_;  ///< s times the values, a channel each
+  Image weight_;
+  Convergence convergence_;
+};
+
+/// The answer where confidence is 0 throughout.
+BilateralSolution mean_everywhere(const BilateralGrid& grid, const Image& target, bool variance) {
+  BilateralSolution solution;
+  solution.value = Image(grid.width, grid.height, target.channels);
+  for (int c = 0; c < target.channels; ++c) fill_channel(solution.value, c, mean_of_finite(target, c));
+  if (variance) solution.variance = Image(grid.width, grid.height, target.channels, kInfinity);
+  return solution;
 }
 
 }  // namespace
@@ -327,112 +440,54 @@ Image fill_gaps(const Image& target, const Image& confidence) {
   return filled;
 }
 
+OptionFields fields(BilateralSolverOptions& options) {
+  return {{"lambda", &options.lambda, 1e-12, 1e12, "", "ours"},
+          {"iterations", &options.iterations, 0, 1e6, "", "Barron and Poole 2016: 25"},
+          {"least_residual", &options.least_residual, 0, 1e12, "", "ours"},
+          {"bistochastic_iterations", &options.bistochastic_iterations, 1, 1e6, "", "ours"},
+          {"robust_rounds", &options.robust_rounds, 0, 1000, "", "ours"},
+          {"robust_scale", &options.robust_scale, 1e-12, 1e12, "of the target", "ours"}};
+}
+
 BilateralSolution solve_bilateral(const BilateralGrid& grid, const Image& guide, const Image& target,
                                   const Image& confidence, const BilateralSolverOptions& options, const Image& start) {
-  require_inputs(grid, guide, target, confidence, start, options);
+  require_inputs(grid, guide, target, confidence, start);
+  check_options("solver", options);
   const int channels = target.channels;
-  const auto target_at = [&](std::size_t pixel, int c) -> double { return target.data[pixel * channels + c]; };
+  Solver solver(grid, target, options);
+  solver.solve_values(usable_confidence(target, confidence), start);
 
-  Image clean = confidence;
-  for_rows(grid.height, [&](int y) {
-    for (int x = 0; x < grid.width; ++x) {
-      float& value = clean.at(x, y);
-      for (int c = 0; c < channels; ++c) value = std::isfinite(target.at(x, y, c)) ? value : 0;
-      value = std::isfinite(value) ? std::max(value, 0.0f) : 0;
-    }
-  });
-  BilateralSolution solution;
-
-  System system{grid, bistochastise(grid, options.bistochastic_iterations), make_vertices(grid), make_vertices(grid),
-                make_vertices(grid)};
-  for (double& s : system.s) s *= std::sqrt(static_cast<double>(options.lambda));
-  Iterates scratch{make_vertices(grid), make_vertices(grid),
-                   std::vector<float>(static_cast<std::size_t>(grid.vertices) + 1)};
-  std::vector<Vertices> u(channels);
-  Vertices sums = make_vertices(grid), right = sums;
-  // Sums of confidence times what f says of a pixel's target, and the system's right side.
-  const auto splat = [&](const Image& weight, const auto& f) {
-    std::fill(sums.begin(), sums.end(), 0.0);
-    for_pixels(grid, [&](std::size_t i, std::int32_t v) {
-      if (weight.data[i] > 0) sums[v] += weight.data[i] * f(i);
-    });
-    for_vertices(grid, [&](int v) { right[v] = sums[v] / system.s[v]; });
-  };
-  const auto run = [&](Vertices& of) {
-    const Convergence convergence = solve(system, right, of, options, scratch);
-    solution.iterations = std::max(solution.iterations, convergence.iterations);
-    solution.residual = std::max(solution.residual, convergence.residual);
-  };
-
-  Image weight = clean;
-  for (int round = 0; round <= options.robust_rounds; ++round) {
-    if (round > 0) {
-      const double scale = 1 / (static_cast<double>(options.robust_scale) * options.robust_scale);
-      for_pixels(grid, [&](std::size_t i, std::int32_t v) {
-        if (!(clean.data[i] > 0)) return;
-        double error = 0;
-        for (int c = 0; c < channels; ++c) {
-          const double difference = target_at(i, c) - u[c][v] / system.s[v];
-          error += difference * difference;
-        }
-        const double likeness = 1 / (1 + scale * error);
-        weight.data[i] = static_cast<float>(clean.data[i] * likeness * likeness);
-      });
-    }
-    set_weights(system, weight);
-    solution.iterations = 0;
-    solution.residual = 0;
-    for (int c = 0; c < channels; ++c) {
-      splat(weight, [&](std::size_t i) { return target_at(i, c); });
-      if (round == 0) {
-        u[c] = start.empty() ? start_values(system, sums) : mean_of_pixels(grid, start, c);
-        for_vertices(grid, [&](int v) { u[c][v] *= system.s[v]; });
-      }
-      run(u[c]);
-    }
-  }
-
-  const std::vector<bool> reached = reached_vertices(system);
+  const std::vector<bool> reached = solver.reached();
   if (std::find(reached.begin(), reached.end() - 1, true) == reached.end() - 1) {
-    solution.value = Image(grid.width, grid.height, channels);
-    for (int c = 0; c < channels; ++c) fill_channel(solution.value, c, mean_of_finite(target, c));
-    if (options.variance) solution.variance = Image(grid.width, grid.height, channels, kInfinity);
+    BilateralSolution solution = mean_everywhere(grid, target, options.variance);
+    solution.iterations = solver.convergence().iterations;
+    solution.residual = solver.convergence().residual;
     return solution;
   }
 
-  // Values, then variances: E[t^2] - E[t]^2, taken about the mean of all targets lest digits cancel.
+  // Values, then variances, of each vertex; not a number where no confidence reaches.
   const int width = options.variance ? 2 * channels : channels;
   std::vector<float> values(static_cast<std::size_t>(grid.vertices) * width);
-  const auto store = [&](int c, const auto& f) {
+  const auto store = [&](int c, const auto& value_of) {
     for_vertices(grid, [&](int v) {
       values[static_cast<std::size_t>(v) * width + c] =
-          reached[v] ? static_cast<float>(f(v)) : std::numeric_limits<float>::quiet_NaN();
+          reached[v] ? static_cast<float>(value_of(v)) : std::numeric_limits<float>::quiet_NaN();
     });
   };
   for (int c = 0; c < channels; ++c) {
-    store(c, [&](int v) { return u[c][v] / system.s[v]; });
+    store(c, [&](int v) { return solver.value(c, v); });
     if (!options.variance) continue;
-    const double center = mean_of_finite(target, c);
-    splat(weight, [&](std::size_t i) { return (target_at(i, c) - center) * (target_at(i, c) - center); });
-    Vertices squares = start_values(system, sums);
-    for_vertices(grid, [&](int v) { squares[v] *= system.s[v]; });
-    run(squares);
-    store(channels + c, [&](int v) {
-      const double mean = u[c][v] / system.s[v] - center;
-      return std::max(squares[v] / system.s[v] - mean * mean, 0.0);
-    });
+    const Vertices variances = solver.variances(c);
+    store(channels + c, [&](int v) { return variances[v]; });
   }
+  BilateralSolution solution;
+  solution.iterations = solver.convergence().iterations;
+  solution.residual = solver.convergence().residual;
   solution.value = interpolate(grid, guide, values, width);
   if (options.variance) std::tie(solution.value, solution.variance) = split_channels(solution.value);
   take_nearest(solution.value);
   for (float& value : solution.variance.data) value = std::isnan(value) ? kInfinity : value;
   return solution;
-}
-
-Image confidence_of_variance(const Image& variance, float sigma) {
-  Image confidence = variance;
-  for (float& value : confidence.data) value = std::exp(-value / (2 * sigma * sigma));
-  return confidence;
 }
 
 }  // namespace dualpixel::pipeline

@@ -21,6 +21,8 @@ struct BilateralSolverOptions {
   bool variance = false;       ///< also estimate the result's variance; costs a solve more for each channel
 };
 
+OptionFields fields(BilateralSolverOptions& options);
+
 struct BilateralSolution {
   Image value;  ///< of the grid's size, channels as the target; always finite
   /// Of the targets that each pixel's value is the weighted mean of, under the weights of that mean, which are never
@@ -47,9 +49,6 @@ struct BilateralSolution {
 BilateralSolution solve_bilateral(const BilateralGrid& grid, const Image& guide, const Image& target,
                                   const Image& confidence, const BilateralSolverOptions& options = {},
                                   const Image& start = {});
-
-/// exp(-variance / (2 sigma^2)), each channel: a confidence for the result (their section 4.1), 0 where unreached.
-Image confidence_of_variance(const Image& variance, float sigma);
 
 /// The target where confidence is 1, and towards 0 the mean of what confident pixels around say, from ever wider
 /// neighbourhoods (pull and push over a pyramid: Gortler et al. 1996, "The Lumigraph", section 3.4.2). One channel.

@@ -45,6 +45,11 @@ void add_tap(const SpreadRow& near, const float* __restrict weight_x, float weig
 
 }  // namespace
 
+OptionFields fields(JointUpsampleOptions& options) {
+  return {{"sigma_px", &options.sigma_px, 0.1, 100, "px of the small map", "Kopf et al. 2007: 0.5"},
+          {"sigma_range", &options.sigma_range, 0.1, 1e6, "levels of 255", "ours"}};
+}
+
 Image joint_upsample(const Image& small, const Image& small_guide, const Image& guide,
                      const JointUpsampleOptions& options) {
   const int width = guide.width, height = guide.height;

@@ -1,5 +1,6 @@
 #pragma once
 #include "capture/image/image.h"
+#include "pipeline/option_field.h"
 
 /// Joint bilateral upsampling (Kopf et al. 2007): a small map enlarged so that its edges follow the large picture's.
 namespace dualpixel::pipeline {
@@ -8,6 +9,8 @@ struct JointUpsampleOptions {
   float sigma_px = 0.5f;      ///< of the spatial Gaussian, pixels of the small map (Kopf et al., section 4: 0.5)
   float sigma_range = 16.0f;  ///< of the range Gaussian, guide levels of 255; ours (Kopf et al. use 0.1 of the range)
 };
+
+OptionFields fields(JointUpsampleOptions& options);
 
 /// Each output pixel is the mean over the 3 x 3 small pixels around it, weighted by a Gaussian of the distance and one
 /// of the difference between `guide` there and `small_guide` here. Where no small pixel resembles it, distance decides.

@@ -62,20 +62,6 @@ Image develop(const MergedBurst& burst, const Camera& camera, const Exposure& ex
   return resize_bilinear(gray, camera.width_px, camera.height_px);
 }
 
-/// Disparity and confidence reduced to width x height, as means weighted by confidence: what nobody is sure of must not
-/// mix with what is known.
-PixelDisparity reduce(const PixelDisparity& map, int width, int height) {
-  Image weighted = map.disparity_dp_px;
-  for (std::size_t i = 0; i < weighted.data.size(); ++i) weighted.data[i] *= map.confidence.data[i];
-  weighted = resize_area(weighted, width, height);
-  PixelDisparity reduced{resize_area(map.disparity_dp_px, width, height), resize_area(map.confidence, width, height)};
-  for (std::size_t i = 0; i < weighted.data.size(); ++i) {
-    const float confidence = reduced.confidence.data[i];
-    if (confidence > 1e-6f) reduced.disparity_dp_px.data[i] = weighted.data[i] / confidence;
-  }
-  return reduced;
-}
-
 /// Median over a region of a picture of width x height, which `image` is a smaller copy of; none where it covers no
 /// pixel.
 std::optional<double> median_inside(const Image& image, const Face& region, int width, int height) {
@@ -142,7 +128,8 @@ Image stretched(const Image& mask, int width, int height) {
 
 PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options,
                             const std::optional<Image>& person_mask, const PortraitProgress& progress) {
-  require_valid(options.bokeh.aperture);
+  require_valid(options.defocus.bokeh.aperture);
+  check(options.smooth);
   const bool find = options.mode != Mode::dp && !person_mask;
   if (find && !options.find_people) throw InputError("person mask: missing; modes dp+seg and seg need one");
   if (options.mode != Mode::dp && person_mask) require_mask(*person_mask);
@@ -172,9 +159,9 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
   burst.mosaic = {};
   result.base_frame = burst.base_frame;
 
-  Bokeh bokeh = options.bokeh;
+  DefocusOptions defocus = options.defocus;
   const std::array<double, 3>& gains = capture.exposure.white_balance;
-  bokeh.white = *std::min_element(gains.begin(), gains.end());
+  defocus.bokeh.white = *std::min_element(gains.begin(), gains.end());
 
   std::vector<Face> faces = options.faces;
   if (faces.empty() && capture.face_px) {
@@ -211,12 +198,10 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
     result.mask = stage("mask", [&] {
       return filter_mask(person, encode_guide(result.input, guide_gain(result.input)), options.filter_mask);
     });
-    MaskBlurred blurred = stage("blur", [&] {
-      const MaskBlurOptions mask_blur = blur_for_face(faces.empty() ? 0 : faces[0].width, width, options.mask_blur);
-      return blur_background(result.input, result.mask, mask_blur, bokeh);
+    defocused = stage("blur", [&] {
+      defocus.mask_blur = blur_for_face(faces.empty() ? 0 : faces[0].width, width, defocus.mask_blur);
+      return defocus_method_named("mask").render({result.input, {}, result.mask, {}}, defocus);
     });
-    defocused = std::move(blurred.picture);
-    result.blur_radius_px = std::move(blurred.radius_px);
   } else {
     PixelDisparity matched = stage("disparity", [&] {
       const TileDisparity tiles = match(burst, capture, options);
@@ -230,8 +215,11 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
       });
     }
 
-    const int small_width = (width + 3) / 4, small_height = (height + 3) / 4;
-    PixelDisparity small = reduce(matched, small_width, small_height);
+    const SmoothingGuide guide = make_smoothing_guide(result.input, options.smooth);
+    const int small_width = guide.small.width, small_height = guide.small.height;
+    ConfidentMap reduced =
+        reduce_by_confidence({matched.disparity_dp_px, matched.confidence}, small_width, small_height);
+    PixelDisparity small{std::move(reduced.value), std::move(reduced.confidence), {}};
     result.matched_disparity_dp_px = std::move(matched.disparity_dp_px);
     result.matched_confidence = std::move(matched.confidence);
     result.matched_sigma_dp_px = std::move(matched.sigma_dp_px);
@@ -252,17 +240,11 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
       });
     }
 
-    const Image small_input = resize_area(result.input, small_width, small_height);
-    const float gain = guide_gain(small_input);
-    const Image small_guide = encode_guide(small_input, gain);
     const Image smooth = stage("smooth", [&] {
-      const BilateralGrid grid = make_bilateral_grid(small_guide, options.grid);
-      return median_3x3(
-          solve_bilateral(grid, small_guide, small.disparity_dp_px, small.confidence, options.solver).value);
+      return solve_and_median({small.disparity_dp_px, small.confidence}, guide.small, options.smooth);
     });
-    result.disparity_dp_px = stage("upsample", [&] {
-      return joint_upsample(smooth, small_guide, encode_guide(result.input, gain), options.joint_upsample);
-    });
+    result.disparity_dp_px =
+        stage("upsample", [&] { return upsample_along_edges(smooth, guide, result.input, options.smooth); });
     result.confidence = resize_bilinear(small.confidence, width, height);
 
     result.focus_disparity_dp_px =
@@ -272,12 +254,11 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
           options.match_pupil_mm ? match_lens(capture.camera, *options.match_pupil_mm, result.focus_disparity_dp_px)
                                  : make_blur_mapping(capture.camera.focus_distance_m, result.focus_disparity_dp_px,
                                                      width, result.mode == Mode::dp_seg, options.blur_radius);
-      result.blur_radius_px = blur_radii(result.disparity_dp_px, mapping);
-      return render_defocus(result.input, result.disparity_dp_px, result.blur_radius_px, mapping, options.layers,
-                            bokeh);
+      return defocus_method_named("layers").render({result.input, result.disparity_dp_px, {}, mapping}, defocus);
     });
   }
 
+  result.blur_radius_px = std::move(defocused.radius_px);
   result.portrait = stage("noise", [&] {
     if (options.synthetic_noise) {
       add_noise(defocused.rgb, defocused.blurred, make_noise_patches(options.seed, options.noise),

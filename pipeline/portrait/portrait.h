@@ -10,15 +10,12 @@
 #include "capture/image/image.h"
 #include "pipeline/calibration/calibration.h"
 #include "pipeline/defocus/blur_radius.h"
-#include "pipeline/defocus/bokeh.h"
-#include "pipeline/defocus/layers.h"
-#include "pipeline/defocus/mask_blur.h"
+#include "pipeline/defocus/methods.h"
 #include "pipeline/defocus/noise.h"
 #include "pipeline/disparity/matchers.h"
 #include "pipeline/disparity/upsample.h"
-#include "pipeline/edge_aware/bilateral_solver.h"
 #include "pipeline/edge_aware/filter_mask.h"
-#include "pipeline/edge_aware/joint_upsample.h"
+#include "pipeline/edge_aware/smooth_disparity.h"
 #include "pipeline/segmentation/merge_mask.h"
 #include "pipeline/segmentation/person_mask.h"
 
@@ -53,16 +50,13 @@ struct PortraitOptions {
   /// burst's, which must have one frame.
   std::optional<Image> picture;
   MergeMaskOptions merge_mask;
-  BilateralGridOptions grid;
-  BilateralSolverOptions solver;
-  JointUpsampleOptions joint_upsample;
+  SmoothOptions smooth;
   FilterMaskOptions filter_mask;
   BlurRadiusOptions blur_radius;
   /// Set: the blur of a lens with this entrance pupil in place of Eq. 5's (match_lens.h); not in mode seg.
   std::optional<double> match_pupil_mm;
-  LayerOptions layers;
-  Bokeh bokeh;                ///< its white level is the capture's own
-  MaskBlurOptions mask_blur;  ///< where no face is known; else its radius is blur_for_face's
+  /// The bokeh's white level is the capture's own; mask_blur's radius is blur_for_face's where a face is known.
+  DefocusOptions defocus;
   NoiseOptions noise;
   bool synthetic_noise = true;  ///< on what the blur has smoothed
   DisplayOptions display;

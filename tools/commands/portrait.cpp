@@ -177,9 +177,9 @@ void run(const PortraitCommand& command) {
     throw InputError("--mode dp: uses no person mask; leave out --mask and --true-mask, or choose dp+seg or seg");
   }
   options.synthetic_noise = !command.no_noise;
-  options.bokeh.aperture = command.aperture;
-  options.bokeh.aperture.lying = command.pair.vertical_split;
-  if (command.recover_highlights) options.bokeh.highlights.emplace();
+  options.defocus.bokeh.aperture = command.aperture;
+  options.defocus.bokeh.aperture.lying = command.pair.vertical_split;
+  if (command.recover_highlights) options.defocus.bokeh.recover_highlights = true;
   if (!command.match_lens.empty()) {
     options.match_pupil_mm = pupil_mm_of(command.match_lens);
     if (options.mode == pipeline::Mode::seg) throw InputError("--match-lens: needs disparity, which mode seg has not");

@@ -188,7 +188,7 @@ TEST(Aperture, ConstantPicturesStayConstant) {
   const BlurMapping mapping = make_blur_mapping(1, 0, 2688, false);
   radius = blur_radii(disparity, mapping);
   for (const Aperture& aperture : {Aperture{5, 0}, Aperture{0, 0.7}, Aperture{7, 0.9}}) {
-    const Image out = render_defocus(Image(70, 50, 3, 0.4f), disparity, radius, mapping, {}, {aperture, {}, 1}).rgb;
+    const Image out = render_defocus(Image(70, 50, 3, 0.4f), disparity, radius, mapping, {}, {aperture}).rgb;
     for (const float value : out.data) ASSERT_NEAR(value, 0.4f, 1e-5);
   }
 }
@@ -197,7 +197,7 @@ TEST(Aperture, RefusesWhatCannotBe) {
   const Image rgb(8, 8, 3), map(8, 8);
   for (const Aperture& aperture : {Aperture{2, 0}, Aperture{17, 0}, Aperture{-1, 0}, Aperture{0, 0.95},
                                    Aperture{0, -0.1}, Aperture{0, std::nan("")}}) {
-    EXPECT_THROW(render_defocus(rgb, map, map, BlurMapping(), {}, {aperture, {}, 1}), InputError);
+    EXPECT_THROW(render_defocus(rgb, map, map, BlurMapping(), {}, {aperture}), InputError);
   }
 }
 

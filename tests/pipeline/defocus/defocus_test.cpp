@@ -367,18 +367,18 @@ TEST(MaskBlur, PersonAndBottomStaySharpAndNothingBleeds) {
   }
   MaskBlurOptions options;
   options.reference_width_px = 160;
-  const MaskBlurred out = blur_background(rgb, mask, options);
+  const Defocused out = blur_background(rgb, mask, options);
   for (int y = 0; y < 120; ++y) {
-    EXPECT_EQ(out.picture.rgb.at(30, y, 0), 1);
-    EXPECT_NEAR(out.picture.rgb.at(62, y, 0), 0, 1e-5);  // no red outside
+    EXPECT_EQ(out.rgb.at(30, y, 0), 1);
+    EXPECT_NEAR(out.rgb.at(62, y, 0), 0, 1e-5);  // no red outside
     EXPECT_EQ(out.radius_px.at(59, y), 0);
   }
-  EXPECT_NEAR(out.picture.rgb.at(110, 0, 1), 0.5f, 0.01f);
-  EXPECT_NEAR(out.picture.rgb.at(110, 119, 1), 0, 0.01f);
+  EXPECT_NEAR(out.rgb.at(110, 0, 1), 0.5f, 0.01f);
+  EXPECT_NEAR(out.rgb.at(110, 119, 1), 0, 0.01f);
   EXPECT_NEAR(out.radius_px.at(110, 0), 20, 0.1);
 
-  const MaskBlurred constant = blur_background(Image(41, 23, 3, 0.4f), Image(41, 23), options);
-  for (const float value : constant.picture.rgb.data) EXPECT_NEAR(value, 0.4f, 1e-5);
+  const Defocused constant = blur_background(Image(41, 23, 3, 0.4f), Image(41, 23), options);
+  for (const float value : constant.rgb.data) EXPECT_NEAR(value, 0.4f, 1e-5);
 }
 
 TEST(Noise, PatchesRepeatWithoutSeamsAndHaveDemosaickedNoisesLevel) {

@@ -97,7 +97,7 @@ TEST(Highlights, BlurredLampsAreBrighter) {
     return render_defocus(rgb, disparity, radius, mapping, {}, bokeh).rgb;
   };
   Bokeh recover;
-  recover.highlights.emplace();
+  recover.recover_highlights = true;
   const Image truth = blurred(light, {}), dull = blurred(seen, {}), bright = blurred(seen, recover);
   // The disc's level is 0.1 + 16 (l - 0.1) / (pi 100) for a lamp of 4 x 4 px of light l: what is missing of it falls as
   // 16 - gain over 16 - 1.
@@ -120,11 +120,11 @@ TEST(Highlights, OnlyWhatIsBlurredChanges) {
   }
   const BlurMapping mapping{8, 0, 0, 1, 8};
   Bokeh recover;
-  recover.highlights.emplace();
+  recover.recover_highlights = true;
   const Image radius = blur_radii(disparity, mapping);
   const Defocused plain = render_defocus(input, disparity, radius, mapping);
   const Defocused by_depth = render_defocus(input, disparity, radius, mapping, {}, recover);
-  const Defocused by_mask = blur_background(input, mask, {8, 40}, recover).picture;
+  const Defocused by_mask = blur_background(input, mask, {8, 40}, recover);
   EXPECT_NE(by_depth.rgb.data, plain.rgb.data);
   for (const Defocused* out : {&by_depth, &by_mask}) {
     for (int y = 0; y < 40; ++y) {

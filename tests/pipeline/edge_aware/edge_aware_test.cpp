@@ -225,7 +225,9 @@ TEST(BilateralSolver, ConfidenceOfTheResult) {
   options.variance = true;
   options.iterations = 200;
   const BilateralSolution solved = solve_bilateral(make_bilateral_grid(guide), guide, target, confidence, options);
-  const Image sure = confidence_of_variance(solved.variance, 0.3f);
+  // as a confidence for the result, by Barron and Poole 2016, section 4.1
+  Image sure = solved.variance;
+  for (float& value : sure.data) value = std::exp(-value / (2 * 0.3f * 0.3f));
   EXPECT_NEAR(sure.at(4, 4), 1, 1e-4);
   EXPECT_NEAR(solved.variance.at(90, 60), 0.09, 1e-3);  // of 0.2 and 0.8
   EXPECT_NEAR(sure.at(90, 60), std::exp(-0.5), 5e-3);

@@ -69,7 +69,7 @@ Capture make_capture(double background_dp_px = kBackground) {
 PortraitOptions test_options(Mode mode = Mode::dp) {
   PortraitOptions options;
   options.mode = mode;
-  options.blur_radius.reference_width_px = options.mask_blur.reference_width_px =
+  options.blur_radius.reference_width_px = options.defocus.mask_blur.reference_width_px =
       kWidth;  // as strong as in a large picture
   return options;
 }
@@ -323,7 +323,7 @@ TEST(SlowPortrait, SameBytesForAnyNumberOfThreads) {
     for (const int threads : {1, 2, 8}) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
       PortraitOptions options = test_options(mode);
-      options.bokeh.aperture = {5, 0.5};
+      options.defocus.bokeh.aperture = {5, 0.5};
       results.push_back(run_portrait(capture, options, person_mask()));
     }
     for (const PortraitResult& result : results) {

@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "pipeline/disparity/likelihood/interpolate.h"
+#include "tests/pipeline/disparity/shift_bound.h"
 #include "tests/pipeline/texture.h"
 
 namespace dualpixel::pipeline {

@@ -1,0 +1,42 @@
+#pragma once
+#include <span>
+#include <string_view>
+
+#include "pipeline/defocus/bokeh.h"
+#include "pipeline/defocus/defocused.h"
+#include "pipeline/defocus/layers.h"
+#include "pipeline/defocus/mask_blur.h"
+
+/// Every way of blurring what is out of focus, under one signature. The table holds those that the portrait uses;
+/// evaluation has one of baselines. To add a method: write it in a file of its own here, add one row to methods.cpp,
+/// describe it in docs/defocus.md.
+namespace dualpixel::pipeline {
+
+/// What a method may use; images are of the picture's size, and those that it does not need may be empty.
+struct DefocusInput {
+  const Image& rgb;              ///< linear
+  const Image& disparity_dp_px;  ///< smoothed
+  const Image& person_mask;      ///< 0..1
+  BlurMapping mapping;           ///< from disparity to blur radius
+};
+
+struct DefocusOptions {
+  LayerOptions layers;        ///< layers
+  MaskBlurOptions mask_blur;  ///< mask, and baselines that blur by one radius
+  Bokeh bokeh;
+};
+
+struct DefocusMethod {
+  std::string_view name;
+  std::string_view description;  ///< one phrase, for help and tables
+  /// Throws InputError where an image that it needs has another size than the picture.
+  Defocused (*render)(const DefocusInput& input, const DefocusOptions& options);
+};
+
+/// "layers" (render.h: by disparity) and "mask" (mask_blur.h: the background of a person mask).
+std::span<const DefocusMethod> defocus_methods();
+
+/// Throws InputError for a name that the table lacks, with the nearest one that it has.
+const DefocusMethod& defocus_method_named(std::string_view name);
+
+}  // namespace dualpixel::pipeline
