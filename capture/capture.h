@@ -1,17 +1,17 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <nlohmann/json.hpp>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "capture/image/image.h"
 
-/// What a dual-pixel camera hands over for one press of the shutter, rendered or real: the one thing that passes
-/// between the simulator and the pipeline. docs/capture.md defines the folder that it becomes on disk, field by field.
+/// A capture is what a dual-pixel camera delivers for one press of the shutter, rendered or real: the only data that
+/// passes from the simulator to the pipeline. docs/capture.md defines its folder on disk, field by field.
 ///
-/// Camera axes are OpenCV's: x right, y down, z forward. All pictures are upright. The left view is the light that
+/// Camera axes are OpenCV's: x right, y down, z forward. All images are upright. The left view is the light that
 /// crossed the pupil at x < 0 (the left viewpoint, as in a stereo pair), so that with
 ///     right(x + d) = left(x)
 /// the disparity d is negative in front of the focus plane, 0 on it, and positive behind it:
@@ -28,7 +28,7 @@ struct Camera {
   int width_px = 0;           ///< photosites of the full sensor; even
   int height_px = 0;          ///< multiple of 4
   double pixel_pitch_um = 0;  ///< of one photosite
-  std::string cfa = "RGGB";   ///< colours of the top-left 2x2 photosites, row by row
+  std::string cfa = "RGGB";   ///< colors of the top-left 2x2 photosites, row by row
   int dp_downsample_x = 2;    ///< photosites per DP pixel, horizontally
   int dp_downsample_y = 4;    ///< ... and vertically; green photosites only, but where it is 1 x 1
   double focal_length_mm = 0;
@@ -59,14 +59,15 @@ struct Exposure {
   double white_level_dn = 0;
   NoiseProfile mosaic_noise;  ///< of one photosite
   NoiseProfile dp_noise;      ///< of one pixel of one DP view
-  /// Gains of R, G, B, green 1, that make a neutral grey read the same in all three: "as shot" white balance.
+  /// Gains of R, G, B, green 1, that make a neutral gray read the same in all three: "as shot" white balance.
   std::array<double, 3> white_balance = {1, 1, 1};
-  double lux_s_per_unit = 0;  ///< luminous exposure on the sensor that the normalised signal 1.0 stands for; 0: unknown
+  double lux_s_per_unit =
+      0;  ///< luminous exposure on the sensor that the normalized signal 1.0 corresponds to; 0: unknown
 };
 
-/// Raw digital numbers. The signal normalised as (DN - black) / (white - black) runs from 0 to 1 at clipping.
-/// A DP view's pixel is the mean of the green half-photosites that it covers, so that the normalised left + right is
-/// the normalised signal of undivided green photosites.
+/// Raw digital numbers. The signal normalized as (DN - black) / (white - black) runs from 0 to 1 at clipping.
+/// A DP view's pixel is the mean of the green half-photosites that it covers, so that the normalized left + right is
+/// the normalized signal of undivided green photosites.
 struct Frame {
   ImageU16 mosaic;  ///< width_px x height_px; may be empty in a capture of DP views alone
   ImageU16 left;    ///< dp_width x dp_height
@@ -75,7 +76,7 @@ struct Frame {
   Matrix4 camera_from_world = kIdentity4;  ///< pose, metres
 };
 
-/// Raw digital numbers as the normalised signal.
+/// Raw digital numbers as the normalized signal.
 inline Image normalised(const ImageU16& raw, const Exposure& exposure) {
   const double black = exposure.black_level_dn, range = exposure.white_level_dn - black;
   Image signal(raw.width, raw.height);
@@ -83,9 +84,9 @@ inline Image normalised(const ImageU16& raw, const Exposure& exposure) {
   return signal;
 }
 
-/// What the simulator knows and a phone does not, of the first frame's scene and camera. All images have the full
-/// sensor's size; geometry is that of the pinhole ray through the pixel's centre, unfiltered. Pictures are linear RGB
-/// in the frames' normalised signal after white balance (1.0 = green's white level), noiseless and unclipped. Where
+/// Ground truth of the first frame: what the simulator knows and a phone does not. All images have the full sensor's
+/// size; geometry is that of the pinhole ray through the pixel's center, unfiltered. Pictures are linear RGB
+/// in the frames' normalized signal after white balance (1.0 = green's white level), noiseless and unclipped. Where
 /// `valid` is 0 (nothing was hit), depth is infinity and blur and disparity are those of an infinitely distant point.
 struct Truth {
   Image depth_m;          ///< planar depth D
@@ -101,9 +102,22 @@ struct Truth {
   /// Of a burst in which something moved, for each frame but the first: x and y in photosites, such that the point that
   /// the first frame's pixel sees is at pixel + motion in that frame; infinite behind that frame's camera.
   std::vector<Image> motion;
-  // Where samples were shared out by error; otherwise empty, and every photosite has as many.
+  // With adaptive sampling only; otherwise empty, and every photosite has the same number of samples.
   Image samples;       ///< of each photosite
-  Image render_sigma;  ///< expected standard error of a half photosite in its own filter's colour, normalised signal
+  Image render_sigma;  ///< expected standard error of a half photosite in its own filter's color, normalized signal
+};
+
+/// How a capture was made, for the record; the pipeline never reads it. Empty fields are absent from capture.json.
+struct Provenance {
+  std::string program;                           ///< name and version of the program
+  std::string scene_file;                        ///< name of the scene file, without its folder
+  std::string gltf_xxh64;                        ///< hash of the scene's glTF file, see hash_of() in files.h
+  std::optional<double> noise_fraction_reached;  ///< rendering error over sensor noise, where a time budget limited it
+  std::string scene;                             ///< JSON text: the scene file with every override applied
+  std::string plan;                              ///< JSON text: what `simulate --auto` measured and chose
+  std::map<std::string, std::string> other;      ///< fields that other programs wrote: name -> JSON text
+
+  bool operator==(const Provenance&) const = default;
 };
 
 struct Capture {
@@ -111,8 +125,8 @@ struct Capture {
   Exposure exposure;
   std::vector<Frame> frames;
   std::optional<Truth> truth;
-  std::optional<std::array<double, 4>> face_px;          ///< x, y, width, height in full-sensor pixels, where known
-  nlohmann::json provenance = nlohmann::json::object();  ///< program version, scene hash, seed, all options
+  std::optional<std::array<double, 4>> face_px;  ///< x, y, width, height in full-sensor pixels, where known
+  Provenance provenance;
 };
 
 inline constexpr int kCaptureFormatVersion = 1;

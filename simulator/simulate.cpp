@@ -332,7 +332,7 @@ Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& s
   add_truth_pictures(s, world, view, unit_per_nit, stage, truth);
 
   const ViewSampling sampling = sample_map_of(s, world, view, unit_per_nit, step_of(stage, "error of the two views"));
-  if (s.time_budget_s) capture.provenance["noise_fraction_reached"] = expected_error(sampling.map, poses(s));
+  if (s.time_budget_s) capture.provenance.noise_fraction_reached = expected_error(sampling.map, poses(s));
   Image electrons;
   for (int i = 0; i < s.burst_frames; ++i) {
     const Moment middle = moment(s, view, middle_s(s, i));
@@ -352,7 +352,7 @@ Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& s
     capture.frames.back().camera_from_world = row_major(glm::inverse(middle.view.world_from_camera));
     if (stage) stage("sensor", (i + 1.0) / s.burst_frames);
   }
-  capture.provenance["scene"] = s.json;
+  capture.provenance.scene = s.json.dump();
   return capture;
 }
 

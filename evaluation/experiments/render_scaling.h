@@ -1,6 +1,6 @@
 #pragma once
 #include <functional>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 /// How the renderer's cost grows, on a scene made by code: a wall of waves, of as many triangles as asked for, under a

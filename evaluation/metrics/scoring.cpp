@@ -217,7 +217,7 @@ Json score_result(const Capture& capture, const std::string& capture_path, const
   const pipeline::PortraitResult& result = has_moved(stored.result, truth) ? moved : stored.result;
 
   Json score = {{"format", "dualpixel-score"}, {"version", 1}, {"capture", capture_path}, {"result", result_path}};
-  score["mode"] = stored.json["provenance"].value("mode", nlohmann::json("unknown"));
+  score["mode"] = stored.mode.empty() ? "unknown" : stored.mode;
   if (!result.disparity_dp_px.empty()) {
     score["definitions"] = {{"confident_threshold", kConfidentThreshold},
                             {"depth_edges_jump_dp_px", kEdgeJumpDpPx},

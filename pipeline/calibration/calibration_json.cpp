@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "capture/camera_json.h"
 #include "capture/json_fields.h"

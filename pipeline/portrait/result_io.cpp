@@ -14,7 +14,6 @@
 namespace dualpixel::pipeline {
 namespace {
 
-
 constexpr const char* kFormat = "dualpixel-result";
 constexpr const char* kSigma = "sigma_dp_px";
 constexpr const char* kMarker = "result.json";
@@ -137,10 +136,11 @@ StoredResult read_result(const std::string& path) {
   if (result.disparity_dp_px.empty() != result.confidence.empty()) {
     throw InputError(printable(file("maps.exr")) + ": disparity_dp_px and confidence must come together");
   }
-  const nlohmann::json mode = stored.json["provenance"].value("mode", nlohmann::json());
-  if (result.disparity_dp_px.empty() && (mode == "dp" || mode == "dp+seg")) {
-    throw InputError(fmt::format("{}: lacks disparity_dp_px, which /provenance/mode {} makes",
-                                 printable(file("maps.exr")), mode.dump()));
+  const auto mode = stored.json["provenance"].find("mode");
+  if (mode != stored.json["provenance"].end() && mode->is_string()) stored.mode = mode->get<std::string>();
+  if (result.disparity_dp_px.empty() && (stored.mode == "dp" || stored.mode == "dp+seg")) {
+    throw InputError(fmt::format("{}: lacks disparity_dp_px, which /provenance/mode \"{}\" makes",
+                                 printable(file("maps.exr")), stored.mode));
   }
   if (std::filesystem::exists(file("matched.exr"))) {
     const std::vector<std::string> stored_channels = picture_size(file("matched.exr")).channels;

@@ -17,6 +17,7 @@ namespace dualpixel::pipeline {
 struct StoredResult {
   PortraitResult result;
   nlohmann::json json;  ///< result.json as it stands
+  std::string mode;     ///< "dp", "dp+seg" or "seg"; empty where its provenance does not say
 };
 
 inline constexpr int kResultFormatVersion = 1;

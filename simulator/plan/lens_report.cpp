@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "capture/error.h"
 #include "simulator/sampling/sobol.h"
 
 namespace dualpixel::simulator {
 namespace {
-
 
 constexpr double kDegree = M_PI / 180;
 

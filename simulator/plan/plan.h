@@ -1,6 +1,6 @@
 #pragma once
 #include <cstdint>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,8 +19,8 @@
 /// it.
 ///
 /// Bounces and samples are measured on pilot renders of tiles spread over the frame (the whole sensor, where it is
-/// small), through the dearest model short of the exact trace, by what they do to a matcher (simulator/plan/match_error.h) in
-/// windows that have texture.
+/// small), through the dearest model short of the exact trace, by what they do to a matcher
+/// (simulator/plan/match_error.h) in windows that have texture.
 ///   Samples  renders that differ by their seeds alone scatter by their error. Measured at 16 and 64 samples with
 ///            8 bounces, scaled to fewer bounces by their noise at 16; from there on to the next it is taken to fall as
 ///            1/sqrt(samples), the least that sampling does.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "capture/capture.h"
 #include "capture/error.h"
@@ -55,7 +56,9 @@ Capture small_capture(bool with_truth) {
     frame.camera_from_world[3] = 0.1 * i;
   }
   capture.face_px = {{1, 2, 3, 4}};
-  capture.provenance = {{"program", "dualpixel 0.1.0"}, {"options", {{"samples", 64}}}};
+  capture.provenance.program = "dualpixel 0.1.0";
+  capture.provenance.scene = R"({"samples":64})";
+  capture.provenance.other["options"] = "[1,2.5]";
   if (with_truth) {
     Truth& truth = capture.truth.emplace();
     truth.depth_m = pattern<float>(16, 8, 1, 1);

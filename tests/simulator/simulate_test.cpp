@@ -204,7 +204,7 @@ TEST(Simulate, SpendsTheTimeItIsGiven) {
     const Capture capture = simulate(read_simulation(document, "s.json"), scene);
     const Image& samples = capture.truth->samples;
     spent[i] = std::accumulate(samples.data.begin(), samples.data.end(), 0.0) / 64;
-    share[i] = capture.provenance["noise_fraction_reached"];
+    share[i] = capture.provenance.noise_fraction_reached.value();
   }
   EXPECT_EQ(spent[0], 32);
   EXPECT_EQ(spent[1], 16384);

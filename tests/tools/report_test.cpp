@@ -33,7 +33,7 @@ std::vector<evaluation::CaptureSection> hostile_sections() {
   const Capture capture = synthetic_capture();
   pipeline::StoredResult stored = synthetic_stored(capture);
   stored.result.stages[0].name = kHostile;
-  stored.json["provenance"]["mode"] = kHostile;
+  stored.mode = kHostile;
   evaluation::ResultSection result{kHostile, kHostile, {picture, picture}, {picture}, {}, {}, {}};
   result.score = evaluation::score_result(capture, kHostile, stored, kHostile);
   result.score["notes"].push_back(kHostile);

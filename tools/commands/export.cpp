@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/capture.h"
+#include "capture/capture_json.h"
 #include "capture/dng.h"
 #include "capture/error.h"
 #include "capture/files.h"
@@ -251,7 +252,7 @@ void run(const ExportOptions& options) {
   format.write({capture, options.capture, name, folder.path()});
   const nlohmann::ordered_json about = {
       {"format", "dualpixel-export"}, {"version", 1},    {"layout", options.format},
-      {"meaning", format.meaning},    {"capture", name}, {"provenance", capture.provenance}};
+      {"meaning", format.meaning},    {"capture", name}, {"provenance", to_json(capture.provenance, options.capture)}};
   write_file(folder.path() + "/export.json",
              about.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   folder.commit();

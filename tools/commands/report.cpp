@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "capture/capture.h"
+#include "capture/capture_json.h"
 #include "capture/error.h"
 #include "capture/files.h"
 #include "evaluation/metrics/image_metrics.h"
@@ -96,7 +97,7 @@ evaluation::CaptureSection capture_section(const Capture& capture, const std::st
       gain);
   section.flicker = {picture("left view", caption, evaluation::displayed(left, gain)),
                      picture("right view", caption, evaluation::displayed(right, gain))};
-  section.provenance = capture.provenance;
+  section.provenance = to_json(capture.provenance, path);
   return section;
 }
 
@@ -160,8 +161,7 @@ evaluation::ResultSection result_section(const Capture& capture, const std::stri
   section.name = path;
   section.provenance = stored.json["provenance"];
   section.stages = stored.json["stages"];
-  const auto mode = section.provenance.find("mode");
-  if (mode != section.provenance.end() && mode->is_string()) section.mode = mode->get<std::string>();
+  section.mode = stored.mode;
   if (truth) section.score = evaluation::score_result(capture, capture_path, stored, path);
 
   const PageSize to_page(capture.camera);

@@ -51,12 +51,12 @@ void run(const SimulateOptions& options) {
     const NewFolder writable(options.output, "capture.json");
   }
   for (const std::string& warning : scene.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
-  nlohmann::json plan_of_capture;
+  std::string plan_of_capture;
   if (options.automatic) {
     const simulator::Plan chosen =
         simulator::plan(simulation, scene, options.tolerance_dp_px, simulation.render.seed, Progress("plan"));
     simulation = simulator::planned(std::move(simulation), chosen);
-    plan_of_capture = simulator::plan_json(chosen, false);
+    plan_of_capture = simulator::plan_json(chosen, false).dump();
     const std::string text = simulator::plan_text(chosen);
     std::cerr << text.substr(text.rfind('\n', text.size() - 2) + 1);  // the sentence that concludes it
   }
@@ -84,10 +84,10 @@ void run(const SimulateOptions& options) {
   Capture capture = simulator::simulate(simulation, scene, [&](const std::string& stage, double fraction) {
     bars.try_emplace(stage, stage).first->second(fraction);
   });
-  capture.provenance["program"] = "dualpixel " DUALPIXEL_VERSION;
-  capture.provenance["scene_file"] = std::filesystem::path(options.scene).filename().string();
-  capture.provenance["gltf_xxh64"] = file_hash(simulation.gltf_path);
-  if (options.automatic) capture.provenance["plan"] = plan_of_capture;
+  capture.provenance.program = "dualpixel " DUALPIXEL_VERSION;
+  capture.provenance.scene_file = std::filesystem::path(options.scene).filename().string();
+  capture.provenance.gltf_xxh64 = file_hash(simulation.gltf_path);
+  capture.provenance.plan = plan_of_capture;
   write_capture(capture, options.output);
   std::error_code left_behind;  // the capture is there: not worth failing for
   if (options.resume) std::filesystem::remove(journal_path, left_behind);

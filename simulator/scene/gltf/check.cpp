@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <vector>
 
@@ -606,7 +607,8 @@ class Checker {
     std::vector<bool> is_reached(nodes, false);
     for (std::size_t i = 0; i < reached.size(); ++i) {
       is_reached[reached[i]] = true;
-      reached.insert(reached.end(), children_[reached[i]].begin(), children_[reached[i]].end());
+      // One by one: of insert(), GCC 14 believes that it could overflow.
+      for (const std::uint64_t child : children_[reached[i]]) reached.push_back(child);
     }
     for (std::size_t node = 0; node < nodes; ++node) {
       if (!is_reached[node]) {

@@ -77,7 +77,7 @@ inline PortraitResult synthetic_result(const Capture& capture) {
 /// As read_result() would give it.
 inline StoredResult synthetic_stored(const Capture& capture) {
   const nlohmann::json stages = {{{"name", "merge"}, {"ms", 12.5}, {"peak_rss_mb", 300}}};
-  return {synthetic_result(capture), {{"provenance", {{"mode", "dp"}}}, {"stages", stages}}};
+  return {synthetic_result(capture), {{"provenance", {{"mode", "dp"}}}, {"stages", stages}}, "dp"};
 }
 
 }  // namespace dualpixel::pipeline

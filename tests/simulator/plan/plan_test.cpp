@@ -208,7 +208,7 @@ TEST(SlowPlanProgram, SimulateAutoAppliesItAndRecordsIt) {
   ASSERT_EQ(run_program(arguments + "'" + (folder / "a") + "'").status, 0);
   ASSERT_EQ(run_program(arguments + "'" + (folder / "b") + "' --threads 1").status, 0);
   EXPECT_EQ(read_bytes(folder / "a/capture.json"), read_bytes(folder / "b/capture.json"));
-  const nlohmann::json plan_of_capture = read_capture(folder / "a", false).provenance["plan"];
+  const nlohmann::json plan_of_capture = nlohmann::json::parse(read_capture(folder / "a", false).provenance.plan);
   EXPECT_EQ(plan_of_capture["chosen"]["max_bounces"], 0);
   EXPECT_EQ(plan_of_capture["tolerance_dp_px"], 0.05);
   // and it differs from what the scene file says

@@ -1,4 +1,5 @@
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "capture/files.h"
 #include "evaluation/experiments/noise.h"

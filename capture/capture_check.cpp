@@ -1,0 +1,121 @@
+#include "capture/capture_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "capture/error.h"
+
+namespace dualpixel {
+
+CaptureCheck::CaptureCheck(std::string where) : where_(std::move(where)) {}
+
+void CaptureCheck::require(bool holds, const std::string& field, const std::string& why) const {
+  if (!holds) throw InputError(fmt::format("{}: {}: {}", printable(where_), field, why));
+}
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+void check_frame(const Frame& frame, const Capture& capture, const std::string& field, const CaptureCheck& check) {
+  const Camera& camera = capture.camera;
+  if (!frame.mosaic.empty()) check.require_size(frame.mosaic, camera.width_px, camera.height_px, 1, field + "/mosaic");
+  check.require(frame.mosaic.empty() == capture.frames.front().mosaic.empty(), field + "/mosaic",
+                "either every frame has a mosaic or none");
+  check.require_size(frame.left, camera.dp_width(), camera.dp_height(), 1, field + "/left");
+  check.require_size(frame.right, camera.dp_width(), camera.dp_height(), 1, field + "/right");
+  const int largest = (1 << capture.exposure.bits) - 1;
+  for (const ImageU16* image : {&frame.mosaic, &frame.left, &frame.right}) {
+    const auto high = std::max_element(image->data.begin(), image->data.end());
+    check.require(
+        image->empty() || *high <= largest, field,
+        fmt::format("holds the digital number {}, beyond {} bits", image->empty() ? 0 : *high, capture.exposure.bits));
+  }
+  for (const double value : frame.camera_from_world) {
+    check.require(std::isfinite(value), field + "/camera_from_world", "must be finite");
+  }
+}
+
+void check_truth(const Truth& truth, const Camera& camera, const CaptureCheck& check) {
+  const int width = camera.width_px, height = camera.height_px;
+  check.require(truth.photograph_aperture_scale > 0, "/truth/photograph_aperture_scale", "must be positive");
+  check.require_size(truth.depth_m, width, height, 1, "/truth/Z");
+  check.require_size(truth.blur_px, width, height, 1, "/truth/blur_px");
+  check.require_size(truth.disparity_dp_px, width, height, 1, "/truth/disparity_dp_px");
+  check.require_size(truth.normal, width, height, 3, "/truth/N");
+  check.require_size(truth.object_id, width, height, 1, "/truth/id");
+  check.require_size(truth.person_mask, width, height, 1, "/truth/person");
+  check.require_size(truth.valid, width, height, 1, "/truth/valid");
+  check.require_size(truth.all_in_focus, width, height, 3, "/truth/all_in_focus");
+  check.require_size(truth.photograph, width, height, 3, "/truth/photograph");
+
+  for (std::size_t i = 0; i < truth.motion.size(); ++i) {
+    const std::string field = fmt::format("/truth/motion/{}", i);
+    check.require_size(truth.motion[i], width, height, 2, field);
+    check.require(std::none_of(truth.motion[i].data.begin(), truth.motion[i].data.end(),
+                               [](float v) { return std::isnan(v) || v == -kInfinity; }),
+                  field, "must be finite, or infinite behind the camera");
+  }
+  if (!truth.samples.empty() || !truth.render_sigma.empty()) {
+    check.require_size(truth.samples, width, height, 1, "/truth/samples");
+    check.require_size(truth.render_sigma, width, height, 1, "/truth/render_sigma");
+  }
+
+  const auto all = [](const Image& image, auto holds) {
+    return std::all_of(image.data.begin(), image.data.end(), holds);
+  };
+  const auto finite = [](float v) { return std::isfinite(v); };
+  check.require(all(truth.valid, [](float v) { return v == 0 || v == 1; }), "/truth/valid", "must be 0 or 1");
+  check.require(all(truth.person_mask, [](float v) { return v >= 0 && v <= 1; }), "/truth/person",
+                "must lie in [0, 1]");
+  check.require(all(truth.blur_px, finite), "/truth/blur_px", "must be finite");
+  check.require(all(truth.disparity_dp_px, finite), "/truth/disparity_dp_px", "must be finite");
+  check.require(all(truth.normal, finite), "/truth/N", "must be finite");
+  check.require(all(truth.all_in_focus, finite), "/truth/all_in_focus", "must be finite");
+  check.require(all(truth.photograph, finite), "/truth/photograph", "must be finite");
+  check.require(all(truth.samples, [](float v) { return v >= 1 && v <= 65536; }), "/truth/samples",
+                "must lie in [1, 65536]");
+  check.require(all(truth.render_sigma, [](float v) { return v >= 0 && std::isfinite(v); }), "/truth/render_sigma",
+                "must be finite and 0 or more");
+  for (std::size_t i = 0; i < truth.depth_m.data.size(); ++i) {
+    const float depth_m = truth.depth_m.data[i];
+    check.require(truth.valid.data[i] == 1 ? depth_m > 0 && std::isfinite(depth_m) : depth_m == kInfinity, "/truth/Z",
+                  "must be positive and finite where valid is 1, infinite where it is 0");
+  }
+}
+
+}  // namespace
+
+void check_capture(const Capture& capture, const CaptureCheck& check) {
+  const Camera& camera = capture.camera;
+  check.require(camera.width_px % 2 == 0, "/camera/width_px", "must be even");
+  check.require(camera.height_px % 4 == 0, "/camera/height_px", "must be a multiple of 4");
+  check.require(camera.width_px % camera.dp_downsample_x == 0, "/camera/dp_downsample_x", "must divide width_px");
+  check.require(camera.height_px % camera.dp_downsample_y == 0, "/camera/dp_downsample_y", "must divide height_px");
+  check.require(
+      camera.focus_distance_m > camera.focal_length_mm * 1e-3, "/camera/focus_distance_m",
+      fmt::format("{:g} m lies inside the focal length of {:g} mm", camera.focus_distance_m, camera.focal_length_mm));
+  const Exposure& exposure = capture.exposure;
+  check.require(exposure.white_level_dn <= (1 << exposure.bits) - 1, "/exposure/white_level_dn",
+                fmt::format("{:g} is beyond {} bits", exposure.white_level_dn, exposure.bits));
+  check.require(
+      exposure.black_level_dn < exposure.white_level_dn, "/exposure/black_level_dn",
+      fmt::format("{:g} must be below the white level {:g}", exposure.black_level_dn, exposure.white_level_dn));
+  check.require(std::all_of(exposure.white_balance.begin(), exposure.white_balance.end(),
+                            [](double gain) { return gain > 0 && std::isfinite(gain); }),
+                "/exposure/white_balance", "gains must be positive");
+  check.require(!capture.frames.empty() && capture.frames.size() <= kMostFrames, "/frames",
+                fmt::format("{} frames; 1 to {} are allowed", capture.frames.size(), kMostFrames));
+  for (std::size_t i = 0; i < capture.frames.size(); ++i) {
+    check_frame(capture.frames[i], capture, fmt::format("/frames/{}", i), check);
+  }
+  if (!capture.truth) return;
+  check_truth(*capture.truth, camera, check);
+  const std::size_t moved = capture.truth->motion.size();
+  check.require(moved == 0 || moved == capture.frames.size() - 1, "/truth/motion",
+                fmt::format("{} of them: one for each frame but the first, or none", moved));
+}
+
+}  // namespace dualpixel

@@ -1,0 +1,141 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "capture/capture.h"
+#include "capture/capture_check.h"
+#include "capture/capture_files.h"
+#include "capture/capture_json.h"
+#include "capture/files.h"
+#include "capture/image/image_io.h"
+
+namespace dualpixel {
+namespace {
+
+namespace fs = std::filesystem;
+using json = nlohmann::ordered_json;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr float kLargestHalf = 65504;
+
+/// A capture's files on their way to disk.
+struct Output {
+  std::string folder;
+  std::vector<FileTask> tasks;
+  std::vector<std::string> names;  ///< within the folder, for the manifest
+
+  std::string add(std::string name) {
+    names.push_back(std::move(name));
+    return folder + "/" + names.back();
+  }
+};
+
+bool fits_half(const Image& image) {
+  return std::all_of(image.data.begin(), image.data.end(), [](float v) { return std::abs(v) <= kLargestHalf; });
+}
+
+/// Writes the frames' images; returns "frames" of capture.json.
+json write_frames(const Capture& capture, Output& output) {
+  json frames = json::array();
+  fs::create_directory(output.folder + "/frames");
+  for (std::size_t i = 0; i < capture.frames.size(); ++i) {
+    const Frame& frame = capture.frames[i];
+    json entry;
+    const auto write_image = [&](const char* kind, const ImageU16& pixels) {
+      if (pixels.empty()) return;
+      const std::string name = fmt::format("frames/{:03}_{}.png", i, kind);
+      entry[kind] = name;
+      output.tasks.push_back([&pixels, file = output.add(name)] { write_png16(file, pixels); });
+    };
+    write_image("mosaic", frame.mosaic);
+    write_image("left", frame.left);
+    write_image("right", frame.right);
+    entry["seed"] = frame.seed;
+    entry["camera_from_world"] = frame.camera_from_world;
+    frames.push_back(entry);
+  }
+  return frames;
+}
+
+/// Writes the linear RGB images of the truth, with the camera's settings as EXR attributes.
+void write_truth_pictures(const Truth& truth, const Capture& capture, Output& output) {
+  const auto write_picture = [&](const char* name, const Image& image, double f_number) {
+    const std::vector<std::pair<std::string, float>> attributes = {
+        {"focus", static_cast<float>(capture.camera.focus_distance_m)},
+        {"aperture", static_cast<float>(f_number)},
+        {"isoSpeed", static_cast<float>(capture.exposure.iso)},
+        {"expTime", static_cast<float>(capture.exposure.time_s)}};
+    output.tasks.push_back([&image, file = output.add(name), attributes] {
+      write_exr(file, {{"R", &image, 0}, {"G", &image, 1}, {"B", &image, 2}}, fits_half(image), nullptr, attributes);
+    });
+  };
+  write_picture(kAllInFocusFile, truth.all_in_focus, kInfinity);
+  write_picture(kPhotographFile, truth.photograph, capture.camera.f_number / truth.photograph_aperture_scale);
+}
+
+/// Writes the truth's images; returns "truth" of capture.json.
+json write_truth(const Truth& truth, const Capture& capture, Output& output) {
+  fs::create_directory(output.folder + "/truth");
+  json entry = {{"geometry", kGeometryFile},
+                {"all_in_focus", kAllInFocusFile},
+                {"photograph", kPhotographFile},
+                {"photograph_aperture_scale", truth.photograph_aperture_scale}};
+  output.tasks.push_back([&truth, &capture, file = output.add(kGeometryFile)] {
+    write_exr(file,
+              {{"Z", &truth.depth_m},
+               {"blur_px", &truth.blur_px},
+               {"disparity_dp_px", &truth.disparity_dp_px},
+               {"N.X", &truth.normal, 0},
+               {"N.Y", &truth.normal, 1},
+               {"N.Z", &truth.normal, 2},
+               {"person", &truth.person_mask},
+               {"valid", &truth.valid}},
+              false, &truth.object_id, {{"focus", static_cast<float>(capture.camera.focus_distance_m)}});
+  });
+  write_truth_pictures(truth, capture, output);
+  for (std::size_t i = 0; i < truth.motion.size(); ++i) {
+    entry["motion"].push_back(motion_file(i));
+    output.tasks.push_back([&image = truth.motion[i], file = output.add(motion_file(i))] {
+      write_exr(file, {{"x", &image, 0}, {"y", &image, 1}}, false);
+    });
+  }
+  if (!truth.samples.empty()) {
+    entry["sampling"] = kSamplingFile;
+    output.tasks.push_back([&truth, file = output.add(kSamplingFile)] {
+      write_exr(file, {{"samples", &truth.samples}, {"sigma", &truth.render_sigma}}, false, nullptr, {});
+    });
+  }
+  return entry;
+}
+
+}  // namespace
+
+void write_capture(const Capture& capture, const std::string& path) {
+  const json camera = to_json(capture.camera), exposure = to_json(capture.exposure);
+  const nlohmann::json provenance = to_json(capture.provenance, path);
+  // What read_capture would refuse is not written.
+  const nlohmann::json camera_to_read = camera, exposure_to_read = exposure;
+  read_camera(Fields(camera_to_read, path, "/camera"));
+  read_exposure(Fields(exposure_to_read, path, "/exposure"));
+  check_capture(capture, CaptureCheck(path));
+
+  NewFolder folder(path, kCaptureMarker);
+  Output output{folder.path(), {}, {}};
+  json document = {{"format", kCaptureFormat},     {"version", kCaptureFormatVersion},
+                   {"conventions", conventions()}, {"camera", camera},
+                   {"exposure", exposure},         {"frames", write_frames(capture, output)}};
+  if (capture.face_px) document["face_px"] = *capture.face_px;
+  if (capture.truth) document["truth"] = write_truth(*capture.truth, capture, output);
+  document["provenance"] = provenance;
+  run_parallel(output.tasks);
+
+  document["files"] = make_manifest(output.folder, output.names);
+  write_file(output.folder + "/" + kCaptureMarker, document.dump(2) + "\n");
+  folder.commit();
+}
+
+}  // namespace dualpixel
