@@ -11,13 +11,13 @@ if(DUALPIXEL_ONEDNN AND NOT TARGET dualpixel_onednn)
            REGEX "define DNNL_VERSION_MAJOR")
       string(REGEX MATCH "[0-9]+" dualpixel_onednn_version "${dualpixel_onednn_version}")
     endif()
-    if(dualpixel_onednn_version STREQUAL 2)
+    if(dualpixel_onednn_version MATCHES "^[23]$")
       add_library(dualpixel_onednn UNKNOWN IMPORTED GLOBAL)
       set_target_properties(dualpixel_onednn PROPERTIES IMPORTED_LOCATION ${DUALPIXEL_ONEDNN_LIBRARY}
                             INTERFACE_INCLUDE_DIRECTORIES ${DUALPIXEL_ONEDNN_HEADERS}
                             INTERFACE_LINK_LIBRARIES gomp)  # its threads are OpenMP's
     else()
-      message(STATUS "oneDNN ${dualpixel_onednn_version} found: dualpixel is written for version 2")
+      message(STATUS "oneDNN ${dualpixel_onednn_version} found: dualpixel is written for versions 2 and 3")
     endif()
   endif()
 endif()

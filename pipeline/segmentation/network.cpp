@@ -25,6 +25,36 @@ namespace {
 
 using dnnl::memory;
 
+// ---- what differs between oneDNN 2 and 3 ----
+
+#if DNNL_VERSION_MAJOR >= 3
+
+void append_relu(dnnl::post_ops& ops) { ops.append_eltwise(dnnl::algorithm::eltwise_relu, 0, 0); }
+
+memory::dims dims_of(const memory& m) { return m.get_desc().get_dims(); }
+
+template <typename Primitive, typename... Arguments>
+typename Primitive::primitive_desc describe(const dnnl::engine& engine, const dnnl::primitive_attr& attributes,
+                                            const Arguments&... arguments) {
+  return {engine, dnnl::prop_kind::forward_inference, arguments..., attributes};
+}
+
+#else
+
+void append_relu(dnnl::post_ops& ops) { ops.append_eltwise(1, dnnl::algorithm::eltwise_relu, 0, 0); }
+
+memory::dims dims_of(const memory& m) { return m.get_desc().dims(); }
+
+template <typename Primitive, typename... Arguments>
+typename Primitive::primitive_desc describe(const dnnl::engine& engine, const dnnl::primitive_attr& attributes,
+                                            const Arguments&... arguments) {
+  return {typename Primitive::desc(dnnl::prop_kind::forward_inference, arguments...), attributes, engine};
+}
+
+#endif
+
+// ---- the network ----
+
 /// How a precision's channels lie in memory: for AVX2 eight together, missing ones 0; for AMX all of a pixel's.
 struct Layout {
   memory::data_type type;
@@ -53,13 +83,13 @@ enum class Then { nothing, relu, add_relu };  ///< add: onto what the destinatio
 dnnl::primitive_attr attributes(Then then) {
   dnnl::post_ops ops;
   if (then == Then::add_relu) ops.append_sum(1);
-  if (then != Then::nothing) ops.append_eltwise(1, dnnl::algorithm::eltwise_relu, 0, 0);
+  if (then != Then::nothing) append_relu(ops);
   dnnl::primitive_attr attr;
   attr.set_post_ops(ops);
   return attr;
 }
 
-int side_of(const memory& m) { return static_cast<int>(m.get_desc().dims()[2]); }
+int side_of(const memory& m) { return static_cast<int>(dims_of(m)[2]); }
 
 }  // namespace
 
@@ -102,7 +132,7 @@ struct PersonNetwork::Layers {
   /// The input as the first layer takes it.
   memory picture() {
     if (layout.type == memory::data_type::f32) return input;
-    memory converted({input.get_desc().dims(), layout.type, layout.format}, engine);
+    memory converted({dims_of(input), layout.type, layout.format}, engine);
     steps.emplace_back(dnnl::reorder(input, converted),
                        std::unordered_map<int, memory>{{DNNL_ARG_FROM, input}, {DNNL_ARG_TO, converted}});
     return converted;
@@ -118,12 +148,12 @@ struct PersonNetwork::Layers {
   void convolve_onto(const memory& source, const ConvWeights& conv, int stride, Then then, const memory& destination) {
     const memory::dims shape = {conv.out, conv.in, conv.kernel, conv.kernel};
     const memory::dim before = conv.kernel / 2, after = stride == 1 ? before : before - (stride - 1);
-    const dnnl::convolution_forward::desc description(
-        dnnl::prop_kind::forward_inference, dnnl::algorithm::convolution_direct, source.get_desc(),
+    const memory::dims strides = {stride, stride}, padding_before = {before, before}, padding_after = {after, after};
+    const auto primitive = describe<dnnl::convolution_forward>(
+        engine, attributes(then), dnnl::algorithm::convolution_direct, source.get_desc(),
         memory::desc(shape, layout.type, memory::format_tag::any),
-        memory::desc({conv.out}, memory::data_type::f32, memory::format_tag::x), destination.get_desc(),
-        {stride, stride}, {before, before}, {after, after});
-    const dnnl::convolution_forward::primitive_desc primitive(description, attributes(then), engine);
+        memory::desc({conv.out}, memory::data_type::f32, memory::format_tag::x), destination.get_desc(), strides,
+        padding_before, padding_after);
     steps.emplace_back(
         dnnl::convolution_forward(primitive),
         std::unordered_map<int, memory>{
@@ -134,10 +164,9 @@ struct PersonNetwork::Layers {
   }
 
   void add_twice_as_large(const memory& source, const memory& destination) {
-    const dnnl::resampling_forward::desc description(dnnl::prop_kind::forward_inference,
-                                                     dnnl::algorithm::resampling_nearest, source.get_desc(),
-                                                     destination.get_desc());
-    const dnnl::resampling_forward::primitive_desc primitive(description, attributes(Then::add_relu), engine);
+    const auto primitive =
+        describe<dnnl::resampling_forward>(engine, attributes(Then::add_relu), dnnl::algorithm::resampling_nearest,
+                                           source.get_desc(), destination.get_desc());
     steps.emplace_back(dnnl::resampling_forward(primitive),
                        std::unordered_map<int, memory>{{DNNL_ARG_SRC, source}, {DNNL_ARG_DST, destination}});
   }

@@ -167,6 +167,24 @@ bool move_bytes(std::vector<unsigned char>* out, std::string*, const std::string
 
 bool write_nothing(std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; }
 
+bool size_of_key(std::size_t* size, std::string*, const std::string& key, void* bytes) {
+  *size = static_cast<Bytes*>(bytes)->at(key).size();
+  return true;
+}
+
+/// A template, since tinygltf has GetFileSizeInBytes only from version 2.9 on.
+template <typename Callbacks>
+Callbacks read_from(Bytes& bytes) {
+  Callbacks callbacks{};
+  callbacks.FileExists = key_exists;
+  callbacks.ExpandFilePath = same_key;
+  callbacks.ReadWholeFile = move_bytes;
+  callbacks.WriteWholeFile = write_nothing;
+  if constexpr (requires { callbacks.GetFileSizeInBytes; }) callbacks.GetFileSizeInBytes = size_of_key;
+  callbacks.user_data = &bytes;
+  return callbacks;
+}
+
 bool keep_encoded(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes,
                   int size, void*) {
   image->image.assign(bytes, bytes + size);
@@ -206,7 +224,7 @@ GltfFile load_gltf(const std::string& bytes, const std::string& name, const std:
   root = nullptr;
 
   tinygltf::TinyGLTF loader;
-  loader.SetFsCallbacks({key_exists, same_key, move_bytes, write_nothing, &uri_bytes});
+  loader.SetFsCallbacks(read_from<tinygltf::FsCallbacks>(uri_bytes));
   loader.SetImageLoader(keep_encoded, nullptr);
   std::string error, warning;
   if (!loader.LoadASCIIFromString(&file.model, &error, &warning, text.c_str(), static_cast<unsigned>(text.size()),
