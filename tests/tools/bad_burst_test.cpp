@@ -22,7 +22,7 @@ using nlohmann::json;
 /// Three frames of random cells, the third of other cells, as if it had moved further than any search reaches, and of
 /// less contrast, so that it is not the base.
 Capture burst() {
-  Capture capture = synthetic_capture(128, 96);
+  Capture capture = pipeline::synthetic_capture(128, 96);
   capture.exposure.mosaic_noise = {0.2, 1.5};
   capture.exposure.dp_noise = {0.05, 0.5};
   const auto cells = [](ImageU16& image, std::uint64_t seed) {

@@ -120,15 +120,15 @@ TEST(CliInfo, DescribesAPeopleSetAndVerifiesIt) {
   const TemporaryFolder folder;
   const std::string path = folder / "set", info = "info --json '" + path + "'";
   constexpr std::size_t kPixels = std::size_t{scenes::kPictureSide_px} * scenes::kPictureSide_px;
-  const tools::PeopleArrays arrays = {std::vector<std::uint8_t>(9 * kPixels),
-                                      std::vector<std::uint8_t>(3 * kPixels),
-                                      std::vector<float>(std::size_t{3 * 3} * scenes::kKeypoints),
-                                      {9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9},
-                                      R"([{"people": 2, "composite": true, "tags": [], "seed": 1},)"
-                                      R"({"people": 1, "composite": true, "tags": [], "seed": 1},)"
-                                      R"({"people": 1, "composite": false, "tags": [], "seed": 2}])"};
+  const scenes::PeopleArrays arrays = {std::vector<std::uint8_t>(9 * kPixels),
+                                       std::vector<std::uint8_t>(3 * kPixels),
+                                       std::vector<float>(std::size_t{3 * 3} * scenes::kKeypoints),
+                                       {9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9},
+                                       R"([{"people": 2, "composite": true, "tags": [], "seed": 1},)"
+                                       R"({"people": 1, "composite": true, "tags": [], "seed": 1},)"
+                                       R"({"people": 1, "composite": false, "tags": [], "seed": 2}])"};
   for (const bool held_out : {false, true}) {
-    tools::write_people_arrays(path, arrays, 1, held_out);
+    scenes::write_people_arrays(path, arrays, 1, held_out);
     const Outcome outcome = run_program(info);
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     const auto set = nlohmann::json::parse(outcome.out);

@@ -25,7 +25,7 @@ int color_at(const std::string& cfa, int x, int y) {
 }
 
 Capture card(const std::string& cfa) {
-  Capture capture = synthetic_capture(kWidth, kHeight);
+  Capture capture = pipeline::synthetic_capture(kWidth, kHeight);
   capture.camera.cfa = cfa;
   capture.exposure.white_balance = {1.9, 1, 1.6};
   capture.exposure.time_s = 0.01;

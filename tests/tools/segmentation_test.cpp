@@ -42,7 +42,7 @@ TEST(MaskMetrics, AreTheirFormulas) {
 /// person, and holds something.
 void write_followed(const std::string& folder) {
   constexpr std::size_t kSide = scenes::kPictureSide_px, n = 2;
-  PeopleArrays arrays;
+  scenes::PeopleArrays arrays;
   arrays.faces = {100, 60, 30, 30, 50, 90, 40, 40};
   arrays.pictures.assign(n * kSide * kSide * 3, 0x80);
   arrays.masks.resize(n * kSide * kSide);
@@ -66,10 +66,10 @@ void write_followed(const std::string& folder) {
   std::copy_n(wrist, 3, arrays.keypoints.begin() + (scenes::kKeypoints + 10) * 3);
   arrays.samples_json = R"([{"people": 1, "composite": false, "tags": ["hair:long"], "seed": 1},)"
                         R"( {"people": 2, "composite": true, "tags": ["hair:long", "held:cup"], "seed": 2}])";
-  write_people_arrays(folder, arrays, 1, true);
+  scenes::write_people_arrays(folder, arrays, 1, true);
 }
 
-TEST(evaluation::PeopleScores, AreTheirFormulas) {
+TEST(PeopleScores, AreTheirFormulas) {
   if (!pipeline::has_person_network()) GTEST_SKIP() << "built without oneDNN";
   const TemporaryFolder folder;
   write_followed(folder / "set");
@@ -333,12 +333,12 @@ TEST(SlowPortraitPeople, SixteenBitFloatsFindTheSame) {
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     return pipeline::read_result(folder / "out").result.mask;
   };
-  const Image mask = evaluation::mask_of("");
+  const Image mask = mask_of("");
   if (!__builtin_cpu_supports("avx512bw")) {
     expect_one_line_refusal(run_program(portrait + "--bf16"));
     return;
   }
-  const Image rounded = evaluation::mask_of("--bf16");
+  const Image rounded = mask_of("--bf16");
   ASSERT_TRUE(rounded.same_size(mask));
   double sum = 0, difference = 0;
   for (std::size_t i = 0; i < mask.data.size(); ++i) {
