@@ -22,7 +22,7 @@ void write_view(const std::string& path, Image view) {
   write_png8(path, view);
 }
 
-TEST(pipeline::PlainPair, ViewsAreLinearLightAndThePictureTheirMean) {
+TEST(PlainPair, ViewsAreLinearLightAndThePictureTheirMean) {
   const TemporaryFolder folder;
   Image left(3, 3, 3, 0.1f), right(3, 3, 3, 0.2f);
   left.at(2, 1, 0) = 0.5f;
@@ -44,7 +44,7 @@ TEST(pipeline::PlainPair, ViewsAreLinearLightAndThePictureTheirMean) {
   EXPECT_GT(capture.exposure.dp_noise.shot_dn, 0);
 }
 
-TEST(pipeline::PlainPair, MetadataSaysWhatTheNumbersMean) {
+TEST(PlainPair, MetadataSaysWhatTheNumbersMean) {
   const TemporaryFolder folder;
   write_png16(folder / "l.png", ImageU16(4, 4, 1, 16384));
   write_png16(folder / "r.png", ImageU16(4, 4, 1, 65535));
@@ -61,7 +61,7 @@ TEST(pipeline::PlainPair, MetadataSaysWhatTheNumbersMean) {
   EXPECT_EQ(*capture.face_px, (std::array<double, 4>{0, 1, 3, 2}));  // of the transposed picture
 }
 
-TEST(pipeline::PlainPair, RefusesWhatCannotBeUsed) {
+TEST(PlainPair, RefusesWhatCannotBeUsed) {
   const TemporaryFolder folder;
   write_view(folder / "a.png", Image(8, 8, 3, 0.5f));
   write_view(folder / "narrow.png", Image(7, 8, 3, 0.5f));
@@ -104,7 +104,7 @@ Image portrait_of(const TemporaryFolder& folder, const std::string& left, const 
 }
 
 // Made into a mosaic and back, it would lose resolution.
-TEST(pipeline::PlainPair, WhatIsInFocusStaysAsSharpAsItWas) {
+TEST(PlainPair, WhatIsInFocusStaysAsSharpAsItWas) {
   const TemporaryFolder folder;
   const Image view = pipeline::textured(pipeline::Texture(5, 0.2), 96, 96, 0);
   write_view(folder / "view.png", view);
@@ -116,7 +116,7 @@ TEST(pipeline::PlainPair, WhatIsInFocusStaysAsSharpAsItWas) {
 }
 
 // Neither a mosaic's speckle nor new noise colours it.
-TEST(pipeline::PlainPair, GreyStaysGreyWhereItIsBlurred) {
+TEST(PlainPair, GreyStaysGreyWhereItIsBlurred) {
   const TemporaryFolder folder;
   const pipeline::Texture texture(5, 0.2);
   for (const int channels : {1, 3}) {
@@ -139,7 +139,7 @@ TEST(pipeline::PlainPair, GreyStaysGreyWhereItIsBlurred) {
   }
 }
 
-TEST(pipeline::PlainPair, PortraitFindsTheShiftAlongTheSplit) {
+TEST(PlainPair, PortraitFindsTheShiftAlongTheSplit) {
   const TemporaryFolder folder;
   constexpr int kWidth = 129, kHeight = 96;
   const pipeline::Texture texture(5, 0.2);
@@ -168,7 +168,7 @@ TEST(pipeline::PlainPair, PortraitFindsTheShiftAlongTheSplit) {
   }
 }
 
-TEST(pipeline::PlainPair, EmptyPicturesAreNotBelieved) {
+TEST(PlainPair, EmptyPicturesAreNotBelieved) {
   const TemporaryFolder folder;
   write_png8(folder / "white.png", Image(40, 24, 1, 1.0f));
   write_png8(folder / "line.png", Image(200, 1, 1, 0.3f));

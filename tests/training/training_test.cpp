@@ -167,7 +167,7 @@ TEST(Network, MasksAndHeatmapsAfterEachStage) {
 
 class ToyPeople : public testing::Test {
  protected:
-  ToyPeople() { write_toy_people(folder.path.string() + "/toy", 6, 1); }
+  ToyPeople() { scenes::write_toy_people(folder.path.string() + "/toy", 6, 1); }
   TemporaryFolder folder;
 };
 
@@ -410,8 +410,8 @@ bool never(std::uint64_t) { return false; }
 
 TEST(SlowTraining, ResumesToTheSameWeights) {
   const TemporaryFolder folder;
-  write_toy_people(folder.path.string() + "/train", 20, 1);
-  write_toy_people(folder.path.string() + "/held_out", 4, 2, true);
+  scenes::write_toy_people(folder.path.string() + "/train", 20, 1);
+  scenes::write_toy_people(folder.path.string() + "/held_out", 4, 2, true);
   TrainOptions options = toy_options(folder.path.string(), "whole");
   options.samples = 160;
   train(options, never);
@@ -439,8 +439,8 @@ TEST(SlowTraining, ResumesToTheSameWeights) {
 
 TEST(SlowTraining, OtherRunsCheckpointsAreRefused) {
   const TemporaryFolder folder;
-  write_toy_people(folder.path.string() + "/train", 20, 1);
-  write_toy_people(folder.path.string() + "/held_out", 4, 2, true);
+  scenes::write_toy_people(folder.path.string() + "/train", 20, 1);
+  scenes::write_toy_people(folder.path.string() + "/held_out", 4, 2, true);
   TrainOptions options = toy_options(folder.path.string(), "run");
   options.samples = 16;
   train(options, never);
@@ -469,12 +469,12 @@ TEST(SlowTraining, OtherRunsCheckpointsAreRefused) {
   EXPECT_NE(with([](TrainOptions& o) { o.rate = 1e-3; }).find("its rate is 0.003, not 0.001"), std::string::npos);
   EXPECT_NE(with([](TrainOptions& o) { o.fine_tune = o.output; }).find("of another run"), std::string::npos);
   TrainOptions other = options;
-  write_toy_people(folder.path.string() + "/other", 20, 3);
+  scenes::write_toy_people(folder.path.string() + "/other", 20, 3);
   other = options;
   other.data = {folder.path.string() + "/other"};
   EXPECT_NE(refusal(other).find("its data_hash"), std::string::npos);
   other = options;
-  write_toy_people(folder.path.string() + "/other_held_out", 4, 4, true);
+  scenes::write_toy_people(folder.path.string() + "/other_held_out", 4, 4, true);
   other.held_out = {folder.path.string() + "/other_held_out"};
   EXPECT_NE(refusal(other).find("its held_out_hash"), std::string::npos);
   other.held_out = options.data;
@@ -497,8 +497,8 @@ TEST(SlowTraining, OtherRunsCheckpointsAreRefused) {
 
 TEST(SlowTraining, LearnsWhoIsMeantFromTheFace) {
   const TemporaryFolder folder;
-  write_toy_people(folder.path.string() + "/train", 128, 1);
-  write_toy_people(folder.path.string() + "/held_out", 32, 2, true);
+  scenes::write_toy_people(folder.path.string() + "/train", 128, 1);
+  scenes::write_toy_people(folder.path.string() + "/held_out", 32, 2, true);
   const scenes::PeopleSet held_out({folder.path.string() + "/held_out"}, true);
   std::vector<std::size_t> all(held_out.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
@@ -526,8 +526,8 @@ TEST(SlowTraining, LearnsWhoIsMeantFromTheFace) {
 
 TEST(SlowTraining, FineTuningResumesAndBaselinesTrain) {
   const TemporaryFolder folder;
-  write_toy_people(folder.path.string() + "/train", 20, 1);
-  write_toy_people(folder.path.string() + "/held_out", 4, 2, true);
+  scenes::write_toy_people(folder.path.string() + "/train", 20, 1);
+  scenes::write_toy_people(folder.path.string() + "/held_out", 4, 2, true);
   TrainOptions options = toy_options(folder.path.string(), "first");
   options.samples = 16;
   train(options, never);
