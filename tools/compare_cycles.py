@@ -1,6 +1,6 @@
 """The renderer against Blender's Cycles: the same glTF, camera, lens and light; pictures matched, then timed.
 
-    blender --background --python-exit-code 1 --python tools/compare_cycles.py -- PROGRAM scenes/portrait.json OUT WIDTH
+    blender --background --python-exit-code 1 --python tools/compare_cycles.py -- PROGRAM build/release/scenes/portrait.json OUT WIDTH
 
 PROGRAM is build/release/tools/dualpixel; OUT, a new folder, gets cycles.json; WIDTH in photosites divides the scene's (96:
 five minutes on two cores). Needs Debian's blender (3.4) and python3-numpy; nothing else does.

@@ -9,7 +9,7 @@ cmake --preset release -DDUALPIXEL_TESTS=OFF >/dev/null
 cmake --build --preset release >&2
 dualpixel=build/release/tools/dualpixel
 
-"$dualpixel" simulate scenes/portrait.json -o "$out/capture"
+"$dualpixel" simulate build/release/scenes/portrait.json -o "$out/capture"
 for mode in dp dp+seg; do
   "$dualpixel" portrait "$out/capture" -o "$out/$mode" --mode "$mode"
   echo "== $mode"

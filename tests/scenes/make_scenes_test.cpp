@@ -18,15 +18,15 @@ TEST(SlowScenes, AreTheSameBytesEveryTime) {
   EXPECT_EQ(first.names().size(), 4u);
   for (const std::string& name : first.names()) {
     EXPECT_TRUE(read_bytes(first / name) == read_bytes(second / name)) << name;
-    EXPECT_TRUE(read_bytes(first / name) == read_bytes(DUALPIXEL_SOURCE_DIR "/scenes/" + name)) << name;
+    EXPECT_TRUE(read_bytes(first / name) == read_bytes(DUALPIXEL_SCENES_DIR "/" + name)) << name;
   }
 }
 
 TEST(Scenes, EveryShippedFileIsAValidScene) {
   for (const std::string name : {"portrait", "calibration_target", "slanted_planes", "occlusion_edges"}) {
-    const std::string path = DUALPIXEL_SOURCE_DIR "/scenes/" + name + ".json";
+    const std::string path = DUALPIXEL_SCENES_DIR "/" + name + ".json";
     const simulator::Simulation simulation = simulator::read_simulation(read_json_file(path), path);
-    EXPECT_EQ(simulation.gltf_path, DUALPIXEL_SOURCE_DIR "/scenes/" + name + ".glb");
+    EXPECT_EQ(simulation.gltf_path, DUALPIXEL_SCENES_DIR "/" + name + ".glb");
   }
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-const std::string kScene = "'" DUALPIXEL_SOURCE_DIR "/scenes/portrait.json'";
+const std::string kScene = "'" DUALPIXEL_SCENES_DIR "/portrait.json'";
 /// The default scene's field of view on a sixteenth of its photosites.
 const std::string kSmall =
     " --set sensor.width_px=672 --set sensor.height_px=504 --set sensor.pixel_pitch_um=5.6 --set burst.frames=2"

@@ -199,7 +199,7 @@ void add_calibrate(CLI::App& program) {
   }
   add_threads_option(*command);
   command->footer(
-      "Example:\n  dualpixel calibrate scenes/portrait.json -o out/calibration\n"
+      "Example:\n  dualpixel calibrate build/release/scenes/portrait.json -o out/calibration\n"
       "  dualpixel portrait out/capture -o out/portrait --calibration out/calibration");
   command->callback([options] { run(*options); });
 }

@@ -343,10 +343,10 @@ TEST(SlowCalibrateCommand, CalibratesFromCapturesWhatPortraitThenCorrects) {
 
   // a calibration of photographs is no sweep to go on with
   expect_one_line_refusal(
-      run_program("calibrate '" DUALPIXEL_SOURCE_DIR "/scenes/calibration_target.json' -o '" + calibration + "'"));
+      run_program("calibrate '" DUALPIXEL_SCENES_DIR "/calibration_target.json' -o '" + calibration + "'"));
 }
 
-const std::string kScene = std::string("'") + DUALPIXEL_SOURCE_DIR + "/scenes/calibration_target.json' ";
+const std::string kScene = std::string("'") + DUALPIXEL_SCENES_DIR + "/calibration_target.json' ";
 const std::string kSmall = "--focuses 2 --targets 3 --set sensor.width_px=448 --set sensor.height_px=336 ";
 
 TEST(SlowCalibrateCommand, SweepsGoesOnWhereItWasAndIsDescribed) {

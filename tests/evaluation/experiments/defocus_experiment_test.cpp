@@ -41,7 +41,7 @@ TEST(DefocusExperiment, BadLensesAreRefused) {
 }
 
 SceneDefocus measure(const std::string& name) {
-  const std::string path = std::string(DUALPIXEL_SOURCE_DIR "/scenes/") + name + ".json";
+  const std::string path = std::string(DUALPIXEL_SCENES_DIR "/") + name + ".json";
   nlohmann::json document = read_json_file(path);
   for (const char* assignment :
        {"sensor.width_px=672", "sensor.height_px=504", "sensor.pixel_pitch_um=5.6", "render.samples_per_pixel=32",

@@ -181,7 +181,7 @@ TEST(Plan, RefusesASensorSmallerThanAWindow) {
 
 // The program
 
-const std::string kScene = "'" DUALPIXEL_SOURCE_DIR "/scenes/calibration_target.json' ";
+const std::string kScene = "'" DUALPIXEL_SCENES_DIR "/calibration_target.json' ";
 const std::string kSmall = "--set sensor.width_px=132 --set sensor.height_px=128 --set sensor.pixel_pitch_um=28 ";
 
 TEST(SlowPlanProgram, PrintsATableOrJsonAndWritesIt) {
@@ -239,7 +239,7 @@ TEST(SlowPlanProgram, BadOptionsGetOneLine) {
 /// A sensor that covers the lens's picture with 104 x 32 DP pixels; focus as the scene has it, or at 3 m for lenses
 /// that cannot focus so near.
 Simulation covering(const std::string& scene, const std::string& lens) {
-  const std::string path = DUALPIXEL_SOURCE_DIR "/scenes/" + scene + ".json";
+  const std::string path = DUALPIXEL_SCENES_DIR "/" + scene + ".json";
   Simulation s = read_simulation(read_json_file(path), path);
   const std::string lens_path = DUALPIXEL_SOURCE_DIR "/lens_models/" + lens + ".json";
   try {

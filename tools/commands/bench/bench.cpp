@@ -15,7 +15,7 @@ namespace dualpixel::tools {
 namespace {
 
 struct BenchOptions {
-  std::string scene = "scenes/portrait.json";
+  std::string scene = "build/release/scenes/portrait.json";
   bool json = false;
 };
 
@@ -68,11 +68,12 @@ void add_bench(CLI::App& program) {
   auto options = std::make_shared<BenchOptions>();
   CLI::App* command = program.add_subcommand(
       "bench", "Time the pipeline against a copy of its input; see the subcommands for the rest");
-  command->add_option("scene", options->scene, "Scene JSON file (default: scenes/portrait.json)")
+  command->add_option("scene", options->scene, "Scene JSON file (default: build/release/scenes/portrait.json)")
       ->type_name("SCENE.json");
   command->add_flag("--json", options->json, "Print JSON");
   command->footer(
-      "Example:\n  dualpixel bench scenes/portrait.json\n  dualpixel bench lens lens_models/phone_6p_4.2mm_f1.8.json");
+      "Example:\n  dualpixel bench build/release/scenes/portrait.json\n  dualpixel bench lens "
+      "lens_models/phone_6p_4.2mm_f1.8.json");
   add_bench_lens(*command);
   add_bench_defocus(*command);
   add_bench_disparity(*command);

@@ -26,7 +26,7 @@ namespace dualpixel::tools {
 namespace {
 
 struct BenchDefocusOptions {
-  std::string scene = "scenes/portrait.json";
+  std::string scene = "build/release/scenes/portrait.json";
   std::string page;
   bool json = false;
 };
@@ -218,7 +218,7 @@ void add_bench_defocus(CLI::App& bench) {
   auto options = std::make_shared<BenchDefocusOptions>();
   CLI::App* command = bench.add_subcommand(
       "defocus", "Time the renderers and each stage beside the paper's Table 4; cost against radius; memory");
-  command->add_option("scene", options->scene, "Scene JSON file (default: scenes/portrait.json)")
+  command->add_option("scene", options->scene, "Scene JSON file (default: build/release/scenes/portrait.json)")
       ->type_name("SCENE.json");
   command->add_option("-o,--output", options->page, "Write a page with the chart")->type_name("PAGE.html");
   command->add_flag("--json", options->json, "Print JSON");

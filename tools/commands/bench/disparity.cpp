@@ -33,7 +33,7 @@ namespace dualpixel::tools {
 namespace {
 
 struct BenchDisparityOptions {
-  std::vector<std::string> scenes = {"scenes/portrait.json", "scenes/slanted_planes.json"};
+  std::vector<std::string> scenes = {"build/release/scenes/portrait.json", "build/release/scenes/slanted_planes.json"};
   std::string page;
   bool json = false;
 };
@@ -293,7 +293,7 @@ void add_bench_disparity(CLI::App& bench) {
       ->type_name("SCENE.json");
   command->add_option("-o,--output", options->page, "Write a page with the chart")->type_name("PAGE.html");
   command->add_flag("--json", options->json, "Print JSON");
-  command->footer("Example:\n  dualpixel bench disparity scenes/portrait.json -o bench-disparity.html");
+  command->footer("Example:\n  dualpixel bench disparity build/release/scenes/portrait.json -o bench-disparity.html");
   command->callback([options] { run(*options); });
 }
 

@@ -514,7 +514,8 @@ void add_bench_edges(CLI::App& bench) {
   command->add_option("-o,--output", options->page, "Write a page with the charts")->type_name("PAGE.html");
   command->add_flag("--json", options->json, "Print JSON");
   command->footer(
-      "Example:\n  dualpixel simulate scenes/portrait.json -o out/portrait\n  dualpixel bench edges out/portrait -o "
+      "Example:\n  dualpixel simulate build/release/scenes/portrait.json -o out/portrait\n  dualpixel bench edges "
+      "out/portrait -o "
       "bench-edges.html");
   command->callback([options] { run(*options); });
 }

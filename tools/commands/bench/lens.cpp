@@ -25,7 +25,7 @@ namespace {
 struct BenchLensOptions {
   std::vector<std::string> lenses = {"lens_models/phone_6p_4.2mm_f1.8.json", "lens_models/phone_7p_4.9mm_f1.85.json",
                                      "lens_models/full_frame_50mm_f1.8.json"};
-  std::string scene = "scenes/slanted_planes.json";
+  std::string scene = "build/release/scenes/slanted_planes.json";
   std::string page;
   bool json = false;
 };

@@ -35,8 +35,9 @@ using simulator::Sampling;
 using simulator::Simulation;
 
 struct BenchRenderOptions {
-  std::vector<std::string> scenes = {"scenes/portrait.json", "scenes/slanted_planes.json",
-                                     "scenes/occlusion_edges.json", "scenes/calibration_target.json"};
+  std::vector<std::string> scenes = {"build/release/scenes/portrait.json", "build/release/scenes/slanted_planes.json",
+                                     "build/release/scenes/occlusion_edges.json",
+                                     "build/release/scenes/calibration_target.json"};
   std::string output;
   int reference_samples = 4096;
   int most_samples = 1024;
@@ -400,7 +401,7 @@ void add_bench_render(CLI::App& bench) {
   command->add_option("--most-triangles", options->most_triangles, "Of the chart of growth")
       ->check(CLI::Range(1e4, 1e8))
       ->capture_default_str();
-  command->footer("Example:\n  dualpixel bench render scenes/portrait.json -o bench");
+  command->footer("Example:\n  dualpixel bench render build/release/scenes/portrait.json -o bench");
   command->callback([options] { run(*options); });
 }
 

@@ -187,7 +187,7 @@ void add_experiment_calibration(CLI::App& experiment) {
   add_overrides_option(*command, *overrides, "lens.f_number=2.8");
   add_threads_option(*command);
   command->footer(
-      "Example:\n  dualpixel experiment calibration scenes/portrait.json --set "
+      "Example:\n  dualpixel experiment calibration build/release/scenes/portrait.json --set "
       "lens.file=../lens_models/phone_aberrated_4.4mm_f1.8.json -o out/calibration_cost");
   command->callback([options, overrides] {
     nlohmann::json json = read_json_file(options->scene);

@@ -22,8 +22,8 @@ namespace {
 
 struct ExperimentDefocusOptions {
   std::string folder;
-  std::vector<std::string> scenes = {"scenes/portrait.json", "scenes/slanted_planes.json",
-                                     "scenes/occlusion_edges.json"};
+  std::vector<std::string> scenes = {"build/release/scenes/portrait.json", "build/release/scenes/slanted_planes.json",
+                                     "build/release/scenes/occlusion_edges.json"};
 };
 
 constexpr float kHaloRadii[] = {3, 6, 10, 15, 20, 30};
