@@ -31,11 +31,11 @@ struct ExportOptions {
   std::string format;
 };
 
-/// A capture on its way out.
+/// What every format writes from and to.
 struct Export {
   const Capture& capture;
   std::string source;  ///< as messages name the capture
-  std::string name;    ///< of the capture's folder: data sets name their pictures by it
+  std::string name;    ///< of the capture's folder: data sets name their images by it
   std::string folder;  ///< where to write
 
   bool dense() const { return capture.camera.dp_downsample_x * capture.camera.dp_downsample_y == 1; }
@@ -71,8 +71,8 @@ Image srgb(Image image) {
   return image;
 }
 
-/// `image`'s channel `c` in all three colours.
-Image grey(const Image& image, int c = 0) {
+/// `image`'s channel `c` in all three color channels.
+Image gray(const Image& image, int c = 0) {
   Image result(image.width, image.height, 3);
   for (std::size_t i = 0; i < result.data.size(); ++i) result.data[i] = image.data[i / 3 * image.channels + c];
   return result;
@@ -89,9 +89,9 @@ Image developed(const Image& mosaic, const Capture& capture) {
                             capture.camera.cfa);
 }
 
-/// A quarter turn clockwise: what was on the left is at the top.
+/// Rotated clockwise by a quarter turn.
 template <typename T>
-ImageOf<T> turned(const ImageOf<T>& image) {
+ImageOf<T> rotated(const ImageOf<T>& image) {
   ImageOf<T> result(image.height, image.width, image.channels);
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
@@ -109,7 +109,7 @@ void write_npy(const std::string& path, const Image& image) {
   write_file(path, npy_bytes("<f4", shape, {values, image.data.size() * sizeof(float)}));
 }
 
-/// visit(file name without its ending, raw, whether raw is a mosaic) for the pictures of every frame.
+/// visit(file name without its ending, raw, whether raw is a mosaic) for the images of every frame.
 void each_raw(const Export& e, const std::function<void(const std::string&, const ImageU16&, bool)>& visit) {
   for (std::size_t i = 0; i < e.capture.frames.size(); ++i) {
     const Frame& frame = e.capture.frames[i];
@@ -123,9 +123,8 @@ void export_dng(const Export& e) {
   const Camera& camera = e.capture.camera;
   const double pixel_height = static_cast<double>(camera.dp_downsample_y) / camera.dp_downsample_x;
   each_raw(e, [&](const std::string& name, const ImageU16& raw, bool whole) {
-    write_file(e.file(name + ".dng"),
-               dng(raw, e.capture, whole || e.dense(),
-                   whole ? e.capture.exposure.mosaic_noise : e.capture.exposure.dp_noise, whole ? 1 : pixel_height));
+    write_dng(e.file(name + ".dng"), raw, e.capture, whole || e.dense(),
+              whole ? e.capture.exposure.mosaic_noise : e.capture.exposure.dp_noise, whole ? 1 : pixel_height);
   });
 }
 
@@ -160,7 +159,7 @@ void export_npy(const Export& e) {
   }
 }
 
-/// Dense views are demosaicked to full size. Others are green alone: grey, at the Bayer planes' size, where their
+/// Dense views are demosaicked to full size. Others are green alone: gray, at the Bayer planes' size, where their
 /// pixels are square.
 void export_dpdd(const Export& e) {
   const Capture& capture = e.capture;
@@ -168,7 +167,7 @@ void export_dpdd(const Export& e) {
   const Image right = normalised(capture.frames[0].right, capture.exposure);
   const int width = capture.camera.bayer_plane_width(), height = capture.camera.bayer_plane_height();
   const auto picture = [&](const Image& signal) {
-    return e.dense() ? developed(signal, capture) : grey(resize_bilinear(signal, width, height));
+    return e.dense() ? developed(signal, capture) : gray(resize_bilinear(signal, width, height));
   };
   const auto write = [&](const char* kind, const Image& linear) {
     write_png16(e.file(fmt::format("{}/{}.png", kind, e.name)), levels(srgb(linear)), true);
@@ -179,7 +178,7 @@ void export_dpdd(const Export& e) {
   write("inputL", picture(scaled(left, 2)));
   write("inputR", picture(scaled(right, 2)));
   write("inputC", picture(sum));
-  write("target", e.dense() ? sharp : grey(resize_area(sharp, width, height), 1));
+  write("target", e.dense() ? sharp : gray(resize_area(sharp, width, height), 1));
 }
 
 /// Depth as the data set stores it: 0..255 for 0.2 .. 100 m, 100 * 0.2 / (100 - (100 - 0.2) d).
@@ -191,23 +190,23 @@ float stored_depth(float depth_m) {
 void export_google_dp(const Export& e) {
   const Capture& capture = e.capture;
   if (e.dense())
-    throw InputError(printable(e.source) + ": google-dp holds green views; these are dense, of all colours");
+    throw InputError(printable(e.source) + ": google-dp holds green views; these are dense, of all colors");
   const double to_10_bits = 1023.0 / ((1 << capture.exposure.bits) - 1);
   const auto view = [&](const char* side, ImageU16 raw) {
     for (std::uint16_t& value : raw.data) value = static_cast<std::uint16_t>(16 * std::lround(to_10_bits * value));
-    write_png16(e.file(fmt::format("raw_{}_pd/{}/result_pd_{}_center.png", side, e.name, side)), turned(raw));
+    write_png16(e.file(fmt::format("raw_{}_pd/{}/result_pd_{}_center.png", side, e.name, side)), rotated(raw));
   };
   view("left", capture.frames[0].left);
   view("right", capture.frames[0].right);
   const Image rgb = developed(normalised(e.mosaic(), capture.exposure), capture);
   write_file(e.file(fmt::format("scaled_images/{}/result_scaled_image_center.jpg", e.name)),
-             evaluation::jpeg(turned(srgb(rgb)), 95));
+             evaluation::jpeg(rotated(srgb(rgb)), 95));
   Image depth = e.truth().depth_m;
   for (float& value : depth.data) value = stored_depth(value);
-  write_png8(e.file(fmt::format("merged_depth/{}/result_merged_depth_center.png", e.name)), turned(depth));
-  const Image sure = turned(e.truth().valid);
-  write_npy(e.file(fmt::format("merged_conf/{}/result_merged_conf_center.npy", e.name)), sure);
-  write_exr(e.file(fmt::format("merged_conf/{}/result_merged_conf_center.exr", e.name)), {{"Y", &sure}}, false);
+  write_png8(e.file(fmt::format("merged_depth/{}/result_merged_depth_center.png", e.name)), rotated(depth));
+  const Image confidence = rotated(e.truth().valid);
+  write_npy(e.file(fmt::format("merged_conf/{}/result_merged_conf_center.npy", e.name)), confidence);
+  write_exr(e.file(fmt::format("merged_conf/{}/result_merged_conf_center.exr", e.name)), {{"Y", &confidence}}, false);
 }
 
 void export_rgbd(const Export& e) {
@@ -224,7 +223,7 @@ void export_rgbd(const Export& e) {
 
 struct Format {
   void (*write)(const Export&);
-  const char* meaning;  ///< stands in export.json and in the help
+  const char* meaning;  ///< shown in export.json and in the help
 };
 const std::map<std::string, Format> kFormats = {
     {"dng", {export_dng, "every frame's mosaic and views as Digital Negatives; digital numbers"}},
@@ -233,7 +232,7 @@ const std::map<std::string, Format> kFormats = {
     {"npy", {export_npy, "NumPy float32: every frame's mosaic and views, linear, 0 black, 1 white; maps of truth/"}},
     {"dpdd",
      {export_dpdd,
-      "the first frame as inputL, inputR, inputC and target, 16-bit sRGB: views times 2; grey at half size unless "
+      "the first frame as inputL, inputR, inputC and target, 16-bit sRGB: views times 2; gray at half size unless "
       "dense"}},
     {"google-dp",
      {export_google_dp,
