@@ -1,13 +1,15 @@
 #include "pipeline/burst/align.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
+#include "capture/error.h"
 #include "capture/image/resample.h"
 #include "capture/image/rows.h"
-#include "pipeline/burst/lanes.h"
+#include "capture/lanes.h"
 
 namespace dualpixel::pipeline {
 namespace {
@@ -41,7 +43,7 @@ Image shrink(const Image& image, int factor) {
   return small;
 }
 
-Image grey(const Frame& frame, const Exposure& exposure) {
+Image gray(const Frame& frame, const Exposure& exposure) {
   const auto scale = static_cast<float>(1 / (exposure.white_level_dn - exposure.black_level_dn));
   const auto black = static_cast<float>(exposure.black_level_dn);
   if (frame.mosaic.empty()) {
@@ -66,7 +68,7 @@ Image grey(const Frame& frame, const Exposure& exposure) {
 }
 
 Pyramid make_pyramid(const Frame& frame, const Exposure& exposure) {
-  Pyramid pyramid = {grey(frame, exposure)};
+  Pyramid pyramid = {gray(frame, exposure)};
   for (int level = 1; level < kLevelCount; ++level) {
     pyramid.push_back(shrink(pyramid.back(), kLevels[level].shrink));
   }
@@ -164,7 +166,7 @@ Motion search(const Patch<tile>& base, const Image& other, int x0, int y0, Shift
   return {static_cast<float>(start.x + best.x) + fraction.x, static_cast<float>(start.y + best.y) + fraction.y};
 }
 
-/// Tile i along an axis of `size` px begins here: centred on its corner, but moved into the picture.
+/// Tile i along an axis of `size` px begins here: centered on its corner, but moved into the picture.
 int tile_begin(int i, int tile, int size) { return std::clamp(i * tile / 2 - tile / 2, 0, std::max(size - tile, 0)); }
 
 int tile_count(int size, int tile) { return (size + tile / 2 - 1) / (tile / 2) + 1; }
@@ -233,19 +235,23 @@ MotionField align_frame(const Pyramid& base, const Pyramid& other) {
 }
 
 void require(bool holds, const std::string& what) {
-  if (!holds) throw std::invalid_argument("burst: " + what);
+  if (!holds) throw InputError("burst: " + what);
 }
 
 void require_profile(const NoiseProfile& noise, const std::string& field) {
-  require(std::isfinite(noise.shot_dn) && noise.shot_dn >= 0, field + ".shot_dn must be finite and not negative");
-  require(std::isfinite(noise.read_dn2) && noise.read_dn2 >= 0, field + ".read_dn2 must be finite and not negative");
+  const auto require_variance = [&](const char* name, double value) {
+    require(std::isfinite(value) && value >= 0,
+            fmt::format("{}.{}: {}: must be finite and not negative", field, name, value));
+  };
+  require_variance("shot_dn", noise.shot_dn);
+  require_variance("read_dn2", noise.read_dn2);
 }
 
 bool whole(const ImageU16& image) {
   return image.width > 0 && image.height > 0 && image.channels == 1 && image.data.size() == image.pixel_count();
 }
 
-/// Sum of squared differences between neighbours, of the pixels begin + step * i of every step-th row.
+/// Sum of squared differences between neighbors, of the pixels begin + step * i of every step-th row.
 double gradient_energy(const ImageU16& image, int begin, int step) {
   std::vector<double> rows(image.height, 0.0);  // added up in order, whatever thread computed them
   for_rows(image.height, [&](int y) {
@@ -288,7 +294,8 @@ void require_burst(const std::vector<Frame>& frames, const Exposure& exposure) {
   }
   require(std::isfinite(exposure.black_level_dn) && std::isfinite(exposure.white_level_dn) &&
               exposure.white_level_dn > exposure.black_level_dn,
-          "white_level_dn must be above black_level_dn, both finite");
+          fmt::format("white_level_dn: {}: must be finite and above black_level_dn, {}", exposure.white_level_dn,
+                      exposure.black_level_dn));
   require_profile(exposure.mosaic_noise, "mosaic_noise");
   require_profile(exposure.dp_noise, "dp_noise");
 }
@@ -313,7 +320,8 @@ int sharpest_frame(const std::vector<Frame>& frames, const Exposure& exposure) {
 
 std::vector<MotionField> align_burst(const std::vector<Frame>& frames, int base, const Exposure& exposure) {
   require_burst(frames, exposure);
-  require(base >= 0 && base < static_cast<int>(frames.size()), "base is none of the frames");
+  require(base >= 0 && base < static_cast<int>(frames.size()),
+          fmt::format("base: {}: must be in [0, {}]", base, frames.size() - 1));
   const Pyramid reference = make_pyramid(frames[base], exposure);
   std::vector<MotionField> motions;
   for (int z = 0; z < static_cast<int>(frames.size()); ++z) {

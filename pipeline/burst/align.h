@@ -8,8 +8,8 @@
 /// photography for high dynamic range and low-light imaging on mobile cameras", section 4 and supplement).
 namespace dualpixel::pipeline {
 
-/// The tiles that motion is measured and applied for, in Bayer px (photosites of one colour; two photosites of the
-/// sensor): squares of kMotionTile px, each overlapping the next by half. Tile (i, j) is centred on the corner of
+/// The tiles that motion is measured and applied for, in Bayer px (photosites of one color; two photosites of the
+/// sensor): squares of kMotionTile px, each overlapping the next by half. Tile (i, j) is centered on the corner of
 /// pixels (kMotionStep i, kMotionStep j): at the border one half of it lies outside of the picture.
 inline constexpr int kMotionTile = 16;
 inline constexpr int kMotionStep = kMotionTile / 2;
@@ -28,13 +28,13 @@ PlaneSize plane_size(const Frame& frame);
 /// what the base shows at p, the frame shows at p + motion. It holds for all planes and both DP views alike.
 using MotionField = Image;
 
-/// Throws std::invalid_argument, with one line that names frame and field, where there is no frame, mosaics or views
+/// Throws InputError, with one line that names frame and field, where there is no frame, mosaics or views
 /// are not of one size (or only some frames have a mosaic), a mosaic's sides are odd, a view is empty, the white level
 /// is not above the black level, or a noise profile is negative or not finite.
 void require_burst(const std::vector<Frame>& frames, const Exposure& exposure);
 
 /// The frame that the others are aligned to: the sharpest of the first three, near to the press of the shutter.
-/// Sharpness is the sum of squared differences between neighbours of the plane of photosites (1, 0), which is green in
+/// Sharpness is the sum of squared differences between neighbors of the plane of photosites (1, 0), which is green in
 /// RGGB and BGGR, or between pixels of the left view where there is no mosaic. A later frame must be sharper by 1 %:
 /// then noise alone, at a phone's size, does not prefer it, and a static burst keeps its first frame, which
 /// docs/capture.md makes the reference. Throws as require_burst().
@@ -42,10 +42,10 @@ int sharpest_frame(const std::vector<Frame>& frames, const Exposure& exposure);
 
 /// The motion of every frame against frame `base`, whose own field is 0.
 ///
-/// Grey is the mean of the four Bayer planes (of a capture without mosaic: the sum of the views, enlarged to
+/// Gray is the mean of the four Bayer planes (of a capture without mosaic: the sum of the views, enlarged to
 /// plane_size()). Its pyramid shrinks by 2, 4, 4; from the coarsest level up, tiles of 8, 16, 16, 16 px, overlapping by
 /// half and moved into the picture at its border, are searched over +-4, 4, 4, 1 px around the best of three coarser
-/// motions by absolute differences: the nearest tile's and its next neighbours' in x and in y. The search is by squared
+/// motions by absolute differences: the nearest tile's and its next neighbors' in x and in y. The search is by squared
 /// differences, at the finest level by absolute ones; each minimum is refined by a bivariate quadratic through the
 /// squared differences around it. Parameters as in the public implementation at IPOL.
 ///

@@ -67,7 +67,7 @@ Image demosaic(const Image& mosaic, const std::string& cfa) {
       const float* s1 = padded[3].data() + kReach;
       const float* s2 = padded[4].data() + kReach;
       const bool green_first = color_at(cfa, 0, y) == kGreen;
-      const int row_color = color_at(cfa, green_first ? 1 : 0, y);  // red or blue: the other colour of this row
+      const int row_color = color_at(cfa, green_first ? 1 : 0, y);  // red or blue: the other color of this row
       const int other_color = kBlue - row_color;
       float* out = rgb.row(y);
       for (int x = 0; x < mosaic.width; ++x) {

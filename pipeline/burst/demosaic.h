@@ -7,13 +7,13 @@
 /// From a Bayer mosaic to linear RGB of the same size.
 namespace dualpixel::pipeline {
 
-/// The mosaic with each photosite multiplied by its colour's gain, then clipped at the smallest gain (at most), where
-/// the first of the three colours reaches its white level: beyond it a neutral highlight would turn pink.
-/// `cfa` names the colours of the top-left 2x2 photosites row by row ("RGGB"); `gains` are R, G, B.
+/// The mosaic with each photosite multiplied by its color's gain, then clipped at the smallest gain (at most), where
+/// the first of the three colors reaches its white level: beyond it a neutral highlight would turn pink.
+/// `cfa` names the colors of the top-left 2x2 photosites row by row ("RGGB"); `gains` are R, G, B.
 Image white_balanced(Image mosaic, const std::string& cfa, const std::array<double, 3>& gains);
 
 /// Gradient-corrected linear interpolation: Malvar, He, Cutler 2004, "High-Quality Linear Interpolation for Demosaicing
-/// of Bayer-Patterned Color Images", Fig. 2. It takes colours to be balanced. The mosaic is mirrored about its
+/// of Bayer-Patterned Color Images", Fig. 2. It takes colors to be balanced. The mosaic is mirrored about its
 /// outermost photosites, which keeps the phase of the pattern. Values may overshoot the mosaic's range at edges.
 Image demosaic(const Image& mosaic, const std::string& cfa);
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "pipeline/burst/lanes.h"
+#include "capture/lanes.h"
 
 /// The two-dimensional discrete Fourier transform of 16 x 16 complex samples, eight columns at a time.
 namespace dualpixel::pipeline::fft16 {

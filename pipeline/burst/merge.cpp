@@ -1,12 +1,14 @@
 #include "pipeline/burst/merge.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
+#include "capture/error.h"
 #include "capture/image/rows.h"
 #include "pipeline/burst/fft16.h"
 
@@ -317,24 +319,28 @@ void merge_pair(const std::vector<PlanePair<const std::uint16_t>>& frames, int b
       add_tile<step>(merged, shape, x0, y0, out);
     }
   };
-  // rows of tiles overlap their neighbours only: first every other one, then those between
+  // rows of tiles overlap their neighbors only: first every other one, then those between
   for (int parity = 0; parity < 2; ++parity) {
     for_rows((rows + 1 - parity) / 2, [&](int k) { merge_row(2 * k + parity); });
   }
 }
 
 void require(bool holds, const std::string& what) {
-  if (!holds) throw std::invalid_argument("burst: " + what);
+  if (!holds) throw InputError("burst: " + what);
 }
 
 }  // namespace
 
+OptionFields fields(MergeOptions& options) {
+  return {{"strength", &options.strength, 1e-3, 1e6, "", "Hasinoff et al. 2016, S: 8"}};
+}
+
 MergedBurst merge_burst(const std::vector<Frame>& frames, int base, const std::vector<MotionField>& motions,
                         const Exposure& exposure, const MergeOptions& options) {
   require_burst(frames, exposure);
-  require(base >= 0 && base < static_cast<int>(frames.size()), "base is none of the frames");
-  require(options.strength >= 1e-3 && options.strength <= 1e6,
-          "strength is " + std::to_string(options.strength) + ": must be 0.001 to 1e6");
+  require(base >= 0 && base < static_cast<int>(frames.size()),
+          fmt::format("base: {}: must be in [0, {}]", base, frames.size() - 1));
+  check_options("merge", options);
   const Frame& first = frames.front();
   const auto [width, height] = plane_size(first);
   require(motions.size() == frames.size(), "one motion field is needed for each frame");

@@ -4,11 +4,12 @@
 #include "capture/capture.h"
 #include "capture/image/image.h"
 #include "pipeline/burst/align.h"
+#include "pipeline/option_field.h"
 
 /// The aligned burst as one picture with less noise and no ghosts (Hasinoff et al. 2016, section 5).
 namespace dualpixel::pipeline {
 
-/// Signals normalised as (DN - black) / (white - black): 0 is black, 1 is clipped; noise may go below 0.
+/// Signals normalized as (DN - black) / (white - black): 0 is black, 1 is clipped; noise may go below 0.
 struct MergedBurst {
   Image mosaic;  ///< full sensor size; empty where the frames hold no mosaic
   Image left;    ///< DP size
@@ -28,8 +29,10 @@ struct MergeOptions {
   double strength = 8;
 };
 
+OptionFields fields(MergeOptions& options);
+
 /// Merges all frames into frame `base`, tile by tile in the frequency domain. With T_0 the transform of a windowed tile
-/// of the base, T_z that of frame z at the place that `motions` gives, and D_z = T_0 - T_z, the merged tile is
+/// of the base, T_z that of frame z at the position that `motions` gives, and D_z = T_0 - T_z, the merged tile is
 ///     1/N sum over z of T_z + A_z D_z,   A_z = P / (P + c V),   P = |D_z|^2,   V = 2 W sigma^2:
 /// V is what noise alone puts into P. sigma^2 = S * RMS + O from the noise profile, at the root mean square of the
 /// base's tile above black, and W is the sum of the squared window. (The paper writes n^2/16 for W of n x n px; for
@@ -47,18 +50,18 @@ struct MergeOptions {
 /// noise is twice what the profile says, the base alone remains.
 ///
 /// The DP views stay at their own resolution, where their noise is white (the paper enlarges them to the Bayer planes'
-/// size): a tile of theirs takes the motion of the Bayer tile at its centre, in its own pixels. Both views are shifted
+/// size): a tile of theirs takes the motion of the Bayer tile at its center, in its own pixels. Both views are shifted
 /// by the same fraction of a pixel, and share one A_z, with P and V summed over both: every frequency of both views is
 /// then merged with the same weights, so that the disparity of the merged views is that of the frames. Four real
 /// numbers instead of two make A_z steadier: a noise of 0.432, 0.364 for 6, 9 frames at c = 8. The test of energies is
 /// made apart for |ky| < 4 and above, from 1.9 to 2.3: the views' high vertical frequencies are aliased (their pixels
-/// are twice as high as wide) and must not spoil the rest, which disparity lives on.
+/// are twice as high as wide) and must not affect the rest, which disparity depends on.
 ///
 /// Beyond its border a frame is mirrored: unlike what the base shows there, hence rejected. A variance below
 /// 1/12 DN^2, that of rounding, is taken as 1/12: so a profile of zeros is allowed.
 ///
 /// `motions` holds one field per frame, as align_burst() returns them. Throws as require_burst(), and
-/// std::invalid_argument where `base` is none of the frames, a field's size is wrong or a motion not finite, or the
+/// InputError where `base` is none of the frames, a field's size is wrong or a motion not finite, or the
 /// strength is not 0.001 to 1e6.
 MergedBurst merge_burst(const std::vector<Frame>& frames, int base, const std::vector<MotionField>& motions,
                         const Exposure& exposure, const MergeOptions& options = {});

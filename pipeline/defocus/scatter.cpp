@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "capture/image/rows.h"
-#include "pipeline/burst/lanes.h"
+#include "capture/lanes.h"
 #include "pipeline/defocus/rgba.h"
 
 namespace dualpixel::pipeline {
@@ -21,7 +21,7 @@ constexpr float kLeastRadius = 0.5f;  ///< of gradients: a smaller disc lies wit
 
 int step_of(float radius_px) { return static_cast<int>(std::floor(radius_px * kSteps + 0.5f)); }
 
-/// A row of a kernel: pairs of weights for neighbouring pixels, the first at `first` from the shape's middle.
+/// A row of a kernel: pairs of weights for neighboring pixels, the first at `first` from the shape's middle.
 struct Pairs {
   int first = 0;
   Lanes weights{};  ///< the left pixel's four times, then the right one's
@@ -119,8 +119,8 @@ void gradient(const BlurShape& shape, float radius, int lines, Kernel& kernel) {
 /// Makes the kernel of a radius, from so many lines a row.
 using MakeKernel = void (*)(const BlurShape&, float radius, int lines, Kernel&);
 
-/// Kernels of the radii and places of a layer. They are kept when they are the same everywhere; a cat's eye is made
-/// anew for each pixel, from fewer lines, as it changes from one to the next.
+/// Kernels of the radii and field points of a layer. They are kept when they are the same everywhere; a cat's eye is
+/// made anew for each pixel, from fewer lines, as it changes from one to the next.
 class Kernels {
  public:
   Kernels(const Layer& layer, const Aperture& aperture, MakeKernel make)

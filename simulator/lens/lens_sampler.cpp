@@ -6,6 +6,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "capture/lanes.h"
 #include "simulator/lens/prescription/cubic.h"
 
 namespace dualpixel::simulator {
@@ -60,18 +61,16 @@ std::vector<double> trace_chief_slopes(const Prescription& lens, double waveleng
   return slopes;
 }
 
-/// Eight lanes in one register: loops over plain arrays of terms are vectorised the wrong way round.
-using Lanes = float __attribute__((vector_size(32)));
-constexpr int kHalves = kPacket / 8;
+// In registers by hand: compilers vectorize loops over plain arrays of terms along the wrong axis.
+constexpr int kHalves = kPacket / kLanes;
 
 /// All terms of RayPolynomial at the sixteen places of a packet.
 class PupilTerms {
  public:
   PupilTerms(const float x[kPacket], const float y[kPacket]) {
     for (int half = 0; half < kHalves; ++half) {
-      Lanes y_lanes;
-      std::memcpy(&x_[half], x + 8 * half, sizeof(Lanes));
-      std::memcpy(&y_lanes, y + 8 * half, sizeof(Lanes));
+      const Lanes y_lanes = load_lanes(y + kLanes * half);
+      x_[half] = load_lanes(x + kLanes * half);
       const Lanes x2 = x_[half] * x_[half];
       Lanes row = x2 - x2 + 1;
       int k = 0;

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "capture/error.h"
 #include "tests/pipeline/burst/moving_burst.h"
 
 namespace dualpixel::pipeline {
@@ -130,15 +131,15 @@ TEST(Align, RefusesWhatIsNoBurst) {
   const auto refusal = [](const std::vector<Frame>& burst, const Exposure& exposure, int base) -> std::string {
     try {
       align_burst(burst, base, exposure);
-    } catch (const std::invalid_argument& e) {
+    } catch (const InputError& e) {
       return e.what();
     }
     return "";
   };
   EXPECT_EQ(refusal(frames, good, 0), "");
   EXPECT_EQ(refusal({}, good, 0), "burst: no frames");
-  EXPECT_EQ(refusal(frames, good, 2), "burst: base is none of the frames");
-  EXPECT_EQ(refusal(frames, good, -1), "burst: base is none of the frames");
+  EXPECT_EQ(refusal(frames, good, 2), "burst: base: 2: must be in [0, 1]");
+  EXPECT_EQ(refusal(frames, good, -1), "burst: base: -1: must be in [0, 1]");
 
   const auto with_frame = [&](const std::function<void(Frame&)>& change) {
     std::vector<Frame> changed = frames;
@@ -162,13 +163,14 @@ TEST(Align, RefusesWhatIsNoBurst) {
     return refusal(frames, changed, 0);
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const std::string levels = "burst: white_level_dn must be above black_level_dn, both finite";
-  EXPECT_EQ(with_exposure([](Exposure& e) { e.white_level_dn = 64; }), levels);
-  EXPECT_EQ(with_exposure([&](Exposure& e) { e.black_level_dn = nan; }), levels);
+  EXPECT_EQ(with_exposure([](Exposure& e) { e.white_level_dn = 64; }),
+            "burst: white_level_dn: 64: must be finite and above black_level_dn, 64");
+  EXPECT_EQ(with_exposure([&](Exposure& e) { e.black_level_dn = nan; }),
+            "burst: white_level_dn: 1023: must be finite and above black_level_dn, nan");
   EXPECT_EQ(with_exposure([&](Exposure& e) { e.mosaic_noise.shot_dn = nan; }),
-            "burst: mosaic_noise.shot_dn must be finite and not negative");
+            "burst: mosaic_noise.shot_dn: nan: must be finite and not negative");
   EXPECT_EQ(with_exposure([](Exposure& e) { e.dp_noise.read_dn2 = -1; }),
-            "burst: dp_noise.read_dn2 must be finite and not negative");
+            "burst: dp_noise.read_dn2: -1: must be finite and not negative");
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "capture/error.h"
 #include "tests/pipeline/burst/moving_burst.h"
 
 namespace dualpixel::pipeline {
@@ -399,15 +400,16 @@ TEST(Merge, RefusesWhatItCannotUse) {
   const auto refusal = [&](int base, const std::vector<MotionField>& motions, double c) -> std::string {
     try {
       merge_burst(frames, base, motions, exposure, strength(c));
-    } catch (const std::invalid_argument& e) {
+    } catch (const InputError& e) {
       return e.what();
     }
     return "";
   };
   EXPECT_EQ(refusal(0, still, 8), "");
-  EXPECT_EQ(refusal(2, still, 8), "burst: base is none of the frames");
-  EXPECT_EQ(refusal(0, still, 0), "burst: strength is 0.000000: must be 0.001 to 1e6");
-  EXPECT_EQ(refusal(0, still, std::numeric_limits<double>::infinity()), "burst: strength is inf: must be 0.001 to 1e6");
+  EXPECT_EQ(refusal(2, still, 8), "burst: base: 2: must be in [0, 1]");
+  EXPECT_EQ(refusal(0, still, 0), "merge.strength: 0: must be a number in [0.001, 1e+06]");
+  EXPECT_EQ(refusal(0, still, std::numeric_limits<double>::infinity()),
+            "merge.strength: inf: must be a number in [0.001, 1e+06]");
   EXPECT_EQ(refusal(0, {still[0]}, 8), "burst: one motion field is needed for each frame");
   EXPECT_EQ(refusal(0, motions_of({{}, {}}, 32, 40), 8),
             "burst: a motion field must have two channels and one pixel for each tile");

@@ -1,8 +1,8 @@
 #pragma once
 #include <cstring>
 
-/// Eight floats in one register, on compilers with vector extensions (GCC, Clang): the inner loops of align and merge.
-namespace dualpixel::pipeline {
+/// Eight floats in one register, on compilers with vector extensions (GCC, Clang), for inner loops.
+namespace dualpixel {
 
 using Lanes = float __attribute__((vector_size(32)));
 inline constexpr int kLanes = 8;
@@ -16,4 +16,4 @@ inline Lanes load_lanes(const float* from) {
 /// Always in the same order, so that sums do not depend on where they were taken.
 inline float sum(const Lanes& v) { return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7])); }
 
-}  // namespace dualpixel::pipeline
+}  // namespace dualpixel
