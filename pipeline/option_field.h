@@ -25,8 +25,8 @@ void check_fields(std::string_view group, const OptionFields& fields);
 
 /// check_fields for `options`, whose fields(Options&) lists them.
 template <typename Options>
-void check_options(std::string_view group, Options options) {
-  check_fields(group, fields(options));
+void check_options(std::string_view group, const Options& options) {
+  check_fields(group, fields(const_cast<Options&>(options)));  // they are only read
 }
 
 /// The fields of one group, each with "GROUP." before its name.

@@ -12,7 +12,7 @@
 #include "pipeline/defocus/match_lens.h"
 #include "pipeline/defocus/render.h"
 #include "pipeline/edge_aware/guide.h"
-#include "pipeline/portrait/portrait.h"
+#include "pipeline/portrait/run_portrait.h"
 
 namespace dualpixel::evaluation {
 namespace {

@@ -47,12 +47,12 @@ class LocalQuadratic {
 
 double tent(double u, double v) { return std::max(1 - std::abs(u), 0.0) * std::max(1 - std::abs(v), 0.0); }
 
-/// What the flow says around one node.
+/// The flow around one node.
 struct NodeReading {
   double disparity_dp_px = 0, mismatch = 0;
 };
 
-/// `x` and `y` are the node's place in blocks, `reach_x` and `reach_y` how far the next nodes are.
+/// `x` and `y` are the node's position in blocks, `reach_x` and `reach_y` how far the next nodes are.
 NodeReading read_flow(const Flow& flow, double x, double y, double reach_x, double reach_y) {
   LocalQuadratic surface;
   double mismatch = 0, seen = 0;
@@ -126,7 +126,7 @@ FocusCalibration fit_lines(const Targets& targets, std::size_t principal, std::v
   return fit;
 }
 
-std::string metres(double distance) { return fmt::format("{:g} m", distance); }
+std::string meters(double distance) { return fmt::format("{:g} m", distance); }
 
 /// Each once, ascending.
 std::vector<double> inverse_distances(const Targets& targets) {
@@ -139,7 +139,7 @@ std::vector<double> inverse_distances(const Targets& targets) {
 
 void require_span(const Targets& targets) {
   const std::vector<double> inverse = inverse_distances(targets);
-  const std::string focus = "calibration: focus distance " + metres(targets.front()->focus_distance_m);
+  const std::string focus = "calibration: focus distance " + meters(targets.front()->focus_distance_m);
   if (inverse.size() < kFewestTargets) {
     throw InputError(
         fmt::format("{}: {} target distances: a line needs at least {}", focus, inverse.size(), kFewestTargets));
@@ -147,14 +147,14 @@ void require_span(const Targets& targets) {
   if (inverse.back() - inverse.front() < kSmallestSpan_per_m) {
     throw InputError(
         fmt::format("{}: targets from {} to {}: too close together; their inverses must differ by {:g} / m", focus,
-                    metres(1 / inverse.back()), metres(1 / inverse.front()), kSmallestSpan_per_m));
+                    meters(1 / inverse.back()), meters(1 / inverse.front()), kSmallestSpan_per_m));
   }
 }
 
 void require_line(const FocusCalibration& fit, const Targets& targets, std::size_t principal, int count) {
   if (fit.slope_dp_px_m.data[principal] != 0) return;
   const std::string where =
-      fmt::format("calibration: focus distance {}: at the principal point ", metres(fit.focus_distance_m));
+      fmt::format("calibration: focus distance {}: at the principal point ", meters(fit.focus_distance_m));
   if (count < kFewestTargets) {
     throw InputError(
         fmt::format("{}the views of only {} targets match; {} are needed: is the target textured and within range?",

@@ -8,13 +8,13 @@
 #include "pipeline/calibration/nodes.h"
 
 /// The same disparity everywhere for the same depth (Wadhwa et al. 2018, section 4.2 "Imaging Model and Calibration").
-/// A lens's aberrations leave disparity linear in inverse depth, but the line differs from place to place:
-///     d(x, z, D) = S_z(x) / D + I_z(x),       z focus distance, D depth, x place on the sensor.
+/// A lens's aberrations leave disparity linear in inverse depth, but the line varies over the field:
+///     d(x, z, D) = S_z(x) / D + I_z(x),       z focus distance, D depth, x position on the sensor.
 /// A sweep of a textured, fronto-parallel target over both distances gives S_z and I_z by least squares; correction.h
 /// uses them.
 namespace dualpixel::pipeline {
 
-/// What one capture of the target says.
+/// Measured on one capture of the target.
 struct TargetMeasurement {
   double focus_distance_m = 0;   ///< infinity is allowed
   double target_distance_m = 0;  ///< planar depth on the axis

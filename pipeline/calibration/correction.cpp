@@ -16,7 +16,7 @@ constexpr int kColumns = kCalibrationColumns, kRows = kCalibrationRows;
 constexpr double kLeastSlope = 0.2;  ///< of the principal point's
 constexpr double kFocusReach_per_m = 0.5;
 
-std::string metres(double distance) { return fmt::format("{:g} m", distance); }
+std::string meters(double distance) { return fmt::format("{:g} m", distance); }
 
 /// Confidence and warning of a focus distance that lies outside the calibrated range.
 void judge_focus(const Calibration& calibration, double focus_distance_m, Correction& correction) {
@@ -27,7 +27,7 @@ void judge_focus(const Calibration& calibration, double focus_distance_m, Correc
   correction.confidence = static_cast<float>(std::exp(-outside / kFocusReach_per_m));
   correction.warning =
       fmt::format("focus distance {} lies outside the calibrated {} to {}; the nearest calibration, {}, is used",
-                  metres(focus_distance_m), metres(near), metres(far), metres(wanted < 1 / far ? far : near));
+                  meters(focus_distance_m), meters(near), meters(far), meters(wanted < 1 / far ? far : near));
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ Correction make_correction(const Calibration& calibration, const Camera& camera)
     throw InputError(
         fmt::format("calibration: focus distance {}: disparity at the principal point does not change "
                     "with depth: there is nothing to correct to",
-                    metres(camera.focus_distance_m)));
+                    meters(camera.focus_distance_m)));
   }
   for (std::size_t i = 0; i < slopes.data.size(); ++i) {
     const double share = focus.slope_dp_px_m.data[i] / slope;

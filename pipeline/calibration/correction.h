@@ -7,7 +7,7 @@
 ///     d_corrected = I_z(0) + S_z(0) (d - I_z(x)) / S_z(x)             (Wadhwa et al. 2018, section 4.2)
 namespace dualpixel::pipeline {
 
-/// S_z and I_z at any focus distance within the calibrated range: linear between its neighbours in 1/z, in which both
+/// S_z and I_z at any focus distance within the calibrated range: linear between its neighbors in 1/z, in which both
 /// are nearly linear (the thin lens's intercept is -S/z), and which has room for infinity. Outside the nearest's.
 /// Residual and r_squared stay empty.
 FocusCalibration focus_at(const Calibration& calibration, double focus_distance_m);
@@ -18,7 +18,7 @@ struct Correction {
   /// that interpolation beside them goes on smoothly.
   Image gain, offset_dp_px;
   Image usable;          ///< 0: no line, or a slope below a fifth of the principal point's: what is left there is noise
-  float confidence = 1;  ///< exp(-distance / 0.5 per metre) to the calibrated range of 1/z; 1 inside
+  float confidence = 1;  ///< exp(-distance / 0.5 per meter) to the calibrated range of 1/z; 1 inside
   std::string warning;   ///< names both where the focus distance lies outside the range; else empty
 };
 

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "capture/error.h"
 #include "capture/image/resample.h"
 #include "capture/image/rows.h"
 #include "pipeline/disparity/paper/normalize.h"
@@ -19,12 +19,12 @@ namespace {
 constexpr int kSmallestLevel = 16;  ///< blocks: no level has a shorter side, unless the views have
 constexpr float kRelaxation = 1.8f;
 constexpr int kGainDegree = 8;          ///< of the polynomial over the field that evens out the views' shading
-constexpr float kLeastTexture = 0.02f;  ///< variance of a normalised view; less is a view without texture
+constexpr float kLeastTexture = 0.02f;  ///< variance of a normalized view; less is a view without texture
 constexpr int kGainBlocks = 8;          ///< blocks a side whose mean is one equation of its fit
 
 constexpr int kTaps = 6;
 
-/// Weights of samples -2 ... 3 at a place t from sample 0 towards sample 1: the polynomial through all six. A cubic
+/// Weights of samples -2 ... 3 at a position t from sample 0 towards sample 1: the polynomial through all six. A cubic
 /// through four would read shifts 1 % too large where the texture is as fine as a few blocks.
 std::array<float, kTaps> quintic(float t) {
   std::array<float, kTaps> weights{};
@@ -41,7 +41,7 @@ struct Matched {
   float difference, gradient;
 };
 
-/// right(x + d) - left(x) and how fast it changes with d; none where x + d lacks neighbours.
+/// right(x + d) - left(x) and how fast it changes with d; none where x + d lacks neighbors.
 bool match_at(const float* left, const float* right, int width, int x, float d, Matched& matched) {
   const float at = static_cast<float>(x) + d;
   if (x < 1 || x + 1 >= width || !(at >= 2 && at < static_cast<float>(width - 3))) return false;
@@ -54,7 +54,7 @@ bool match_at(const float* left, const float* right, int width, int x, float d, 
   return true;
 }
 
-/// Successive over-relaxation of (curvature - lambda Laplace) d = wanted, the squares of a chess board by colour, so
+/// Successive over-relaxation of (curvature - lambda Laplace) d = wanted, the squares of a chess board by color, so
 /// that rows can go in parallel.
 void relax(const Image& curvature, const Image& wanted, float lambda, int sweeps, Image& d) {
   const int width = d.width, height = d.height;
@@ -65,18 +65,18 @@ void relax(const Image& curvature, const Image& wanted, float lambda, int sweeps
       const float* below = y + 1 < height ? d.row(y + 1) : nullptr;
       const float *own = curvature.row(y), *want = wanted.row(y);
       for (int x = (y + sweep) & 1; x < width; x += 2) {
-        float neighbours = 0, count = 0;
-        if (x > 0) neighbours += row[x - 1], ++count;
-        if (x + 1 < width) neighbours += row[x + 1], ++count;
-        if (above) neighbours += above[x], ++count;
-        if (below) neighbours += below[x], ++count;
-        row[x] += kRelaxation * ((want[x] + lambda * neighbours) / (own[x] + lambda * count) - row[x]);
+        float neighbors = 0, count = 0;
+        if (x > 0) neighbors += row[x - 1], ++count;
+        if (x + 1 < width) neighbors += row[x + 1], ++count;
+        if (above) neighbors += above[x], ++count;
+        if (below) neighbors += below[x], ++count;
+        row[x] += kRelaxation * ((want[x] + lambda * neighbors) / (own[x] + lambda * count) - row[x]);
       }
     });
   }
 }
 
-/// One linearisation and its solution.
+/// One linearization and its solution.
 void step(const Image& left, const Image& right, const FlowOptions& options, Image& d) {
   Image curvature(d.width, d.height), wanted(d.width, d.height);
   for_rows(d.height, [&](int y) {
@@ -96,7 +96,7 @@ void step(const Image& left, const Image& right, const FlowOptions& options, Ima
   relax(curvature, wanted, options.smooth_blocks * options.smooth_blocks * mean, options.sweeps, d);
 }
 
-/// In blocks; both views normalised.
+/// In blocks; both views normalized.
 Image flow_of(const Image& left, const Image& right, const FlowOptions& options) {
   std::vector<Image> lefts = {left}, rights = {right};
   while (std::min(lefts.back().width, lefts.back().height) >= 2 * kSmallestLevel) {
@@ -134,7 +134,7 @@ Image moved(const Image& view, const Image& d) {
   return out;
 }
 
-/// Powers x^i y^j, i + j <= kGainDegree, of a place in half widths and half heights from the middle.
+/// Powers x^i y^j, i + j <= kGainDegree, of a position in half widths and half heights from the middle.
 Eigen::RowVectorXd gain_terms(double x, double y) {
   Eigen::RowVectorXd terms((kGainDegree + 1) * (kGainDegree + 2) / 2);
   int k = 0;
@@ -157,26 +157,26 @@ void match_light(const Image& reference, Image& view) {
   }
   ratio =
       resize_area(ratio, (view.width + kGainBlocks - 1) / kGainBlocks, (view.height + kGainBlocks - 1) / kGainBlocks);
-  const auto place = [](int i, int count) { return 2 * (i + 0.5) / count - 1; };
+  const auto position = [](int i, int count) { return 2 * (i + 0.5) / count - 1; };
   const auto rows = static_cast<Eigen::Index>(ratio.data.size());
   Eigen::MatrixXd terms(rows, gain_terms(0, 0).size());
   Eigen::VectorXd values(rows);
   for (Eigen::Index i = 0; i < rows; ++i) {
     const int x = static_cast<int>(i) % ratio.width, y = static_cast<int>(i) / ratio.width;
-    terms.row(i) = gain_terms(place(x, ratio.width), place(y, ratio.height));
+    terms.row(i) = gain_terms(position(x, ratio.width), position(y, ratio.height));
     values[i] = ratio.at(x, y);
   }
   const Eigen::VectorXd gain = terms.colPivHouseholderQr().solve(values);
   for_rows(view.height, [&](int y) {
     // this row's polynomial in x
     std::array<double, kGainDegree + 1> row{};
-    const double at_y = place(y, view.height);
+    const double at_y = position(y, view.height);
     for (int i = 0, k = 0; i <= kGainDegree; ++i) {
       double power = 1;
       for (int j = 0; i + j <= kGainDegree; ++j, power *= at_y) row[i] += gain[k++] * power;
     }
     for (int x = 0; x < view.width; ++x) {
-      const double at_x = place(x, view.width);
+      const double at_x = position(x, view.width);
       double value = 0;
       for (int i = kGainDegree; i >= 0; --i) value = value * at_x + row[i];
       view.at(x, y) *= static_cast<float>(value);
@@ -185,7 +185,7 @@ void match_light(const Image& reference, Image& view) {
 }
 
 Image mismatch_of(const Image& left, const Image& right, const Image& d) {
-  // where there is texture, normalised views have a variance of 1
+  // where there is texture, normalized views have a variance of 1
   Image squares(d.width, d.height);
   for (std::size_t i = 0; i < left.data.size(); ++i) squares.data[i] = left.data[i] * left.data[i];
   const Image texture =
@@ -202,7 +202,7 @@ Image mismatch_of(const Image& left, const Image& right, const Image& d) {
 }
 
 void require(bool holds, const char* what) {
-  if (!holds) throw std::invalid_argument(std::string("calibration: ") + what);
+  if (!holds) throw InputError(std::string("calibration: ") + what);
 }
 
 }  // namespace

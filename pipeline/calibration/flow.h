@@ -3,7 +3,7 @@
 
 /// Smooth horizontal flow between the views of a surface without depth edges: a calibration target (Wadhwa et al. 2018,
 /// supplement, "Disparity of Calibration Data": the optical flow of Liu 2009 with horizontal motion alone, an L1 data
-/// term and an L2 smoothness term, after normalising the views for lens shading).
+/// term and an L2 smoothness term, after normalizing the views for lens shading).
 namespace dualpixel::pipeline {
 
 struct FlowOptions {
@@ -12,29 +12,29 @@ struct FlowOptions {
   /// reads up to 12 % too much), and there noise weighs least.
   int block_width_px = 4;
   int block_height_px = 2;
-  int window_blocks = 33;    ///< normalisation window, blocks a side, odd
+  int window_blocks = 33;    ///< normalization window, blocks a side, odd
   float charbonnier = 0.1f;  ///< difference at which the data term turns from square to linear, in local deviations
-  float smooth_blocks = 8;   ///< distance over which average texture gives way to its neighbours, blocks
-  int warps = 4;             ///< linearisations a level
+  float smooth_blocks = 8;   ///< distance over which average texture gives way to its neighbors, blocks
+  int warps = 4;             ///< linearizations a level
   int refinements = 3;       ///< repetitions with the light of both views evened out, 1 or more
-  int sweeps = 40;           ///< over-relaxation sweeps a linearisation (Liu 2009: 30 and more)
+  int sweeps = 40;           ///< over-relaxation sweeps a linearization (Liu 2009: 30 and more)
 };
 
 /// One pixel a block: ceil(size / block).
 struct Flow {
   Image disparity_dp_px;  ///< d with right(x + d) = left(x), always finite
-  /// Squared difference of the matched, normalised views: 0 where they agree, 2 where nothing fits or nothing is seen.
+  /// Squared difference of the matched, normalized views: 0 where they agree, 2 where nothing fits or nothing is seen.
   Image mismatch;
 };
 
-/// `left` and `right` are linear views of one size. Minimises over d
+/// `left` and `right` are linear views of one size. Minimizes over d
 ///     sum sqrt((right(x + d) - left(x))^2 + charbonnier^2) + lambda sum |grad d|^2
-/// over the normalised blocks, from coarse to fine by halves, each level linearised `warps` times. lambda is smooth^2
+/// over the normalized blocks, from coarse to fine by halves, each level linearized `warps` times. lambda is smooth^2
 /// times the mean curvature of the data term, so that contrast and noise leave the smoothness alone. All of it once and
-/// then `refinements` times more, with the right view moved by the answer so far before it is normalised, so that
+/// then `refinements` times more, with the right view moved by the answer so far before it is normalized, so that
 /// windows which the border cuts short hold the same of the target in both views, and scaled to the left view's light
 /// by a smooth fit of their ratio, which has no texture in it where they match. The same bytes for any number of
-/// threads. Throws std::invalid_argument where the views differ in size, are empty or have colours, and where an option
+/// threads. Throws InputError where the views differ in size, are empty or have colors, and where an option
 /// is not positive.
 Flow match_target(const Image& left, const Image& right, const FlowOptions& options = {});
 

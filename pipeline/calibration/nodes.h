@@ -34,7 +34,7 @@ std::array<float, kCalibrationColumns> node_row(const Image& nodes, const NodeIn
 /// `x` and `y` are fractions of the picture, clamped to it.
 double bicubic(const Image& nodes, double x, double y);
 
-/// Gives nodes where `known` is 0 the mean of their known neighbours, from the edge of each hole inwards. Nothing
+/// Gives nodes where `known` is 0 the mean of their known neighbors, from the edge of each hole inwards. Nothing
 /// changes where no node is known.
 void fill_holes(const Image& known, Image& nodes);
 

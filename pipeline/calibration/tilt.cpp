@@ -11,7 +11,7 @@ namespace {
 
 using Targets = std::vector<const TargetMeasurement*>;
 
-/// Disparity's slope against inverse depth at one node by all targets but one; 0 where it cannot be told.
+/// Disparity's slope against inverse depth at one node by all targets but one; 0 where it cannot be estimated.
 double slope_without(const Targets& targets, std::size_t node, const TargetMeasurement* left_out) {
   double n = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (const TargetMeasurement* target : targets) {

@@ -7,7 +7,7 @@ namespace dualpixel::pipeline {
 
 /// How far the target of a sweep was from fronto-parallel, degrees; x: its right side farther, y: its lower side. The
 /// standard errors are a jackknife's over the targets of each focus distance: what texture and sensor noise do differs
-/// from target to target, a tilt does not. They are infinite where fewer than three targets say something.
+/// from target to target, a tilt does not. They are infinite where fewer than three targets are usable.
 struct TargetTilt {
   double x_deg = 0, y_deg = 0;
   double x_error_deg = 0, y_error_deg = 0;

@@ -32,7 +32,8 @@ struct BlurShape {
 /// In the middle of the picture.
 BlurShape blur_shape(const Aperture& aperture, bool in_front_of_focus);
 
-/// Cuts `shape`, of this aperture, to the cat's eye at a place: from the picture's middle, length 1 in the corners.
+/// Cuts `shape`, of this aperture, to the cat's eye at a field point: from the picture's middle, length 1 in the
+/// corners.
 void cut_to_cats_eye(BlurShape& shape, const Aperture& aperture, double field_x, double field_y);
 
 /// What a line at height y has in common with the shape of radius r; none where end <= begin.

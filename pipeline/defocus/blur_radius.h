@@ -1,5 +1,6 @@
 #pragma once
 #include "capture/image/image.h"
+#include "pipeline/option_field.h"
 
 /// From disparity to blur radius (Wadhwa et al. 2018, section 5.1 and supplement, "Blur Parameters"). The supplement's
 /// signs are turned: here frontal means d - d_focus < 0.
@@ -17,6 +18,8 @@ struct BlurRadiusOptions {
   double sharp_person_px = 0.19;  ///< the same where a mask has flattened a person (supplement)
 };
 
+OptionFields fields(BlurRadiusOptions& options);
+
 /// Eq. 5: r(d) = kappa max(0, |d - d_focus| - d_0), at most r_max, with kappa times frontal_factor where d < d_focus.
 struct BlurMapping {
   double kappa = 0;        ///< full-resolution px for one DP px
@@ -32,7 +35,7 @@ struct BlurMapping {
   double back_dp_px(double radius_px) const;
 };
 
-/// kappa_1(z) = clamp(0.33 z + 0.17, 1, 3.5), z in metres, may be infinite (supplement).
+/// kappa_1(z) = clamp(0.33 z + 0.17, 1, 3.5), z in meters, may be infinite (supplement).
 double kappa_1(double focus_distance_m);
 /// kappa_2(d_focus) = clamp(1 / (1 - d_focus / 2), 0.5, 2): 2 as well where the denominator is 0 or less.
 double kappa_2(double focus_dp_px);

@@ -12,6 +12,14 @@ float largest_channel(const float* rgb) { return std::max({rgb[0], rgb[1], rgb[2
 
 }  // namespace
 
+OptionFields fields(HighlightOptions& options) {
+  return {{"clipped", &options.clipped, 0.01, 1, "of white", "ours"},
+          {"expected", &options.expected, 1.01, 100, "", "ours"},
+          {"weight_px", &options.weight_px, 0, 1e9, "px", "ours"},
+          {"full_blur_px", &options.full_blur_px, 0.01, 1000, "px", "ours"},
+          {"most", &options.most, 1, 1e6, "of white", "ours"}};
+}
+
 double highlight_gain(const Image& rgb, double white, const HighlightOptions& options) {
   double seen = options.weight_px, logarithms = options.weight_px / options.expected;
   for (std::size_t i = 0; i < rgb.data.size(); i += 3) {

@@ -1,5 +1,6 @@
 #pragma once
 #include "capture/image/image.h"
+#include "pipeline/option_field.h"
 
 /// Light beyond what the sensor could hold, guessed before the blur: a lamp that is blurred as if it were merely white
 /// gives a dull disc where a lens would have given a bright one.
@@ -13,6 +14,8 @@ struct HighlightOptions {
   double full_blur_px = 5.5;  ///< radius, full-resolution px: where brute force ends (layers.h)
   double most = 16;           ///< brightest light that is reckoned with, times white
 };
+
+OptionFields fields(HighlightOptions& options);
 
 /// How much brighter than they look clipped pixels are on average. A picture's largest channels v are taken to follow a
 /// power law from half the white level on, P(v > x) ~ x^-a, of which clipped pixels show only that they lie beyond the

@@ -56,6 +56,12 @@ void cut(const Image& rgb, Layer& layer, const Alphas& alphas_of, const Radius& 
 
 }  // namespace
 
+OptionFields fields(LayerOptions& options) {
+  return {{"bands", &options.bands, 3, 100, "", "5.2: 5"},
+          {"overlap", &options.overlap, 0.01, 1, "of a band", "5.2: 0.25"},
+          {"r_brute_px", &options.r_brute_px, 0.1, 1000, "px", "S: 5.5 (2.75 at half size)"}};
+}
+
 float Band::alpha(float disparity_dp_px) const {
   return band_alpha(disparity_dp_px, static_cast<float>(low_dp_px), static_cast<float>(high_dp_px),
                     static_cast<float>(1 / taper_dp_px));

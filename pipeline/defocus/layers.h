@@ -3,6 +3,7 @@
 
 #include "capture/image/image.h"
 #include "pipeline/defocus/blur_radius.h"
+#include "pipeline/option_field.h"
 
 /// The picture cut into bands of disparity that are blurred one by one (Wadhwa et al. 2018, section 5.2).
 namespace dualpixel::pipeline {
@@ -12,6 +13,8 @@ struct LayerOptions {
   double overlap = 0.25;    ///< eta over the width of the band (section 5.2: 25 %)
   double r_brute_px = 5.5;  ///< radius at the in-focus band's ends, full-resolution px (supplement: 2.75 at half size)
 };
+
+OptionFields fields(LayerOptions& options);
 
 struct Band {
   double low_dp_px = 0;    ///< d_{j-1}

@@ -22,6 +22,11 @@ Image recovered(const Image& rgb, const Image& mask, float radius_px, const Boke
 
 }  // namespace
 
+OptionFields fields(MaskBlurOptions& options) {
+  return {{"radius_px", &options.radius_px, 0, 1000, "px", "ours"},
+          {"reference_width_px", &options.reference_width_px, 1, 1e6, "px", "ours"}};
+}
+
 MaskBlurOptions blur_for_face(double face_width_px, int image_width_px, MaskBlurOptions options) {
   constexpr double kPupilOverFace = 12.3e-3 / 0.15;
   if (!(face_width_px > 0)) return options;

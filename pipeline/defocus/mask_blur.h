@@ -2,6 +2,7 @@
 #include "capture/image/image.h"
 #include "pipeline/defocus/bokeh.h"
 #include "pipeline/defocus/defocused.h"
+#include "pipeline/option_field.h"
 
 /// The blur where nothing but a person mask is known (Wadhwa et al. 2018, end of section 5.2).
 namespace dualpixel::pipeline {
@@ -11,6 +12,8 @@ struct MaskBlurOptions {
   double reference_width_px = 2688;  ///< width for which that is meant; the radius grows in proportion
 };
 
+OptionFields fields(MaskBlurOptions& options);
+
 /// The radius that suits a person whose face is so wide, in place of `radius_px`: the nearer a person, the more a lens
 /// blurs what is far behind. Seen in the person's plane, the disc of a point at infinity is as wide as the pupil, so it
 /// is pupil / face of a face's width: 12.3 mm, five times a phone's, over 0.15 m, a detector's box from brow to chin.
@@ -18,7 +21,7 @@ struct MaskBlurOptions {
 MaskBlurOptions blur_for_face(double face_width_px, int image_width_px, MaskBlurOptions options = {});
 
 /// The background (1 - mask) [R, G, B, 1] is blurred by one disc, or the aperture's shape, at half resolution, and
-/// divided by its alpha, so that the person's colours never bleed into it. A depth plane is feigned by mixing: the
+/// divided by its alpha, so that the person's colors never bleed into it. A depth plane is feigned by mixing: the
 /// blurred picture's share falls linearly from 1 at the top to 0 at the bottom (Aperture::lying: left to right). The
 /// person is laid over it. Defocused::radius_px is the background's radius times how much of the blurred picture shows.
 /// `mask` is of the picture's size, 0..1. Throws InputError where their sizes differ.

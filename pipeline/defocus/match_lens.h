@@ -1,4 +1,6 @@
 #pragma once
+#include <string>
+
 #include "capture/capture.h"
 #include "pipeline/defocus/blur_radius.h"
 
@@ -16,5 +18,10 @@ namespace dualpixel::pipeline {
 /// with `input_is_sharp` the disc is k times its own. The radius is capped at an eighth of the picture's width.
 /// Throws InputError where the camera's alpha, focal length or f-number is unknown.
 BlurMapping match_lens(const Camera& camera, double pupil_mm, double focus_dp_px, bool input_is_sharp = false);
+
+/// The entrance pupil of a lens named as "f/1.4@50mm-equivalent": what a lens of that focal length and f-number has in
+/// front of a full-frame sensor. Throws InputError, whose message begins with `field`, where it is not named so, or
+/// outside f/0.5 to f/64 and 1 to 2000 mm.
+double pupil_mm_of_lens(const std::string& field, const std::string& lens);
 
 }  // namespace dualpixel::pipeline

@@ -4,9 +4,9 @@
 
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "capture/error.h"
+#include "capture/names.h"
 #include "pipeline/defocus/render.h"
 
 namespace dualpixel::pipeline {
@@ -34,13 +34,9 @@ constexpr DefocusMethod kMethods[] = {
 std::span<const DefocusMethod> defocus_methods() { return kMethods; }
 
 const DefocusMethod& defocus_method_named(std::string_view name) {
-  std::vector<std::string> names;
-  for (const DefocusMethod& method : kMethods) {
-    if (method.name == name) return method;
-    names.emplace_back(method.name);
-  }
-  throw InputError(fmt::format("defocus method: {}: must be {}{}", printable(std::string(name)),
-                               fmt::join(names, " or "), did_you_mean(std::string(name), names)));
+  if (const DefocusMethod* method = find_named(kMethods, name)) return *method;
+  const std::string unknown(name);
+  throw InputError(fmt::format("defocus method: {}: {}", printable(unknown), must_be_one_of(kMethods, unknown)));
 }
 
 }  // namespace dualpixel::pipeline

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "capture/image/rows.h"
 #include "pipeline/burst/demosaic.h"
@@ -76,6 +77,17 @@ float tile_sign(int period, int column, int line) {
 }
 
 }  // namespace
+
+OptionFields fields(NoiseOptions& options) {
+  OptionFields all;
+  for (std::size_t i = 0; i < options.periods_px.size(); ++i) {
+    all.push_back(
+        {"periods_px." + std::to_string(i), &options.periods_px[i], 8, 4096, "px", "ours (5.3: relatively prime)"});
+  }
+  all.push_back({"feather_px", &options.feather_px, 1, 1000, "px", "ours"});
+  all.push_back({"high_pass_sigma_px", &options.high_pass_sigma_px, 0.1, 1000, "px", "ours"});
+  return all;
+}
 
 std::vector<NoisePatch> make_noise_patches(std::uint64_t seed, const NoiseOptions& options) {
   std::vector<NoisePatch> patches;

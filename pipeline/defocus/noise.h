@@ -5,6 +5,7 @@
 
 #include "capture/capture.h"
 #include "capture/image/image.h"
+#include "pipeline/option_field.h"
 
 /// Synthetic noise for what the blur has smoothed (Wadhwa et al. 2018, section 5.3 and supplement, "Noise generation").
 namespace dualpixel::pipeline {
@@ -15,18 +16,20 @@ struct NoiseOptions {
   float high_pass_sigma_px = 6;                  ///< noise coarser than this is taken out; ours
 };
 
+OptionFields fields(NoiseOptions& options);
+
 /// A square RGB picture that repeats without a seam. The sum of all patches is to the noise of a demosaicked picture
 /// what 1 is to the standard deviation of its photosites.
 using NoisePatch = Image;
 
-/// The supplement's procedure with a simulated flat field for the photographed one: a flat grey mosaic with white
+/// The supplement's procedure with a simulated flat field for the photographed one: a flat gray mosaic with white
 /// noise, demosaicked as pictures are (so the noise is correlated as theirs is), high-passed, feathered at its edges,
 /// laid out four times at a spacing of l, cropped to l x l. Divided by the root of the summed squared alphas, which
 /// keeps the variance even where copies overlap (the supplement divides by alpha, for which it dips). One patch for
 /// each period.
 std::vector<NoisePatch> make_noise_patches(std::uint64_t seed, const NoiseOptions& options = {});
 
-/// Noise of the merged picture: variance of a channel whose normalised, white-balanced signal is v:
+/// Noise of the merged picture: variance of a channel whose normalized, white-balanced signal is v:
 ///     gain * (shot * v + gain * read)
 struct NoiseLevel {
   double shot = 0;

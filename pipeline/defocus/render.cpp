@@ -16,7 +16,7 @@
 namespace dualpixel::pipeline {
 namespace {
 
-constexpr float kLeastAlpha = 1e-3f;  // below it colours drown in rounding
+constexpr float kLeastAlpha = 1e-3f;  // below it colors drown in rounding
 
 /// Half-resolution stacks of blurred layers.
 struct Stacks {

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <string>
-#include <vector>
 
 #include "capture/error.h"
+#include "capture/names.h"
 
 namespace dualpixel::pipeline {
 namespace {
@@ -44,13 +44,9 @@ OptionFields fields(MatcherOptions& options) {
 std::span<const Matcher> matchers() { return kMatchers; }
 
 const Matcher& matcher_named(std::string_view name) {
-  std::vector<std::string> names;
-  for (const Matcher& matcher : kMatchers) {
-    if (matcher.name == name) return matcher;
-    names.emplace_back(matcher.name);
-  }
-  throw InputError(fmt::format("matcher: {}: must be {}{}", printable(std::string(name)), fmt::join(names, " or "),
-                               did_you_mean(std::string(name), names)));
+  if (const Matcher* matcher = find_named(kMatchers, name)) return *matcher;
+  const std::string unknown(name);
+  throw InputError(fmt::format("matcher: {}: {}", printable(unknown), must_be_one_of(kMatchers, unknown)));
 }
 
 }  // namespace dualpixel::pipeline

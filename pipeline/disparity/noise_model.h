@@ -5,7 +5,7 @@
 /// Noise of DP views.
 namespace dualpixel::pipeline {
 
-/// Variance of a pixel of one view whose mean is x, in the normalised signal (0 black, 1 clipped): shot * x + read.
+/// Variance of a pixel of one view whose mean is x, in the normalized signal (0 black, 1 clipped): shot * x + read.
 struct ViewNoise {
   float shot = 0;
   float read = 0;

@@ -9,6 +9,10 @@
 
 namespace dualpixel::pipeline {
 
+OptionFields fields(UpsampleOptions& options) {
+  return {{"spread_dp_px", &options.spread_dp_px, 1e-6, 1e6, "DP px", "ours"}};
+}
+
 PixelDisparity upsample_tiles(const TileDisparity& tiles, int width, int height, const UpsampleOptions& options) {
   const Image& disparity = tiles.disparity_dp_px;
   const int columns = disparity.width;

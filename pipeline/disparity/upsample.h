@@ -1,5 +1,6 @@
 #pragma once
 #include "pipeline/disparity/paper/match.h"
+#include "pipeline/option_field.h"
 
 /// From one disparity a tile to one a pixel. Anderson et al. 2016, "Jump: Virtual Reality Video", section 4, let each
 /// pixel weigh the flows of the tiles around it; this is the simplest form of that.
@@ -15,8 +16,10 @@ struct UpsampleOptions {
   float spread_dp_px = 0.25f;  ///< disagreement (standard deviation, DP px) at which confidence falls to exp(-1/2)
 };
 
-/// Each pixel blends the four tiles whose centres surround it, by bilinear weight times confidence, so that a doubtful
-/// tile gives way to its neighbours. Its confidence is the bilinear mean of theirs, times
+OptionFields fields(UpsampleOptions& options);
+
+/// Each pixel blends the four tiles whose centers surround it, by bilinear weight times confidence, so that a doubtful
+/// tile gives way to its neighbors. Its confidence is the bilinear mean of theirs, times
 /// exp(-variance / (2 spread^2)) of their weighted disparities: between tiles that disagree lies an edge, and a blend
 /// of two surfaces is on neither. The edge-aware solver decides there.
 ///

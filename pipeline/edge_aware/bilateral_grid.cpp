@@ -11,13 +11,13 @@
 namespace dualpixel::pipeline {
 namespace {
 
-/// Cells along Cr, Cb and Y side by side, from 1 on so that a neighbour's coordinate cannot borrow: they take up to 257
+/// Cells along Cr, Cb and Y side by side, from 1 on so that a neighbor's coordinate cannot borrow: they take up to 257
 /// of 2^10.
 using Key = std::uint32_t;
 constexpr Key kNoKey = 0;
 constexpr Key kOne[] = {1, 1 << 10, 1 << 20};  // a step along Y, Cb, Cr
 
-/// Where colours lie along the grid's axes, in cells; cell k holds k <= position < k + 1.
+/// Where colors lie along the grid's axes, in cells; cell k holds k <= position < k + 1.
 struct Positions {
   std::vector<float> luma, cb, cr;
 };
@@ -26,7 +26,7 @@ struct Positions {
 void locate(const Image& guide, int y, const BilateralGridOptions& cells, Positions& to) {
   const auto level = [](float value) { return value > 0 ? std::min(value, 255.0f) : 0.0f; };
   const float per_luma = 1 / cells.cell_luma, per_chroma = 1 / cells.cell_chroma;
-  // Grey lies in the middle of cell `middle`, which is as many cells from 0 as 128 levels are, rounded up.
+  // Gray lies in the middle of cell `middle`, which is as many cells from 0 as 128 levels are, rounded up.
   const float middle = std::ceil(128 * per_chroma) + 0.5f;
   const int count = guide.width;
   float *luma = to.luma.data(), *blue = to.cb.data(), *red = to.cr.data();
@@ -95,7 +95,7 @@ struct Workspace {
   }
 };
 
-/// Finds the vertices of one row of tiles: their colours, tile by tile; vertex_of_pixel counts from the tile's first.
+/// Finds the vertices of one row of tiles: their colors, tile by tile; vertex_of_pixel counts from the tile's first.
 void find_vertices(const Image& guide, int line, Workspace& work, BilateralGrid& grid, std::vector<Key>& colors) {
   const int width = guide.width, top = grid.row_begins[line], bottom = grid.row_begins[line + 1];
   for (int y = top; y < bottom; ++y) {
@@ -136,7 +136,7 @@ void find_vertices(const Image& guide, int line, Workspace& work, BilateralGrid&
   }
 }
 
-/// Makes neighbours of the vertices of tile `a` and those of tile `b` whose colour is `step` more.
+/// Makes neighbors of the vertices of tile `a` and those of tile `b` whose color is `step` more.
 void link(BilateralGrid& grid, int a, int b, Key step, int neighbor) {
   std::int32_t j = grid.first_of_tile[b];
   const std::int32_t end = grid.first_of_tile[b + 1];
@@ -148,7 +148,7 @@ void link(BilateralGrid& grid, int a, int b, Key step, int neighbor) {
   }
 }
 
-/// A vertex as interpolation meets it: the middle of its cell in colour, and its value.
+/// A vertex as interpolation meets it: the middle of its cell in color, and its value.
 struct NearVertex {
   float luma, cb, cr, value;
 };
@@ -173,7 +173,7 @@ void find_near(const BilateralGrid& grid, int line, std::span<const float> value
 struct Segment {
   static constexpr int kPixels = 8;
   float luma[kPixels] = {}, cb[kPixels] = {}, cr[kPixels] = {};
-  float place[kPixels] = {};  ///< weight of the tile's place
+  float position[kPixels] = {};  ///< weight of the tile's position
   float weights[kPixels] = {}, sums[kPixels] = {};
 
   Segment(const Positions& at, int left, int count) {
@@ -184,7 +184,7 @@ struct Segment {
 
   void add(const NearVertex& vertex) {
     for (int i = 0; i < kPixels; ++i) {
-      const float weight = place[i] * std::max(1 - std::abs(luma[i] - vertex.luma), 0.0f) *
+      const float weight = position[i] * std::max(1 - std::abs(luma[i] - vertex.luma), 0.0f) *
                            std::max(1 - std::abs(cb[i] - vertex.cb), 0.0f) *
                            std::max(1 - std::abs(cr[i] - vertex.cr), 0.0f);
       weights[i] += weight;
@@ -291,9 +291,9 @@ Image interpolate(const BilateralGrid& grid, const Image& guide, std::span<const
               for (int corner = 0; corner < 4; ++corner) {
                 const int row = line - 1 + corner / 2, column = block - 1 + corner % 2;
                 if (row < 0 || row >= rows || column < 0 || column >= columns) continue;
-                std::copy_n(across[corner % 2].data() + left, count, segment.place);
+                std::copy_n(across[corner % 2].data() + left, count, segment.position);
                 const float down = corner / 2 ? second : 1 - second;
-                for (float& weight : segment.place) weight *= down;
+                for (float& weight : segment.position) weight *= down;
                 const std::int32_t* first = grid.first_of_tile.data() + static_cast<std::size_t>(row) * columns;
                 for (std::int32_t v = first[column]; v < first[column + 1]; ++v) {
                   segment.add(near[corner / 2][v - *first]);

@@ -7,7 +7,7 @@
 #include "pipeline/option_field.h"
 
 /// The bilateral grid of Barron and Poole 2016, "The Fast Bilateral Solver", section 2: pixels that are near in x, y,
-/// Y, Cb and Cr share a vertex; vertices one cell apart along one of the five axes are neighbours.
+/// Y, Cb and Cr share a vertex; vertices one cell apart along one of the five axes are neighbors.
 namespace dualpixel::pipeline {
 
 /// Of 4, 8 and 16 px by 4, 8 and 16 levels, no choice is best for all targets; these lie near the front of time against
@@ -29,7 +29,7 @@ struct BilateralGrid {
   std::vector<int> row_begins;
   int vertices = 0;
   std::vector<std::int32_t> vertex_of_pixel;
-  std::vector<std::int32_t> neighbors;      ///< kNeighbors for each vertex; `vertices` stands for none
+  std::vector<std::int32_t> neighbors;      ///< kNeighbors for each vertex; `vertices`: none
   std::vector<std::int32_t> first_of_tile;  ///< first vertex of each tile, row by row, and `vertices` at the end
   std::vector<std::uint32_t> color;         ///< of each vertex: cells along Cr, Cb and Y, 10 bits each, from 1 on
 
@@ -37,9 +37,9 @@ struct BilateralGrid {
   int rows() const { return static_cast<int>(row_begins.size()) - 1; }
 };
 
-/// `guide` is RGB or grey, 0..255; what is outside counts as the nearest level, NaN as 0. Cells are told apart by their
-/// five integer coordinates, never by a hash alone; along chroma they are centred on grey, lest rounding split it.
-/// Vertices are in the order of their tiles, row by row, then of their colours.
+/// `guide` is RGB or gray, 0..255; what is outside counts as the nearest level, NaN as 0. Cells are told apart by their
+/// five integer coordinates, never by a hash alone; along chroma they are centered on gray, lest rounding split it.
+/// Vertices are in the order of their tiles, row by row, then of their colors.
 ///
 /// There are at most as many vertices as pixels: 4 bytes a pixel and 44 a vertex, whatever the guide holds, and while
 /// it is made some 16 for each pixel of a tile and thread. Throws InputError where the guide is empty, has 2^31 pixels
@@ -48,7 +48,7 @@ BilateralGrid make_bilateral_grid(const Image& guide, const BilateralGridOptions
 
 /// A picture from `channels` values for each vertex: each pixel takes the mean over the vertices less than a cell away
 /// along every axis, weighted by the product of 1 - distance: multilinear interpolation where all 32 corners exist,
-/// continuous in place and colour in any case. A look-up by vertex_of_pixel would show the cells' borders. Vertices
+/// continuous in position and color in any case. A look-up by vertex_of_pixel would show the cells' borders. Vertices
 /// whose values are not a number are left out; pixels near no other vertex are not a number either. `guide` is the
 /// grid's own. Time grows with the vertices that share a tile.
 Image interpolate(const BilateralGrid& grid, const Image& guide, std::span<const float> values, int channels);

@@ -17,7 +17,7 @@
 namespace dualpixel::pipeline {
 namespace {
 
-/// One value for each vertex and, at the end, the 0 that stands for a neighbour that is not there.
+/// One value for each vertex and, at the end, the 0 of a missing neighbor.
 using Vertices = std::vector<double>;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -63,7 +63,7 @@ double sum_of_neighbors(const BilateralGrid& grid, const Values& values, int ver
 Vertices make_vertices(const BilateralGrid& grid) { return Vertices(static_cast<std::size_t>(grid.vertices) + 1); }
 
 /// The diagonal n for which Dn B Dn has about as much in each row as the vertex has pixels. B has twice the number of
-/// axes on its diagonal, 1 for each neighbour.
+/// axes on its diagonal, 1 for each neighbor.
 Vertices bistochastize(const BilateralGrid& grid, int iterations) {
   Vertices pixels = make_vertices(grid), n = pixels, next = pixels;
   for_pixels(grid, [&](std::size_t, std::int32_t v) { pixels[v] += 1; });
@@ -78,8 +78,8 @@ Vertices bistochastize(const BilateralGrid& grid, int iterations) {
 }
 
 /// With s = sqrt(lambda) n and u = s y, rows of Eq. 4 divided by s read
-///     diagonal_i u_i - sum over the neighbours of u_j = right_i,
-/// since Dm - Dn B Dn leaves on the diagonal what a row has elsewhere. Jacobi preconditioning is blind to s.
+///     diagonal_i u_i - sum over the neighbors of u_j = right_i,
+/// since Dm - Dn B Dn leaves on the diagonal what a row has elsewhere. Jacobi preconditioning does not depend on s.
 struct System {
   const BilateralGrid& grid;
   Vertices s;
@@ -355,7 +355,7 @@ class Solver {
  private:
   double target_at(std::size_t pixel, int channel) const { return target_.data[pixel * target_.channels + channel]; }
 
-  /// Sums of confidence times what f says of a pixel's target, and the system's right side.
+  /// Sums of confidence times f of each pixel, and the system's right side.
   template <typename F>
   void splat(const F& f) {
     std::fill(sums_.begin(), sums_.end(), 0.0);

@@ -1,9 +1,9 @@
 #pragma once
 #include "pipeline/edge_aware/bilateral_grid.h"
 
-/// Edge-aware smoothing: the fast bilateral solver (Barron and Poole 2016), which minimises
+/// Edge-aware smoothing: the fast bilateral solver (Barron and Poole 2016), which minimizes
 ///     lambda/2 sum_ij W_ij (x_i - x_j)^2 + sum_i c_i (x_i - t_i)^2                       (their Eq. 1)
-/// for target t and confidence c, with W the bistochastised affinity of pixels in a bilateral grid.
+/// for target t and confidence c, with W the bistochastized affinity of pixels in a bilateral grid.
 namespace dualpixel::pipeline {
 
 struct BilateralSolverOptions {
@@ -26,7 +26,7 @@ OptionFields fields(BilateralSolverOptions& options);
 struct BilateralSolution {
   Image value;  ///< of the grid's size, channels as the target; always finite
   /// Of the targets that each pixel's value is the weighted mean of, under the weights of that mean, which are never
-  /// negative: small where what was told agrees. In squared units of the target, one channel for each of its;
+  /// negative: small where the targets agree. In squared units of the target, one channel for each of its;
   /// infinite where no confidence reaches. Empty unless asked for.
   Image variance;
   int iterations = 0;   ///< of the last solve, most of all channels
@@ -50,8 +50,8 @@ BilateralSolution solve_bilateral(const BilateralGrid& grid, const Image& guide,
                                   const Image& confidence, const BilateralSolverOptions& options = {},
                                   const Image& start = {});
 
-/// The target where confidence is 1, and towards 0 the mean of what confident pixels around say, from ever wider
-/// neighbourhoods (pull and push over a pyramid: Gortler et al. 1996, "The Lumigraph", section 3.4.2). One channel.
+/// The target where confidence is 1, and towards 0 the mean of confident pixels around it, from ever wider
+/// neighborhoods (pull and push over a pyramid: Gortler et al. 1996, "The Lumigraph", section 3.4.2). One channel.
 /// 0 where confidence is 0 throughout. Both finite.
 Image fill_gaps(const Image& target, const Image& confidence);
 

@@ -9,6 +9,17 @@
 
 namespace dualpixel::pipeline {
 
+OptionFields fields(FilterMaskOptions& options) {
+  OptionFields all = {{"erosion", &options.erosion, 0, 1, "of the larger side", "3.4: 0.05"},
+                      {"sigmoid_slope", &options.sigmoid_slope, 0, 1e6, "", "ours"},
+                      {"blur_sigma_px", &options.blur_sigma_px, 0.1, 100, "half-resolution px", "ours"}};
+  for (const OptionFields& group : {grouped("grid", fields(options.grid)), grouped("solver", fields(options.solver)),
+                                    grouped("upsample", fields(options.upsample))}) {
+    all.insert(all.end(), group.begin(), group.end());
+  }
+  return all;
+}
+
 Image erode(const Image& image, int side) {
   const int reach = side / 2;
   const int width = image.width, height = image.height;

@@ -1,6 +1,7 @@
 #pragma once
 #include "pipeline/edge_aware/bilateral_solver.h"
 #include "pipeline/edge_aware/joint_upsample.h"
+#include "pipeline/option_field.h"
 
 /// A coarse person mask made to follow the picture's edges (Wadhwa et al. 2018, section 3.4).
 namespace dualpixel::pipeline {
@@ -16,6 +17,8 @@ struct FilterMaskOptions {
   BilateralSolverOptions solver;
   JointUpsampleOptions upsample;
 };
+
+OptionFields fields(FilterMaskOptions& options);
 
 /// `mask` (one channel, 0..1, any size: enlarged bilinearly) filtered along the edges of `guide` (RGB, 0..255,
 /// guide.h). Returns a mask of the guide's size. Confidence is ((mask - 1/2) / (1/2))^2, eroded; the solver runs at

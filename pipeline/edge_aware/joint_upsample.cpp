@@ -9,7 +9,7 @@
 namespace dualpixel::pipeline {
 namespace {
 
-/// exp(-t) within 0.02, as a polynomial that vectorises: (1 - t/16)^16, 0 from 16 on.
+/// exp(-t) within 0.02, as a polynomial that vectorizes: (1 - t/16)^16, 0 from 16 on.
 inline float falloff(float t) {
   float base = std::max(1 - t * (1.0f / 16), 0.0f);
   base *= base;
@@ -27,7 +27,7 @@ struct SpreadRow {
 };
 
 /// Adds one of the nine small pixels around each pixel of a row. Nothing overlaps: without saying so the loop would not
-/// vectorise.
+/// vectorize.
 void add_tap(const SpreadRow& near, const float* __restrict weight_x, float weight_y, const SpreadRow& large,
              float range, float* __restrict sum, float* __restrict weights) {
   const float *__restrict value = near.value.data(), *__restrict red = near.red.data(),

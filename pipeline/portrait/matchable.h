@@ -5,8 +5,8 @@
 
 namespace dualpixel::pipeline {
 
-/// Throws InputError where the camera's views are dense (1 x 1): half-photosites under a colour mosaic hold nothing
-/// that could be matched. `file` and `field` say where that stands.
+/// Throws InputError where the camera's views are dense (1 x 1): half-photosites under a color mosaic hold nothing
+/// that could be matched. `file` and `field` begin the message.
 void require_matchable(const Camera& camera, const std::string& file, const std::string& field);
 
 }  // namespace dualpixel::pipeline

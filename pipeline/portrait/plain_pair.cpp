@@ -55,7 +55,7 @@ Metadata read_metadata(const std::string& path) {
   return metadata;
 }
 
-/// Linear RGB (or grey), 0 black and 1 clipped.
+/// Linear RGB (or gray), 0 black and 1 clipped.
 Image read_view(const std::string& path, const Metadata& metadata, bool vertical) {
   const PictureSize size = picture_size(path);
   if (size.format != "png" && size.format != "tiff" && size.format != "jpeg") {
@@ -119,7 +119,7 @@ PlainPairCapture read_plain_pair(const PlainPair& pair) {
     const auto described = [&](const Image& view) {
       const auto [width, height] = pair.vertical_split ? std::pair{view.height, view.width}  // as in the file
                                                        : std::pair{view.width, view.height};
-      return fmt::format("{} x {} pixels in {}", width, height, view.channels == 1 ? "grey" : "RGB");
+      return fmt::format("{} x {} pixels in {}", width, height, view.channels == 1 ? "gray" : "RGB");
     };
     throw InputError(
         fmt::format("{}: {}; the left view has {}", printable(pair.right), described(right), described(left)));

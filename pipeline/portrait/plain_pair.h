@@ -4,11 +4,11 @@
 #include "capture/capture.h"
 #include "capture/image/image.h"
 
-/// A dual-pixel pair as public data sets store it: two pictures, and perhaps a few words about them.
+/// A dual-pixel pair as public data sets store it: two pictures, and perhaps some metadata.
 namespace dualpixel::pipeline {
 
 struct PlainPair {
-  std::string left, right;      ///< PNG, TIFF or JPEG, 8 or 16 bits, grey or RGB (alpha is ignored), of one size
+  std::string left, right;      ///< PNG, TIFF or JPEG, 8 or 16 bits, gray or RGB (alpha is ignored), of one size
   std::string metadata;         ///< JSON file, see below; none where empty
   bool vertical_split = false;  ///< stored on their side: disparity runs down the columns
 };
@@ -20,8 +20,8 @@ struct PlainPairCapture {
 
 /// One frame without mosaic or truth, each pixel of the pictures a DP pixel. A view is (R + 2 G + B) / 4 in linear
 /// light, as Bayer photosites weigh it. A vertical split is transposed, so that right(x, y + d) = left(x, y) of the
-/// pictures is right(x + d) = left(x) here; transpose what comes out. Pictures with odd sides get their last column or
-/// row twice.
+/// pictures is right(x + d) = left(x) here: run_portrait takes it with PortraitOptions::transposed. Pictures with odd
+/// sides get their last column or row twice.
 ///
 /// The metadata's fields, all optional; others are refused:
 ///   encoding               "srgb" (default: what 8-bit files and most 16-bit ones hold) or "linear"
@@ -31,7 +31,7 @@ struct PlainPairCapture {
 ///                          estimated from the views, as shot noise
 ///   focus_distance_m       default 1; it sets how strongly the portrait is blurred, not the disparity
 ///   face_px                x, y, width, height of a face in the pictures
-/// Pictures that are grey, in one channel or in three, are given no new noise where they are blurred: it is coloured.
+/// Pictures that are gray, in one channel or in three, are given no new noise where they are blurred: it is colored.
 /// Throws InputError where a file cannot be used, sizes differ, or a pixel is not finite or beyond [0, 1].
 PlainPairCapture read_plain_pair(const PlainPair& pair);
 

@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "pipeline/portrait/portrait.h"
+#include "pipeline/portrait/result.h"
 
 /// A portrait result on disk. A folder, written to a temporary sibling and renamed:
 ///   result.json              format, version, provenance, focus_disparity_dp_px, base_frame, stages [{name, ms,
@@ -16,13 +16,13 @@ namespace dualpixel::pipeline {
 
 struct StoredResult {
   PortraitResult result;
-  nlohmann::json json;  ///< result.json as it stands
+  nlohmann::json json;  ///< result.json, unchanged
   std::string mode;     ///< "dp", "dp+seg" or "seg"; empty where its provenance does not say
 };
 
 inline constexpr int kResultFormatVersion = 1;
 
-/// `provenance` says how the result came about: "mode" ("dp", "dp+seg", "seg"), "capture" (the capture's folder),
+/// `provenance` records how the result was made: "mode" ("dp", "dp+seg", "seg"), "capture" (the capture's folder),
 /// "capture_hash" (of its capture.json), all options. Throws InputError where `path` exists and is no result, or cannot
 /// be written.
 void write_result(const PortraitResult& result, const nlohmann::json& provenance, const std::string& path);

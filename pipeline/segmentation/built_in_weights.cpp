@@ -3,7 +3,7 @@
 
 #ifdef DUALPIXEL_PERSON_WEIGHTS
 
-// The file as it stands, in the library's read-only data.
+// The file, unchanged, in the library's read-only data.
 asm(R"(
   .pushsection .rodata
   .balign 16

@@ -15,16 +15,16 @@ namespace {
 constexpr int kDetectorSize_px = 640;
 
 /// Luma of the picture as a display would show it, `longer_side_px` on its longer side.
-dlib::array2d<unsigned char> grey_picture(const Image& linear_rgb, int longer_side_px) {
+dlib::array2d<unsigned char> gray_picture(const Image& linear_rgb, int longer_side_px) {
   const Image srgb = encode_for_display(fitted(linear_rgb, longer_side_px));
-  dlib::array2d<unsigned char> grey(srgb.height, srgb.width);
+  dlib::array2d<unsigned char> gray(srgb.height, srgb.width);
   for (int y = 0; y < srgb.height; ++y) {
     for (int x = 0; x < srgb.width; ++x) {
       const float luma = 0.299F * srgb.at(x, y, 0) + 0.587F * srgb.at(x, y, 1) + 0.114F * srgb.at(x, y, 2);
-      grey[y][x] = static_cast<unsigned char>(std::lround(255 * luma));
+      gray[y][x] = static_cast<unsigned char>(std::lround(255 * luma));
     }
   }
-  return grey;
+  return gray;
 }
 
 }  // namespace
@@ -36,10 +36,10 @@ std::vector<Face> find_faces(const Image& linear_rgb) {
   dlib::frontal_face_detector detector = kDetector;
   std::vector<Face> faces;
   for (const int size_px : {kDetectorSize_px, 2 * kDetectorSize_px}) {
-    const dlib::array2d<unsigned char> grey = grey_picture(linear_rgb, size_px);
-    const double per_x = static_cast<double>(linear_rgb.width) / static_cast<double>(grey.nc());
-    const double per_y = static_cast<double>(linear_rgb.height) / static_cast<double>(grey.nr());
-    for (const dlib::rectangle& box : detector(grey)) {
+    const dlib::array2d<unsigned char> gray = gray_picture(linear_rgb, size_px);
+    const double per_x = static_cast<double>(linear_rgb.width) / static_cast<double>(gray.nc());
+    const double per_y = static_cast<double>(linear_rgb.height) / static_cast<double>(gray.nr());
+    for (const dlib::rectangle& box : detector(gray)) {
       faces.push_back({static_cast<double>(box.left()) * per_x, static_cast<double>(box.top()) * per_y,
                        static_cast<double>(box.width()) * per_x, static_cast<double>(box.height()) * per_y});
     }

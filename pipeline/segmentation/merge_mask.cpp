@@ -29,6 +29,10 @@ float weighted_mean(const PixelDisparity& map, int x0, int x1, int y0, int y1, c
 
 }  // namespace
 
+OptionFields fields(MergeMaskOptions& options) {
+  return {{"interior", &options.interior, 0, 1, "mask value", "4.3: 0.94"}};
+}
+
 float face_disparity(const PixelDisparity& map, const std::array<double, 4>& face) {
   const auto inside = [](double edge, int size) { return static_cast<int>(std::clamp<double>(edge, 0, size)); };
   const int width = map.disparity_dp_px.width, height = map.disparity_dp_px.height;

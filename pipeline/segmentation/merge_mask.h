@@ -3,6 +3,7 @@
 
 #include "capture/image/image.h"
 #include "pipeline/disparity/upsample.h"
+#include "pipeline/option_field.h"
 
 /// Disparity and a person mask combined, so that the whole person is in focus (Wadhwa et al. 2018, section 4.3).
 namespace dualpixel::pipeline {
@@ -10,6 +11,8 @@ namespace dualpixel::pipeline {
 struct MergeMaskOptions {
   float interior = 0.94f;  ///< mask value above which a pixel is surely on the person (section 4.3)
 };
+
+OptionFields fields(MergeMaskOptions& options);
 
 /// Mean disparity over the rectangle `face` (x, y, width, height, in pixels of `map`), weighted by confidence; the
 /// plain mean where confidence is 0 throughout, 0 where the rectangle lies outside.

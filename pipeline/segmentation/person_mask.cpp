@@ -36,7 +36,7 @@ Image network_picture(const Image& srgb) {
 void set_face(Image& input, const Face& face, const Image& linear, const Image& small) {
   const double center_x = face.x + face.width / 2, center_y = face.y + face.height / 2;
   if (!(center_x >= 0 && center_x <= linear.width && center_y >= 0 && center_y <= linear.height)) {
-    throw InputError("face: its centre must lie in the picture");
+    throw InputError("face: its center must lie in the picture");
   }
   const Placement at = placement(small);
   const double x = at.x + center_x * small.width / linear.width, y = at.y + center_y * small.height / linear.height;
@@ -52,6 +52,11 @@ void set_face(Image& input, const Face& face, const Image& linear, const Image& 
 }
 
 }  // namespace
+
+OptionFields fields(SeedOptions& options) {
+  return {{"least_of_largest", &options.least_of_largest, 0, 1, "area of the largest", "3.3: 1/3"},
+          {"least_of_picture", &options.least_of_picture, 0, 1, "area of the picture", "3.3: 0.013"}};
+}
 
 std::vector<Face> seed_faces(const std::vector<Face>& faces, int width_px, int height_px, const SeedOptions& options) {
   double largest = 0;
@@ -87,12 +92,14 @@ Image person_mask(const Image& linear_rgb, const std::vector<Face>& faces, Perso
   return joined;
 }
 
-FoundPeople find_people(const Image& linear_rgb, const std::vector<Face>& given, PersonNetwork& network) {
+FoundPeople find_people(const Image& linear_rgb, const std::vector<Face>& given, PersonNetwork& network,
+                        const SeedOptions& options) {
   FoundPeople found;
   found.detected = given.empty() ? find_faces(linear_rgb) : given;
   std::stable_sort(found.detected.begin(), found.detected.end(),
                    [](const Face& a, const Face& b) { return a.area() > b.area(); });
-  found.faces = given.empty() ? seed_faces(found.detected, linear_rgb.width, linear_rgb.height) : found.detected;
+  found.faces =
+      given.empty() ? seed_faces(found.detected, linear_rgb.width, linear_rgb.height, options) : found.detected;
   if (!found.faces.empty()) found.mask = person_mask(linear_rgb, found.faces, network);
   return found;
 }

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "capture/image/image.h"
+#include "pipeline/option_field.h"
 #include "pipeline/segmentation/faces.h"
 #include "pipeline/segmentation/network.h"
 
@@ -14,16 +15,18 @@ struct SeedOptions {
   double least_of_picture = 0.013;
 };
 
+OptionFields fields(SeedOptions& options);
+
 /// Of the faces that a detector found in a picture of this size, those that are no bystanders', in their order.
 std::vector<Face> seed_faces(const std::vector<Face>& faces, int width_px, int height_px,
                              const SeedOptions& options = {});
 
 /// What the network sees: the picture (linear, white-balanced, one or three channels) in sRGB, its longer side 256 px,
-/// centred on black, minus 0.5; and a Gaussian of sigma 21 px and peak 1 about the face's centre.
+/// centered on black, minus 0.5; and a Gaussian of sigma 21 px and peak 1 about the face's center.
 Image network_input(const Image& linear_rgb, const Face& face);
 
 /// The masks of all that `faces` seed, joined by maximum, 0..1: of the picture's shape, its longer side 256 px.
-/// Pictures down to a pixel's width work. Faces' centres must lie in the picture.
+/// Pictures down to a pixel's width work. Faces' centers must lie in the picture.
 Image person_mask(const Image& linear_rgb, const std::vector<Face>& faces, PersonNetwork& network);
 
 struct FoundPeople {
@@ -33,9 +36,10 @@ struct FoundPeople {
 };
 
 /// With the faces given, or else with those that find_faces and seed_faces leave.
-FoundPeople find_people(const Image& linear_rgb, const std::vector<Face>& given, PersonNetwork& network);
+FoundPeople find_people(const Image& linear_rgb, const std::vector<Face>& given, PersonNetwork& network,
+                        const SeedOptions& options = {});
 
-/// Whether any pixel is likelier somebody's than not: a face given where nobody is may leave a mask without one.
+/// Whether any pixel of the mask exceeds 1/2: a face given where there is no person may leave a mask without one.
 bool anybody_seen(const FoundPeople& found);
 
 }  // namespace dualpixel::pipeline

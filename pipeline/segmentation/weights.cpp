@@ -146,7 +146,7 @@ std::vector<Layer> layers_of(const NetworkWeights& weights) {
 
 NetworkWeights parse_weights(std::string_view bytes, const std::string& file) {
   std::map<std::string, Tensor> tensors = parse_tensors(bytes, file);
-  // Widths are what the first dimension of some layers says; all others must agree.
+  // Widths are the first dimension of some layers; all others must agree.
   const auto width_of = [&](const std::string& layer) {
     const auto found = tensors.find(layer + ".weight");
     if (found == tensors.end() || found->second.shape.size() != 4) {

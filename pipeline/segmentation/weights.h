@@ -8,14 +8,14 @@
 /// (little-endian), a JSON header that gives each tensor's type, shape and offsets, then the numbers.
 namespace dualpixel::pipeline {
 
-/// A convolution y = weight * x + bias, batch normalisation folded into it.
+/// A convolution y = weight * x + bias, batch normalization folded into it.
 struct ConvWeights {
   int out = 0, in = 0, kernel = 0;
   std::vector<float> weight;  ///< out x in x kernel x kernel
   std::vector<float> bias;    ///< out
 };
 
-/// What the network's layers are, by name; network.h says how they join.
+/// The network's layers, by name; network.h defines how they connect.
 ///   stem_half, stem_fine, stem_quarter
 ///   stageS.across0..3, stageS.down1..3, stageS.lateral0..2, stageS.up0..2, for each stage S
 ///   betweenS, for each stage but the last; and of the last alone maskS.coarse, maskS.mix, maskS.sub_pixels

@@ -1,5 +1,5 @@
 #include <capture/capture.h>
-#include <pipeline/portrait/portrait.h>
+#include <pipeline/portrait/run_portrait.h>
 #include <simulator/scene/gltf/gltf.h>
 
 #include <iostream>

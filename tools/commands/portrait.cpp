@@ -1,37 +1,61 @@
-#include "pipeline/portrait/portrait.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <optional>
+#include <sstream>
 
 #include "capture/capture.h"
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/image/read_mask.h"
 #include "evaluation/report/calibration_page.h"
+#include "pipeline/defocus/match_lens.h"
 #include "pipeline/portrait/matchable.h"
 #include "pipeline/portrait/plain_pair.h"
 #include "pipeline/portrait/result_io.h"
+#include "pipeline/portrait/run_portrait.h"
+#include "pipeline/portrait/subject.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
 namespace {
 
-const std::map<std::string, pipeline::Mode> kModes = {
-    {"dp", pipeline::Mode::dp}, {"dp+seg", pipeline::Mode::dp_seg}, {"seg", pipeline::Mode::seg}};
+using pipeline::PortraitOptions;
+using pipeline::PortraitResult;
 
 constexpr double kMostStretch = 0.02;  ///< of a mask to the picture's shape
-constexpr double kTapSize = 0.1;       ///< side of the face that a tap stands for, of the picture's shorter side
 
-const std::map<pipeline::Mode, std::string> kModeNames = {
-    {pipeline::Mode::dp, "dp"}, {pipeline::Mode::dp_seg, "dp+seg"}, {pipeline::Mode::seg, "seg"}};
+/// Numbers with commas between them, as one value of the command line.
+template <std::size_t N>
+struct NumberList {
+  std::array<double, N> values{};
+  NumberList() = default;  // lest CLI11 take it for something made of one number
+};
+
+/// CLI11 finds this to read a NumberList.
+template <std::size_t N>
+bool lexical_cast(const std::string& text, NumberList<N>& list) {
+  std::istringstream in(text);
+  for (std::size_t i = 0; i < N; ++i) {
+    if (i > 0 && in.get() != ',') return false;
+    in >> list.values[i];
+  }
+  return in && in.peek() == std::istringstream::traits_type::eof();
+}
+
+template <std::size_t N>
+CLI::Validator must_read(const std::string& form) {
+  const auto check = [form](const std::string& text) {
+    NumberList<N> list;
+    return lexical_cast(text, list) ? std::string() : printable(text) + ": must read " + form + " in pixels";
+  };
+  return {check, ""};
+}
 
 struct PortraitCommand {
   std::string capture;
@@ -42,42 +66,65 @@ struct PortraitCommand {
   std::string mask;
   bool true_mask = false;
   bool bf16 = false;
-  std::vector<std::string> faces;
-  std::string tap;
+  std::vector<NumberList<4>> faces;
+  std::optional<NumberList<2>> tap;
   std::string calibration;
   std::string match_lens;
   pipeline::Aperture aperture;
   bool recover_highlights = false;
   bool no_noise = false;
-  std::uint64_t seed = pipeline::PortraitOptions().seed;
+  std::uint64_t seed = PortraitOptions().seed;
+  std::vector<std::string> assignments;  ///< of --set
+
+  bool plain() const { return !pair.left.empty(); }
+  bool mask_given() const { return true_mask || !mask.empty(); }
 };
 
-/// The entrance pupil of a lens named as "f/1.4@50mm-equivalent": what a lens of that focal length and f-number has in
-/// front of a full-frame sensor.
-double pupil_mm_of(const std::string& lens) {
-  double f_number = 0, focal_length_mm = 0;
-  int end = 0;
-  const bool read = std::sscanf(lens.c_str(), "f/%lf@%lfmm-equivalent%n", &f_number, &focal_length_mm, &end) == 2;
-  if (!read || end != static_cast<int>(lens.size()) || !(f_number >= 0.5 && f_number <= 64) ||
-      !(focal_length_mm >= 1 && focal_length_mm <= 2000)) {
-    throw InputError("--match-lens " + printable(lens) +
-                     ": must read like f/1.4@50mm-equivalent, f-number 0.5 to 64, focal length 1 to 2000 mm");
+/// What the command line says by itself, before any file is read.
+PortraitOptions options_of(const PortraitCommand& command) {
+  PortraitOptions options;
+  for (const std::string& assignment : command.assignments) set_field(pipeline::fields(options), assignment);
+  options.mode = value_named(pipeline::kModes, command.mode, "--mode");
+  options.matcher = command.matcher;
+  options.seed = command.seed;
+  options.synthetic_noise = !command.no_noise;
+  options.transposed = command.pair.vertical_split;
+  options.defocus.bokeh.aperture = command.aperture;
+  options.defocus.bokeh.recover_highlights = command.recover_highlights;
+  for (const NumberList<4>& face : command.faces) {
+    options.faces.push_back({face.values[0], face.values[1], face.values[2], face.values[3]});
   }
-  return focal_length_mm / f_number;
+  if (!command.match_lens.empty()) {
+    options.match_pupil_mm = pipeline::pupil_mm_of_lens("--match-lens", command.match_lens);
+    if (options.mode == pipeline::Mode::seg) throw InputError("--match-lens: needs disparity, which mode seg has not");
+  }
+  if (options.mode == pipeline::Mode::dp && command.mask_given()) {
+    throw InputError("--mode dp: uses no person mask; leave out --mask and --true-mask, or choose dp+seg or seg");
+  }
+  if (command.plain() == !command.capture.empty()) {
+    throw InputError("portrait: give a capture folder, or the two views by --left FILE --right FILE");
+  }
+  check(options);
+  return options;
 }
 
-/// In the picture with its axes exchanged.
-pipeline::Face exchanged(const pipeline::Face& face) { return {face.y, face.x, face.height, face.width}; }
-
-struct KnownFaces {
-  std::vector<pipeline::Face> faces;  ///< that the user names, or else the capture's own, largest first
-  std::optional<pipeline::Face> tap;  ///< a region around where the user taps
-  std::string source;                 ///< of the faces, for result.json
-};
+/// The capture, whose picture goes to the options where it is given apart.
+Capture read_input(const PortraitCommand& command, PortraitOptions& options) {
+  if (command.plain()) {
+    pipeline::PlainPairCapture pair = pipeline::read_plain_pair(command.pair);
+    options.picture = std::move(pair.picture);
+    return std::move(pair.capture);
+  }
+  Capture capture = read_capture(command.capture, command.true_mask);
+  if (options.mode != pipeline::Mode::seg) {
+    pipeline::require_matchable(capture.camera, command.capture, "/camera/dp_downsample_x");
+  }
+  return capture;
+}
 
 /// A mask is stretched to the picture. What whole pixels round is no other shape: sides of a pair are even.
 void require_shape(const Image& mask, const PortraitCommand& command, const Camera& camera) {
-  const bool turned = command.pair.vertical_split;  // the user's are not
+  const bool turned = command.pair.vertical_split;  // the user's picture is upright
   const double width = turned ? camera.height_px : camera.width_px,
                height = turned ? camera.width_px : camera.height_px;
   const double excess = std::abs(mask.width * height - mask.height * width);
@@ -86,148 +133,8 @@ void require_shape(const Image& mask, const PortraitCommand& command, const Came
                                printable(command.mask), mask.width, mask.height, width, height));
 }
 
-/// All in pixels of the capture's pictures.
-KnownFaces known_faces(const PortraitCommand& command, const Capture& capture) {
-  const bool turned = command.pair.vertical_split;  // the user's are not
-  const int width = turned ? capture.camera.height_px : capture.camera.width_px;
-  const int height = turned ? capture.camera.width_px : capture.camera.height_px;
-  const auto in_picture = [&](double x, double y) { return x >= 0 && x <= width && y >= 0 && y <= height; };
-  KnownFaces known;
-  for (const std::string& text : command.faces) {
-    pipeline::Face face;
-    int end = 0;
-    const bool read =
-        std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf%n", &face.x, &face.y, &face.width, &face.height, &end) == 4;
-    if (!read || end != static_cast<int>(text.size()) || !(face.width > 0 && face.height > 0) ||
-        !in_picture(face.x + face.width / 2, face.y + face.height / 2)) {
-      throw InputError(
-          fmt::format("--face {}: must read X,Y,WIDTH,HEIGHT in pixels, its centre in the picture of {} x {}",
-                      printable(text), width, height));
-    }
-    known.faces.push_back(turned ? exchanged(face) : face);
-    known.source = "given";
-  }
-  if (!command.tap.empty()) {
-    double x = 0, y = 0;
-    int end = 0;
-    const bool read = std::sscanf(command.tap.c_str(), "%lf,%lf%n", &x, &y, &end) == 2;
-    if (!read || end != static_cast<int>(command.tap.size()) || !in_picture(x, y)) {
-      throw InputError(fmt::format("--tap {}: must read X,Y in pixels, in the picture of {} x {}",
-                                   printable(command.tap), width, height));
-    }
-    const double side = kTapSize * std::min(width, height);
-    const pipeline::Face face = {x - side / 2, y - side / 2, side, side};
-    known.tap = turned ? exchanged(face) : face;
-  }
-  if (known.faces.empty() && !known.tap && capture.face_px) {
-    const auto& [x, y, w, h] = *capture.face_px;
-    if (x + w / 2 >= 0 && x + w / 2 <= capture.camera.width_px && y + h / 2 >= 0 &&
-        y + h / 2 <= capture.camera.height_px) {
-      known.faces.push_back({x, y, w, h});
-      known.source = "capture";
-    } else {
-      std::cerr << "dualpixel: warning: capture: /face_px: its middle lies outside the picture; not used\n";
-    }
-  }
-  std::stable_sort(known.faces.begin(), known.faces.end(),
-                   [](const auto& a, const auto& b) { return a.area() > b.area(); });
-  return known;
-}
-
-/// The faces known beforehand, in pixels of the user's pictures.
-std::vector<pipeline::Face> user_faces(const KnownFaces& known, bool turned) {
-  std::vector<pipeline::Face> faces = known.faces;
-  if (known.tap) faces.push_back(*known.tap);
-  for (pipeline::Face& face : faces) face = turned ? exchanged(face) : face;
-  return faces;
-}
-
-/// find_people on a picture whose axes may be exchanged, as are the faces.
-pipeline::FoundPeople people_in(const Image& picture, std::vector<pipeline::Face> faces, bool turned,
-                                pipeline::PersonNetwork& network) {
-  if (!turned) return pipeline::find_people(picture, faces, network);
-  for (pipeline::Face& face : faces) face = exchanged(face);
-  pipeline::FoundPeople found = pipeline::find_people(pipeline::transposed(picture), faces, network);
-  for (std::vector<pipeline::Face>* found_faces : {&found.faces, &found.detected}) {
-    for (pipeline::Face& face : *found_faces) face = exchanged(face);
-  }
-  found.mask = pipeline::transposed(found.mask);
-  return found;
-}
-
-/// Of a pair that was transposed to run: as its pictures are.
-void transpose_back(pipeline::PortraitResult& result) {
-  using Result = pipeline::PortraitResult;
-  for (Image Result::*image : {&Result::input, &Result::portrait, &Result::portrait_srgb, &Result::disparity_dp_px,
-                               &Result::confidence, &Result::matched_disparity_dp_px, &Result::matched_confidence,
-                               &Result::matched_sigma_dp_px, &Result::mask, &Result::blur_radius_px}) {
-    result.*image = pipeline::transposed(result.*image);
-  }
-  for (pipeline::Face& face : result.faces) face = exchanged(face);
-}
-
-void run(const PortraitCommand& command) {
-  pipeline::PortraitOptions options;
-  options.mode = kModes.at(command.mode);
-  options.matcher = command.matcher;
-  options.seed = command.seed;
-  const bool needs_mask = options.mode != pipeline::Mode::dp;
-  const bool find_people = needs_mask && command.mask.empty() && !command.true_mask;
-  if (!needs_mask && (!command.mask.empty() || command.true_mask)) {
-    throw InputError("--mode dp: uses no person mask; leave out --mask and --true-mask, or choose dp+seg or seg");
-  }
-  options.synthetic_noise = !command.no_noise;
-  options.defocus.bokeh.aperture = command.aperture;
-  options.defocus.bokeh.aperture.lying = command.pair.vertical_split;
-  if (command.recover_highlights) options.defocus.bokeh.recover_highlights = true;
-  if (!command.match_lens.empty()) {
-    options.match_pupil_mm = pupil_mm_of(command.match_lens);
-    if (options.mode == pipeline::Mode::seg) throw InputError("--match-lens: needs disparity, which mode seg has not");
-  }
-  const bool plain = !command.pair.left.empty();
-  if (plain == !command.capture.empty()) {
-    throw InputError("portrait: give a capture folder, or the two views by --left FILE --right FILE");
-  }
-  if (!command.calibration.empty()) options.calibration = evaluation::read_calibration_folder(command.calibration);
-  std::optional<pipeline::PersonNetwork> network;
-  if (find_people) {
-    network.emplace(pipeline::built_in_weights(), 1,
-                    command.bf16 ? pipeline::Precision::bf16 : pipeline::Precision::f32);
-  } else if (command.bf16) {
-    throw InputError("--bf16: nobody is looked for in mode dp, or where a mask is given; leave it out");
-  }
-  { const NewFolder writable(command.output, "result.json"); }  // before the work, not after it
-
-  Capture capture;
-  if (plain) {
-    pipeline::PlainPairCapture pair = pipeline::read_plain_pair(command.pair);
-    capture = std::move(pair.capture);
-    options.picture = std::move(pair.picture);
-  } else {
-    capture = read_capture(command.capture, command.true_mask);
-  }
-  if (!plain && options.mode != pipeline::Mode::seg) {
-    pipeline::require_matchable(capture.camera, command.capture, "/camera/dp_downsample_x");
-  }
-  const bool turned = command.pair.vertical_split;
-  const KnownFaces known = known_faces(command, capture);
-  capture.face_px.reset();  // known has it, where it is of use
-  options.faces = known.faces;
-  options.tap = known.tap;
-  if (find_people) {
-    std::vector<pipeline::Face> seeds = known.faces;
-    if (known.tap && seeds.empty()) seeds.push_back(*known.tap);
-    if (seeds.empty() && !pipeline::has_face_detector()) {
-      throw InputError(
-          fmt::format("--mode {}: this build has no face detector (dlib): give --face, --tap or --mask", command.mode));
-    }
-    options.find_people = [&, seeds](const Image& picture) {
-      pipeline::FoundPeople found = people_in(picture, seeds, turned, *network);
-      if (!anybody_seen(found) && !plain)
-        pipeline::require_matchable(capture.camera, command.capture, "/camera/dp_downsample_x");
-      return found;
-    };
-  }
+/// The mask that the user names, if any. Takes the truth out of the capture.
+std::optional<Image> given_mask(const PortraitCommand& command, Capture& capture) {
   std::optional<Image> mask;
   if (command.true_mask) {
     if (!capture.truth) throw InputError(printable(command.capture) + ": --true-mask: this capture has no truth");
@@ -236,20 +143,30 @@ void run(const PortraitCommand& command) {
   } else if (!command.mask.empty()) {
     mask = read_mask(command.mask);
     require_shape(*mask, command, capture.camera);
-    if (turned) mask = pipeline::transposed(*mask);
   }
+  return mask;
+}
 
-  Progress bar("portrait");
-  pipeline::PortraitResult result =
-      pipeline::run_portrait(capture, options, mask, [&](const std::string&, double fraction) { bar(fraction); });
-  if (turned) transpose_back(result);
-  for (const std::string& warning : result.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
+std::string absolute(const std::string& path) { return std::filesystem::absolute(path).lexically_normal().string(); }
 
-  const auto absolute = [](const std::string& path) {
-    return std::filesystem::absolute(path).lexically_normal().string();
-  };
+/// Whose faces the run began from, in pixels of the user's picture.
+void describe_faces(const pipeline::KnownSubject& known, const PortraitResult& result,
+                    nlohmann::ordered_json& provenance) {
+  std::vector<pipeline::Face> faces = result.faces;
+  if (faces.empty()) {
+    faces = known.faces;
+    if (known.tap) faces.push_back(*known.tap);
+  }
+  for (const pipeline::Face& face : faces) {
+    provenance["faces_px"].push_back({face.x, face.y, face.width, face.height});
+  }
+  if (!faces.empty()) provenance["faces"] = known.source.empty() ? (known.tap ? "tapped" : "detected") : known.source;
+}
+
+nlohmann::ordered_json describe_run(const PortraitCommand& command, const PortraitOptions& options,
+                                    const pipeline::KnownSubject& known, const PortraitResult& result) {
   nlohmann::ordered_json provenance = {{"program", "dualpixel " DUALPIXEL_VERSION}};
-  if (plain) {
+  if (command.plain()) {
     provenance["left"] = absolute(command.pair.left);
     provenance["right"] = absolute(command.pair.right);
     provenance["split"] = command.pair.vertical_split ? "vertical" : "horizontal";
@@ -258,7 +175,7 @@ void run(const PortraitCommand& command) {
     provenance["capture"] = absolute(command.capture);
     provenance["capture_hash"] = file_hash(command.capture + "/capture.json");
   }
-  provenance["mode"] = kModeNames.at(result.mode);
+  provenance["mode"] = name_of(pipeline::kModes, result.mode);
   if (result.mode != options.mode) provenance["mode_asked_for"] = command.mode;
   provenance["matcher"] = command.matcher;
   provenance["seed"] = command.seed;
@@ -267,21 +184,59 @@ void run(const PortraitCommand& command) {
   if (command.aperture.cats_eye > 0) provenance["cats_eye"] = command.aperture.cats_eye;
   if (command.recover_highlights) provenance["recover_highlights"] = true;
   if (command.no_noise) provenance["synthetic_noise"] = false;
+  const nlohmann::ordered_json changed = changed_fields(options);
+  if (!changed.empty()) provenance["options"] = changed;
   if (!command.calibration.empty()) provenance["calibration"] = absolute(command.calibration);
   if (!result.warnings.empty()) provenance["warnings"] = result.warnings;
-  const std::vector<pipeline::Face> faces = result.faces.empty() ? user_faces(known, turned) : result.faces;
-  for (const pipeline::Face& face : faces) {
-    provenance["faces_px"].push_back({face.x, face.y, face.width, face.height});
-  }
-  if (!faces.empty()) provenance["faces"] = known.source.empty() ? (known.tap ? "tapped" : "detected") : known.source;
+  describe_faces(known, result, provenance);
   if (!result.faces.empty()) {
     provenance["mask"] = "found";
     provenance["person_weights_hash"] = pipeline::built_in_weights().file_hash;
     provenance["person_network"] = command.bf16 ? "bf16" : "f32";
-  } else if (needs_mask && !find_people) {
+  } else if (command.mask_given()) {
     provenance["mask"] = command.true_mask ? "truth" : command.mask;
   }
-  pipeline::write_result(result, provenance, command.output);
+  return provenance;
+}
+
+void run(const PortraitCommand& command) {
+  PortraitOptions options = options_of(command);
+  if (!command.calibration.empty()) options.calibration = evaluation::read_calibration_folder(command.calibration);
+  const bool looks_for_people = options.mode != pipeline::Mode::dp && !command.mask_given();
+  std::optional<pipeline::PersonNetwork> network;
+  if (looks_for_people) {
+    network.emplace(pipeline::built_in_weights(), 1,
+                    command.bf16 ? pipeline::Precision::bf16 : pipeline::Precision::f32);
+  } else if (command.bf16) {
+    throw InputError("--bf16: people are not looked for in mode dp, or where a mask is given; leave it out");
+  }
+  { const NewFolder writable(command.output, "result.json"); }  // before the work, not after it
+
+  Capture capture = read_input(command, options);
+  if (command.tap) {
+    options.tap = pipeline::tapped_region(command.tap->values[0], command.tap->values[1], capture.camera);
+  }
+  const pipeline::KnownSubject known = known_subject(capture, options);
+  if (looks_for_people) {
+    if (known.seeds().empty() && !pipeline::has_face_detector()) {
+      throw InputError(
+          fmt::format("--mode {}: this build has no face detector (dlib): give --face, --tap or --mask", command.mode));
+    }
+    options.find_people = [&](const Image& picture, const std::vector<pipeline::Face>& seeds) {
+      pipeline::FoundPeople found = pipeline::find_people(picture, seeds, *network, options.seed_faces);
+      if (!anybody_seen(found) && !command.plain()) {
+        pipeline::require_matchable(capture.camera, command.capture, "/camera/dp_downsample_x");
+      }
+      return found;
+    };
+  }
+  const std::optional<Image> mask = given_mask(command, capture);
+
+  Progress bar("portrait");
+  const PortraitResult result =
+      pipeline::run_portrait(capture, options, mask, [&](const std::string&, double fraction) { bar(fraction); });
+  for (const std::string& warning : result.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
+  pipeline::write_result(result, describe_run(command, options, known, result), command.output);
 }
 
 }  // namespace
@@ -317,11 +272,14 @@ void add_portrait(CLI::App& program) {
          "--mode", command->mode,
          "dp: disparity alone; dp+seg: with a person mask; seg: mask alone. Where no mask is given, people are "
          "found; where there are none, it becomes dp")
-      ->check(CLI::IsMember({"dp", "dp+seg", "seg"}))
+      ->check(CLI::IsMember(names_of(pipeline::kModes)))
       ->capture_default_str();
-  sub->add_option("--matcher", command->matcher,
-                  "paper: as in Wadhwa et al. 2018, disparities up to 3 DP px; likelihood: up to 16")
-      ->check(CLI::IsMember({"paper", "likelihood"}))
+  std::string matchers = "How to match the views";
+  for (const pipeline::Matcher& matcher : pipeline::matchers()) {
+    matchers += fmt::format("; {}: {}, up to {} DP px", matcher.name, matcher.description, matcher.range_dp_px({}));
+  }
+  sub->add_option("--matcher", command->matcher, matchers)
+      ->check(CLI::IsMember(names_of(pipeline::matchers())))
       ->capture_default_str();
   CLI::Option* mask = sub->add_option("--mask", command->mask,
                                       "Person mask: a picture, white on the person, of the picture's shape in any size")
@@ -335,13 +293,15 @@ void add_portrait(CLI::App& program) {
                 "on every one");
   sub->add_option("--face", command->faces, "A face of a person to keep sharp, in pixels; repeat for several")
       ->type_name("X,Y,WIDTH,HEIGHT")
+      ->check(must_read<4>("X,Y,WIDTH,HEIGHT"))
       ->take_all()
       ->expected(1)
       ->allow_extra_args(false);
   sub->add_option(
          "--tap", command->tap,
          "A point to focus on where no face is sharp, in pixels; without --face it also says whose mask to find")
-      ->type_name("X,Y");
+      ->type_name("X,Y")
+      ->check(must_read<2>("X,Y"));
   sub->add_option("--calibration", command->calibration,
                   "Calibration folder of this camera, as `dualpixel calibrate` writes it: corrects disparity")
       ->type_name("DIR")
@@ -364,6 +324,19 @@ void add_portrait(CLI::App& program) {
       ->check(any_seed())
       ->type_name("N")
       ->capture_default_str();
+  sub->add_option("--set", command->assignments,
+                  "Set a number of one of the stages, e.g. match.range_px=5; --options lists them")
+      ->type_name("FIELD=VALUE")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
+  sub->add_flag_callback(
+      "--options",
+      [] {
+        std::cout << pipeline::describe_fields();
+        throw CLI::Success();
+      },
+      "List what --set can change, with default, range, unit and source, and exit");
   add_threads_option(*sub);
   sub->footer(
       "Example:\n  dualpixel portrait out/capture -o out/portrait --mode dp+seg\n"

@@ -4,7 +4,7 @@
 /// Band-limited interpolation along a row, and what white noise becomes under it.
 namespace dualpixel::pipeline {
 
-/// Weights of eight neighbouring pixels: the value, or its slope, at position i + fraction is the sum over k of
+/// Weights of eight neighboring pixels: the value, or its slope, at position i + fraction is the sum over k of
 /// row[i - 3 + k] * weight[k].
 struct SincTaps {
   std::array<float, 8> value{};
@@ -18,7 +18,7 @@ struct SincTaps {
 };
 
 /// Low-pass sinc under a Kaiser window, for 0 <= fraction < 1. Up to 0.26 cycles a pixel the value keeps its size
-/// within 2 %, up to 0.38 its place within 0.004 px; its size is halved at 0.42.
+/// within 2 %, up to 0.38 its position within 0.004 px; its size is halved at 0.42.
 SincTaps sinc_taps(float fraction);
 
 }  // namespace dualpixel::pipeline

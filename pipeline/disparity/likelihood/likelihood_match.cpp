@@ -16,7 +16,7 @@ namespace dualpixel::pipeline {
 
 using namespace likelihood;
 
-/// Correlation of neighbouring tiles' errors other than noise, measured on the portrait scene.
+/// Correlation of neighboring tiles' errors other than noise, measured on the portrait scene.
 constexpr float kModelShare = 0.2f;
 
 OptionFields fields(LikelihoodMatchOptions& options) {
@@ -91,20 +91,20 @@ TileDisparity match_by_likelihood(const Image& left, const Image& right, const L
   for_rows(rows, [&](int row) {
     for (int column = 0; column < columns; ++column) {
       smooth[static_cast<std::size_t>(row) * columns + column] =
-          pooled_with_neighbours(refined, columns, rows, column, row);
+          pooled_with_neighbors(refined, columns, rows, column, row);
     }
   });
   TileDisparity tiles{Image(columns, rows), Image(columns, rows), Image(columns, rows), Image(columns, rows), kTile};
   for_rows(rows, [&](int row) {
     for (int column = 0; column < columns; ++column) {
       const float variance = predicted_variance(smooth, columns, rows, column, row);
-      const bool blind = !(variance < square(limit));
+      const bool invalid = !(variance < square(limit));
       const RefinedTile& tile = smooth[static_cast<std::size_t>(row) * columns + column];
       tiles.disparity_dp_px.at(column, row) = tile.disparity;
       const float pooled = pooled_share(tile.disparity);
-      tiles.shared.at(column, row) = blind ? 1 : pooled + (1 - pooled) * kModelShare * (1 - tile.noise / variance);
-      tiles.sigma_dp_px.at(column, row) = blind ? limit : std::sqrt(variance);
-      tiles.confidence.at(column, row) = blind ? 0 : 1 / (1 + variance / square(options.confident_sigma_dp_px));
+      tiles.shared.at(column, row) = invalid ? 1 : pooled + (1 - pooled) * kModelShare * (1 - tile.noise / variance);
+      tiles.sigma_dp_px.at(column, row) = invalid ? limit : std::sqrt(variance);
+      tiles.confidence.at(column, row) = invalid ? 0 : 1 / (1 + variance / square(options.confident_sigma_dp_px));
     }
   });
   return tiles;

@@ -13,7 +13,7 @@ namespace dualpixel::pipeline {
 struct LikelihoodMatchOptions {
   int range_px = 16;               ///< shifts from -range to range are tried, DP pixels; 2..64
   std::optional<ViewNoise> noise;  ///< of one view's pixel; estimated from the views where not given
-  float clipped = 0.98f;           ///< pixels at or above it, normalized signal, say nothing
+  float clipped = 0.98f;           ///< pixels at or above it, normalized signal, are invalid
   /// Standard deviation of the offset between the views that is left after the local gain is taken out, over the
   /// signal.
   float offset_search = 0.03f;  ///< while the disparity is unknown
@@ -21,7 +21,7 @@ struct LikelihoodMatchOptions {
   /// Share of the cost's contrast over the range by which an alternative may exceed the best and still be likely: what
   /// kernels that are mirrored rather than equal, and whole-pixel steps, do to the cost of a true match.
   float model_error = 0.02f;
-  float neighbor_weight = 0.25f;       ///< of what each of four neighboring tiles says about a tile's shift
+  float neighbor_weight = 0.25f;       ///< of the costs of each of four neighboring tiles
   float confident_sigma_dp_px = 0.3f;  ///< predicted error at which confidence is 1/2, DP px
 };
 
@@ -35,7 +35,7 @@ void check(const LikelihoodMatchOptions& options);
 /// mirrored kernels pull equally. Steps:
 ///   1. The ratio of local means, over a tenth of the picture's width, takes lens shading out of both views evenly.
 ///   2. All whole shifts, on views smoothed by 1/4 1/2 1/4: squared difference over noise, the offset between the views
-///      marginalized (normal, `offset_search`). Neighbors 1, 2 and 4 tiles away add what they say about the shift,
+///      marginalized (normal, `offset_search`). The costs of neighbors 1, 2 and 4 tiles away are added,
 ///      capped, so that a tile without texture takes its neighbors' and a depth edge stays where it is.
 ///   3. Gauss-Newton on the views interpolated by a windowed sinc, each pixel weighed by its noise, the offset
 ///      marginalized (`offset`). What noise alone adds to the curvature is known, and taken out of it.

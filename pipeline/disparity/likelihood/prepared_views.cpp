@@ -48,7 +48,7 @@ Image shading_gain(const Image& left, const Image& right, float clipped) {
 PreparedView prepare(const Image& view, const Image& gain, int margin, const ViewNoise& noise, float clipped) {
   const int stride = gain.width * kTile + 2 * margin;
   const int rows = gain.height * kTile;
-  PreparedView out{margin, Image(stride, rows), Image(stride, rows), Image(stride, rows, 1, kBlind)};
+  PreparedView out{margin, Image(stride, rows), Image(stride, rows), Image(stride, rows, 1, kInvalidVariance)};
   const Image across = resize_bilinear(gain, gain.width * kTile, gain.height);
   for_rows(rows, [&](int y) {
     const float* in = view.row(std::min(y, view.height - 1));
@@ -86,14 +86,15 @@ PreparedView prepare(const Image& view, const Image& gain, int margin, const Vie
     const float* factor = across.row(y / kTile);
     float* variance = out.variance.row(y);
     bool all_usable = true;
-    for (int x = kSpoiled; x < view.width - kSpoiled; ++x) {
+    for (int x = kInvalidMargin; x < view.width - kInvalidMargin; ++x) {
       variance[margin + x] =
           factor[x] * (noise.shot * std::max(smooth[margin + x], 0.0f) + factor[x] * noise.read) + kLeastVariance;
     }
     for (int x = 0; x < view.width; ++x) all_usable &= usable(in[x], clipped);
     if (all_usable) return;
     for (int x = 0; x < view.width; ++x) {
-      if (!usable(in[x], clipped)) std::fill_n(variance + margin + x - kSpoiled, 2 * kSpoiled + 1, kBlind);
+      if (!usable(in[x], clipped))
+        std::fill_n(variance + margin + x - kInvalidMargin, 2 * kInvalidMargin + 1, kInvalidVariance);
     }
   });
   return out;

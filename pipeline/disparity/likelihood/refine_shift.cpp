@@ -62,10 +62,10 @@ TileSums sample_tile(const PreparedView& left, const PreparedView& right, int x0
           sum(er),  sum(bb), sum(be), sum(ee), sum(left_noise), sum(right_noise)};
 }
 
-/// Of a tile's pixels, those that both views show at this disparity, away from where their left and right border spoil
-/// interpolation.
+/// Of a tile's pixels, those that both views show at this disparity, away from where their left and right border
+/// invalidate interpolation.
 int inside(const PreparedViews& views, int x0, int y0, float disparity) {
-  const int edge = kSpoiled + static_cast<int>(std::lround(0.5f * std::abs(disparity)));
+  const int edge = kInvalidMargin + static_cast<int>(std::lround(0.5f * std::abs(disparity)));
   const int columns = std::min(x0 + kTile, views.width - edge) - std::max(x0, edge);
   return std::max(columns, 1) * (std::min(y0 + kTile, views.height) - y0);
 }
@@ -77,13 +77,13 @@ RefinedTile refine_shift(const PreparedViews& views, int x0, int y0, float start
   constexpr int kIterations = 4;
   constexpr float kSmallStep = 0.02f;     // DP px; what would follow is below 0.02 sigma in 99 % of the tiles
   constexpr float kCorrelatedPixels = 3;  // noise is white; what the model gets wrong is alike over some pixels
-  constexpr float kBlindError = 0.3f;     // of a tile with nearly all pixels blind, DP px
+  constexpr float kInvalidError = 0.3f;   // of a tile with nearly all pixels invalid, DP px
   RefinedTile out{start};
   for (int iteration = 0;; ++iteration) {
     SincTaps lt, rt;
     const TileSums s = sample_tile(views.left, views.right, x0, y0, out.disparity, offset, lt, rt);
-    const float pixels = s.left_noise + s.right_noise;  // each adds 1, blind ones nothing
-    if (pixels < kTile) return {start};                 // nearly all are blind
+    const float pixels = s.left_noise + s.right_noise;  // each adds 1, invalid ones nothing
+    if (pixels < kTile) return {start};                 // nearly all are invalid
 
     // The slope that the difference is held against: the smoothed views', plus as much of the excess as is signal.
     const float excess_noise = 0.25f * (s.left_noise * (lt.slope_slope - 2 * lt.slope_smooth + lt.smooth_smooth) +
@@ -98,7 +98,7 @@ RefinedTile refine_shift(const PreparedViews& views, int x0, int y0, float start
     const auto slope_D = [share](const SincTaps& t) {
       return t.slope_smooth + share * (t.slope_slope - t.slope_smooth);
     };
-    // The offset between the views, normal with its standard deviation, marginalised.
+    // The offset between the views, normal with its standard deviation, marginalized.
     const float prior = 1 / square(offset_sigma);
     const float mean_D = D / (s.one + prior);
     const float gradient = Dr - mean_D * s.r;
@@ -117,22 +117,22 @@ RefinedTile refine_shift(const PreparedViews& views, int x0, int y0, float start
     const float expected = pixels * passed - 2;
     const float residual = (s.rr - s.r * s.r / (s.one + prior) - square(gradient) / hessian) / expected;
     const float chance = std::sqrt(2 / expected);  // standard deviation of the residual under noise alone
-    // Beside clipped light stands a highlight, often the mirror image of something at another depth.
-    const float blind = std::max(1 - pixels / static_cast<float>(inside(views, x0, y0, at)), 0.0f);
-    out.model =
-        out.noise * kCorrelatedPixels * std::max(residual - 1 - 1.5f * chance, 0.0f) + square(kBlindError) * blind;
+    // Next to clipped light is a highlight, often the mirror image of something at another depth.
+    const float invalid_share = std::max(1 - pixels / static_cast<float>(inside(views, x0, y0, at)), 0.0f);
+    out.model = out.noise * kCorrelatedPixels * std::max(residual - 1 - 1.5f * chance, 0.0f) +
+                square(kInvalidError) * invalid_share;
     return out;
   }
 }
 
-RefinedTile pooled_with_neighbours(const std::vector<RefinedTile>& tiles, int columns, int rows, int column, int row) {
+RefinedTile pooled_with_neighbors(const std::vector<RefinedTile>& tiles, int columns, int rows, int column, int row) {
   constexpr int kReach = 2;
   constexpr float kSameSurface = 0.15f;  // difference that still is the same surface, over the shift
   constexpr float kLeastSigma = 0.02f;   // of a tile, over the shift: no tile outweighs all others
   const RefinedTile& tile = tiles[static_cast<std::size_t>(row) * columns + column];
   const float d = tile.disparity;
   const float spread = 2 * square(kTilesPerPixel * d);
-  if (spread < 0.25f || !std::isfinite(tile.noise)) return tile;  // below 1.4 px the neighbours' weight vanishes
+  if (spread < 0.25f || !std::isfinite(tile.noise)) return tile;  // below 1.4 px the neighbors' weight vanishes
   float total = 0, shifts = 0, independent = 0, common = 0;
   for (int y = std::max(row - kReach, 0); y <= std::min(row + kReach, rows - 1); ++y) {
     for (int x = std::max(column - kReach, 0); x <= std::min(column + kReach, columns - 1); ++x) {
@@ -180,11 +180,11 @@ float predicted_variance(const std::vector<RefinedTile>& tiles, int columns, int
   // measured on textures of 0.02 to 0.4 cycles a pixel.
   constexpr float kKernelError = 0.02f;      // over the square of the shift, per DP px ...
   constexpr float kMostKernelError = 0.08f;  // ... and at most, DP px
-  // A tile measures where its texture lies, not its mean. On a plane, texture in one place errs by 1/12 of the squared
-  // change from tile to tile, 1/9 of the roughness; the portrait scene's foliage needs twice that.
+  // A tile measures where its texture lies, not its mean. On a plane, texture at one position errs by 1/12 of the
+  // squared change from tile to tile, 1/9 of the roughness; the portrait scene's foliage needs twice that.
   constexpr float kPlace = 0.25f;
   constexpr float kAgreement = 0.3f;  // difference on one surface, DP px, beside what both tiles' errors explain
-  constexpr float kSupport = 0.625f;  // share of the neighbours that agree along a straight edge
+  constexpr float kSupport = 0.625f;  // share of the neighbors that agree along a straight edge
   const RefinedTile& tile = tiles[static_cast<std::size_t>(row) * columns + column];
   const float kernel = std::min(kKernelError * square(tile.disparity), kMostKernelError);
   const float own = tile.noise + tile.model + square(kernel) + kPlace * roughness(tiles, columns, rows, column, row);

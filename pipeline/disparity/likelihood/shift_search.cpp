@@ -39,7 +39,7 @@ void tile_costs(const PreparedView& left, const PreparedView& right, int width, 
                 const LikelihoodMatchOptions& options, float* cost) {
   const int range = options.range_px;
   const int x0 = column * kTile;
-  // Every other row of the smoothed views holds nearly all of what they say: half the sum, counted twice.
+  // Every other row of the smoothed views holds nearly all of their information: half the sum, counted twice.
   constexpr int kRowStep = 2;
   float mean = 0, precision = 0;
   for (int y = row * kTile; y < (row + 1) * kTile; y += kRowStep) {
@@ -55,7 +55,7 @@ void tile_costs(const PreparedView& left, const PreparedView& right, int width, 
     mean += sum(means);
     precision += sum(weights);
   }
-  if (!(precision > 0)) {  // all pixels are blind
+  if (!(precision > 0)) {  // all pixels are invalid
     std::fill_n(cost, 2 * range + 1, 0.0f);
     return;
   }
@@ -105,9 +105,9 @@ void tile_costs(const PreparedView& left, const PreparedView& right, int width, 
   }
 }
 
-/// Each tile's costs plus what its four neighbours `distance` away say about them: their own costs, softened by one
-/// pixel and capped, since a neighbour may lie on another surface.
-CostVolume with_neighbours(const CostVolume& costs, int distance, float weight) {
+/// Each tile's costs plus those of its four neighbors `distance` away: their own costs, softened by one
+/// pixel and capped, since a neighbor may lie on another surface.
+CostVolume with_neighbors(const CostVolume& costs, int distance, float weight) {
   constexpr float kSlope = 1;  // for each pixel of difference in shift
   constexpr float kCap = 10;
   const int shifts = costs.shifts();
@@ -136,7 +136,7 @@ CostVolume with_neighbours(const CostVolume& costs, int distance, float weight) 
 FoundShift find_shift(const float* cost, int range) {
   // A likelihood is exp(-cost / 2). Tempered costs overstate their doubts: with 0.5, scenes have 73 % within one sigma;
   // by 0.7, the failure atlas' strong defocus deceives.
-  constexpr float kSharper = 0.6f;
+  constexpr float kInverseTemperature = 0.6f;
   constexpr float kUnlikely = 30;  // spares most of the exponentials
   // Among equal costs the smallest shift wins.
   int best = 0;
@@ -148,7 +148,7 @@ FoundShift find_shift(const float* cost, int range) {
   float total = 0, spread = 0;
   for (int shift = -range; shift <= range; ++shift) {
     if (cost[shift + range] > kUnlikely) continue;
-    const float likely = std::exp(-kSharper * cost[shift + range]);
+    const float likely = std::exp(-kInverseTemperature * cost[shift + range]);
     total += likely;
     if (std::abs(shift - best) > 1) spread += likely * square(static_cast<float>(shift - best));
   }
@@ -167,7 +167,7 @@ std::vector<FoundShift> search_shifts(const PreparedViews& views, const Likeliho
       temper(costs.at(column, row), costs.shifts(), options.model_error);
     }
   });
-  for (const int distance : {1, 2, 4}) costs = with_neighbours(costs, distance, options.neighbor_weight);
+  for (const int distance : {1, 2, 4}) costs = with_neighbors(costs, distance, options.neighbor_weight);
   std::vector<FoundShift> found(static_cast<std::size_t>(columns) * rows);
   for_rows(rows, [&](int row) {
     for (int column = 0; column < columns; ++column) {

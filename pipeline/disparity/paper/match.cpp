@@ -69,7 +69,7 @@ Match match_tile(const Image& left, const Image& right, int x0, int x1, int y0, 
   return match;
 }
 
-/// What the eight tiles around (x, y) say about its disparity; 1 where none of them says anything.
+/// Share of the confidence of the eight tiles around (x, y) that agrees with its disparity; 1 where they have none.
 float agreement(const TileDisparity& tiles, int x, int y, const MatchOptions& options) {
   const Image& disparity = tiles.disparity_dp_px;
   float supported = 1e-3f, total = 1e-3f;

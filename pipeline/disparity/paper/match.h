@@ -15,7 +15,7 @@ struct MatchOptions {
   float ssd_floor = 0.01f;       ///< mean squared difference that even a perfect match is taken to have
   float deviation_dp_px = 0.3f;  ///< expected error, DP px, at which confidence halves
   float second_minimum = 0.8f;   ///< best cost over the second best at which confidence begins to fall
-  float agreement_dp_px = 0.3f;  ///< difference from a neighbouring tile at which its support falls to 1/e, DP px
+  float agreement_dp_px = 0.3f;  ///< difference from a neighboring tile at which its support falls to 1/e, DP px
 };
 
 OptionFields fields(MatchOptions& options);
@@ -24,7 +24,7 @@ OptionFields fields(MatchOptions& options);
 void check(const MatchOptions& options);
 
 /// `left` and `right` are normalized views (normalize.h) of one size. Returns d with right(x + d) = left(x): for each
-/// tile of the left view, the minimum of the parabola through the least sum of squared differences and its neighbours.
+/// tile of the left view, the minimum of the parabola through the least sum of squared differences and its neighbors.
 ///
 /// Near the left and right border a tile shrinks to the pixels whose whole search range lies inside the right view.
 /// Confidence is 0 where nothing of it is left, where the costs have no unique minimum, or where the least cost lies at
@@ -33,7 +33,7 @@ void check(const MatchOptions& options);
 ///   - 1 / (1 + v / deviation^2), v = (q + ssd_floor) / (pixels * g2) the variance of a least-squares shift estimate,
 ///     g2 the mean squared horizontal gradient less the share q / 4 that noise has in it;
 ///   - ((1 - q/q2) / (1 - second_minimum))^2, at most 1, q2 the least cost more than one pixel away;
-///   - the share of the eight neighbours' confidence that agrees, each by exp(-(difference / agreement)^2).
+///   - the share of the eight neighbors' confidence that agrees, each by exp(-(difference / agreement)^2).
 ///
 /// Throws InputError where the views differ in size or have more than one channel, and where an option is out of range.
 TileDisparity match_tiles(const Image& left, const Image& right, const MatchOptions& options = {});

@@ -2,13 +2,13 @@
 #include "capture/image/image.h"
 #include "pipeline/option_field.h"
 
-/// Local normalisation of a DP view: takes out the lens shading that differs between the views (Wadhwa et al. 2018,
+/// Local normalization of a DP view: takes out the lens shading that differs between the views (Wadhwa et al. 2018,
 /// supplement, "DP Normalization").
 namespace dualpixel::pipeline {
 
 struct NormalizeOptions {
   int window_px = 9;         ///< side of the square window, DP pixels, odd (supplement: 9 x 9)
-  float std_floor = 0.001f;  ///< added to the standard deviation, normalised signal (supplement: 0.001)
+  float std_floor = 0.001f;  ///< added to the standard deviation, normalized signal (supplement: 0.001)
 };
 
 OptionFields fields(NormalizeOptions& options);

@@ -12,7 +12,7 @@
 #include "evaluation/report/calibration_page.h"
 #include "pipeline/calibration/correction.h"
 #include "pipeline/calibration/tilt.h"
-#include "pipeline/portrait/portrait.h"
+#include "pipeline/portrait/run_portrait.h"
 #include "simulator/lens/disparity_field.h"
 #include "simulator/lens/lens_file.h"
 #include "simulator/sampling/hash.h"

@@ -114,14 +114,14 @@ TEST(CalibrationFlow, ViewsWithoutTextureAreFiniteAndMatchNowhere) {
 
 TEST(CalibrationFlow, RefusesWhatItCannotMatch) {
   const Image view(64, 32, 1, 0.5f);
-  EXPECT_THROW(match_target(view, Image(64, 31, 1, 0.5f)), std::invalid_argument);
-  EXPECT_THROW(match_target(Image(), Image()), std::invalid_argument);
-  EXPECT_THROW(match_target(Image(64, 32, 3), Image(64, 32, 3)), std::invalid_argument);
+  EXPECT_THROW(match_target(view, Image(64, 31, 1, 0.5f)), InputError);
+  EXPECT_THROW(match_target(Image(), Image()), InputError);
+  EXPECT_THROW(match_target(Image(64, 32, 3), Image(64, 32, 3)), InputError);
   for (int FlowOptions::*field : {&FlowOptions::block_width_px, &FlowOptions::block_height_px, &FlowOptions::warps,
                                   &FlowOptions::refinements, &FlowOptions::sweeps}) {
     FlowOptions options;
     options.*field = 0;
-    EXPECT_THROW(match_target(view, view, options), std::invalid_argument);
+    EXPECT_THROW(match_target(view, view, options), InputError);
   }
 }
 

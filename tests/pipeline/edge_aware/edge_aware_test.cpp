@@ -14,6 +14,7 @@
 #include "pipeline/edge_aware/filter_mask.h"
 #include "pipeline/edge_aware/guide.h"
 #include "pipeline/edge_aware/joint_upsample.h"
+#include "pipeline/edge_aware/smooth_disparity.h"
 #include "tests/pipeline/texture.h"
 
 namespace dualpixel::pipeline {
@@ -234,6 +235,23 @@ TEST(BilateralSolver, ConfidenceOfTheResult) {
   EXPECT_TRUE(std::isinf(solved.variance.at(24, 32)));
   EXPECT_EQ(sure.at(24, 32), 0);
   EXPECT_NEAR(solved.value.at(24, 32), 0.5f, 1e-4);
+}
+
+TEST(ReduceByConfidence, WhatIsUnknownDoesNotMixWithWhatIsKnown) {
+  ConfidentMap map{Image(8, 4, 1, 2.0f), Image(8, 4, 1, 0.5f)};
+  map.value.at(0, 0) = 100;
+  map.confidence.at(0, 0) = 0;
+  for (int y = 0; y < 4; ++y) {
+    for (int x = 4; x < 8; ++x) {
+      map.value.at(x, y) = static_cast<float>(x % 2);
+      map.confidence.at(x, y) = 0;
+    }
+  }
+  const ConfidentMap small = reduce_by_confidence(map, 2, 1);
+  EXPECT_NEAR(small.value.at(0, 0), 2, 1e-6);
+  EXPECT_NEAR(small.confidence.at(0, 0), 0.5 * 15 / 16, 1e-6);
+  EXPECT_EQ(small.value.at(1, 0), 0.5f);  // nothing is known: the plain mean
+  EXPECT_EQ(small.confidence.at(1, 0), 0);
 }
 
 TEST(BilateralSolver, UnreachedPixelsTakeTheNearestReached) {

@@ -7,7 +7,7 @@
 
 #include "capture/json_fields.h"
 #include "capture/timing.h"
-#include "pipeline/portrait/portrait.h"
+#include "pipeline/portrait/run_portrait.h"
 #include "simulator/simulate.h"
 #include "tools/commands/commands.h"
 

@@ -18,7 +18,7 @@
 #include "pipeline/defocus/mask_blur.h"
 #include "pipeline/defocus/render.h"
 #include "pipeline/defocus/scatter.h"
-#include "pipeline/portrait/portrait.h"
+#include "pipeline/portrait/run_portrait.h"
 #include "simulator/simulate.h"
 #include "tools/commands/commands.h"
 

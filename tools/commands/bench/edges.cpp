@@ -20,7 +20,7 @@
 #include "evaluation/report/report_page.h"
 #include "evaluation/report/svg_plot.h"
 #include "pipeline/edge_aware/guide.h"
-#include "pipeline/portrait/portrait.h"
+#include "pipeline/portrait/run_portrait.h"
 #include "tools/commands/commands.h"
 #ifdef DUALPIXEL_XIMGPROC
 #include <opencv2/imgproc.hpp>

@@ -7,7 +7,8 @@
 #include <random>
 
 #include "capture/error.h"
-#include "pipeline/portrait/portrait.h"
+#include "pipeline/portrait/plain_pair.h"
+#include "pipeline/portrait/run_portrait.h"
 #include "tests/pipeline/texture.h"
 
 namespace dualpixel::pipeline {
@@ -270,7 +271,7 @@ TEST(Portrait, PeopleAreFoundWhereNoMaskIsGiven) {
   for (const Mode mode : {Mode::dp_seg, Mode::seg}) {
     PortraitOptions options = test_options(mode);
     const Face face{200, 120, 60, 60};
-    options.find_people = [&](const Image& picture) {
+    options.find_people = [&](const Image& picture, const std::vector<Face>&) {
       EXPECT_EQ(picture.width, kWidth);
       EXPECT_EQ(picture.channels, 3);
       return FoundPeople{{face}, person_mask()};
@@ -284,9 +285,47 @@ TEST(Portrait, PeopleAreFoundWhereNoMaskIsGiven) {
     EXPECT_EQ(found.portrait.data, run_portrait(with_face, test_options(mode), person_mask()).portrait.data);
 
     // A mask that is given is used, and nobody is looked for.
-    options.find_people = [](const Image&) -> FoundPeople { throw std::logic_error("looked for people"); };
+    options.find_people = [](const Image&, const std::vector<Face>&) -> FoundPeople {
+      throw std::logic_error("looked for people");
+    };
     EXPECT_TRUE(run_portrait(capture, options, person_mask()).faces.empty());
   }
+}
+
+// What comes in and goes out is upright, whichever way the pictures lie.
+TEST(Portrait, TransposedPicturesGiveUprightResults) {
+  Capture capture = make_capture();
+  capture.frames.resize(1);
+  PortraitOptions lying = test_options(Mode::dp_seg);
+  lying.faces = {{200, 120, 70, 60}};
+  lying.defocus.bokeh.aperture = {.blades = 5, .lying = true};
+  const PortraitResult expected = run_portrait(capture, lying, person_mask());
+
+  PortraitOptions options = test_options(Mode::dp_seg);
+  options.transposed = true;
+  options.faces = {{120, 200, 60, 70}};
+  options.defocus.bokeh.aperture.blades = 5;
+  const PortraitResult given = run_portrait(capture, options, transposed(person_mask()));
+  EXPECT_EQ(given.portrait.width, kHeight);
+  EXPECT_EQ(given.portrait.data, transposed(expected.portrait).data);
+  EXPECT_EQ(given.matched_disparity_dp_px.data, transposed(expected.matched_disparity_dp_px).data);
+
+  options.find_people = [](const Image& picture, const std::vector<Face>& seeds) {
+    EXPECT_EQ(picture.width, kHeight);
+    EXPECT_EQ(seeds.at(0).y, 200);
+    return FoundPeople{seeds, transposed(person_mask()), seeds};
+  };
+  const PortraitResult found = run_portrait(capture, options);
+  EXPECT_EQ(found.portrait.data, given.portrait.data);
+  ASSERT_EQ(found.faces.size(), 1U);
+  EXPECT_EQ(found.faces[0].y, 200);
+}
+
+// Evaluation smooths by this function: it must be what the portrait does.
+TEST(Portrait, SmoothsAsSmoothDisparityDoes) {
+  const PortraitResult result = run_portrait(make_capture(), test_options());
+  const ConfidentMap matched{result.matched_disparity_dp_px, result.matched_confidence};
+  EXPECT_EQ(result.disparity_dp_px.data, smooth_disparity(matched, result.input).data);
 }
 
 TEST(Portrait, WhereNobodyIsFoundDisparityDoes) {
@@ -294,20 +333,24 @@ TEST(Portrait, WhereNobodyIsFoundDisparityDoes) {
   const PortraitResult plain = run_portrait(capture, test_options());
   for (const Mode mode : {Mode::dp_seg, Mode::seg}) {
     PortraitOptions options = test_options(mode);
-    options.find_people = [](const Image&) { return FoundPeople{}; };
+    options.find_people = [](const Image&, const std::vector<Face>&) { return FoundPeople{}; };
     const PortraitResult result = run_portrait(capture, options);
     EXPECT_EQ(result.mode, Mode::dp);
     EXPECT_EQ(result.portrait.data, plain.portrait.data);
     ASSERT_EQ(result.warnings.size(), 1U);
     EXPECT_NE(result.warnings[0].find("no face found"), std::string::npos);
     // a face too small to seed a mask
-    options.find_people = [](const Image&) { return FoundPeople{{}, {}, {{200, 120, 20, 20}}}; };
+    options.find_people = [](const Image&, const std::vector<Face>&) {
+      return FoundPeople{{}, {}, {{200, 120, 20, 20}}};
+    };
     const std::vector<std::string> warnings = run_portrait(capture, options).warnings;
     ASSERT_EQ(warnings.size(), 1U);
     EXPECT_NE(warnings[0].find("no face is large enough"), std::string::npos);
     // a face about which the network sees nobody
     const Face face = {200, 120, 20, 20};
-    options.find_people = [&](const Image&) { return FoundPeople{{face}, Image(256, 256, 1, 0.5F), {face}}; };
+    options.find_people = [&](const Image&, const std::vector<Face>&) {
+      return FoundPeople{{face}, Image(256, 256, 1, 0.5F), {face}};
+    };
     const PortraitResult unseen = run_portrait(capture, options);
     EXPECT_EQ(unseen.mode, Mode::dp);
     EXPECT_TRUE(unseen.faces.empty());

@@ -1,0 +1,67 @@
+#include "pipeline/portrait/options.h"
+
+#include <fmt/format.h>
+
+#include <string_view>
+#include <utility>
+
+#include "capture/error.h"
+#include "pipeline/defocus/aperture.h"
+
+namespace dualpixel::pipeline {
+
+OptionFields fields(PortraitOptions& options) {
+  OptionFields all;
+  const auto add = [&](const std::string& group, OptionFields fields) {
+    for (OptionField& field : fields) {
+      if (!group.empty()) field.name = group + "." + field.name;
+      all.push_back(std::move(field));
+    }
+  };
+  add("merge", fields(options.merge));
+  add("seed_faces", fields(options.seed_faces));
+  add("", fields(options.matching));
+  add("tile_upsample", fields(options.tile_upsample));
+  add("merge_mask", fields(options.merge_mask));
+  add("smooth", fields(options.smooth));
+  add("filter_mask", fields(options.filter_mask));
+  add("", {{"face_in_focus_dp_px", &options.face_in_focus_dp_px, 0, 64, "DP px", "ours (5.1: close to zero)"}});
+  add("blur_radius", fields(options.blur_radius));
+  add("layers", fields(options.defocus.layers));
+  add("mask_blur", fields(options.defocus.mask_blur));
+  add("highlights", fields(options.defocus.bokeh.highlights));
+  add("noise", fields(options.noise));
+  add("display", {{"exposure_ev", &options.display.exposure_ev, -20, 20, "stops", "ours"}});
+  return all;
+}
+
+void check(const PortraitOptions& options) {
+  check_options("", options);
+  check(options.matching.normalize);  // of windows, more than a range
+  require_valid(options.defocus.bokeh.aperture);
+  matcher_named(options.matcher);
+}
+
+nlohmann::ordered_json changed_fields(const PortraitOptions& options) {
+  PortraitOptions defaults;
+  const OptionFields usual = fields(defaults), own = fields(const_cast<PortraitOptions&>(options));  // only read
+  nlohmann::ordered_json changed = nlohmann::ordered_json::object();
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    const std::string value = value_text(own[i]);
+    if (value != value_text(usual[i])) changed[own[i].name] = nlohmann::ordered_json::parse(value);
+  }
+  return changed;
+}
+
+std::string describe_fields() {
+  PortraitOptions defaults;
+  const std::string line = "{:<38}{:>12}  {:<20}{:<24}{}\n";
+  std::string text = fmt::format(fmt::runtime(line), "option", "default", "range", "unit", "source");
+  for (const OptionField& field : fields(defaults)) {
+    text += fmt::format(fmt::runtime(line), field.name, value_text(field),
+                        fmt::format("{:g} .. {:g}", field.low, field.high), field.unit, field.source);
+  }
+  return text + "Source: a section of Wadhwa et al. 2018 with its value (S: its supplement), or ours.\n";
+}
+
+}  // namespace dualpixel::pipeline

@@ -1,0 +1,363 @@
+#include "pipeline/portrait/run_portrait.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <string_view>
+#include <utility>
+
+#include "capture/error.h"
+#include "capture/image/resample.h"
+#include "pipeline/burst/demosaic.h"
+#include "pipeline/burst/merge.h"
+#include "pipeline/calibration/correction.h"
+#include "pipeline/defocus/match_lens.h"
+#include "pipeline/edge_aware/guide.h"
+#include "pipeline/portrait/focus.h"
+#include "pipeline/portrait/matchable.h"
+#include "pipeline/portrait/plain_pair.h"
+#include "pipeline/portrait/subject.h"
+
+namespace dualpixel::pipeline {
+namespace {
+
+/// One run, from step to step. Where the pictures lie on their side (PortraitOptions::transposed), everything here does
+/// too; run_portrait turns what comes in and what goes out.
+struct Run {
+  const Capture& capture;
+  const PortraitOptions& options;
+  int width, height;              ///< of the full sensor
+  const Image* person = nullptr;  ///< mask that was given or found; of any size
+  bool looks_for_people = false;  ///< as the mode needs a mask and none is given
+  std::vector<Face> faces;        ///< known or found, largest first
+  std::optional<Face> tap;        ///< the region that the user pointed at
+  DefocusOptions defocus;         ///< the options', with the capture's white level and the face's radius
+  PortraitResult result;          ///< filled step by step
+  std::vector<Face> seeds;        ///< upright, for find_people
+  std::optional<Correction> correction;
+  MergedBurst burst;
+  Image found_mask;
+  PixelDisparity matched;
+  SmoothingGuide guide;
+  PixelDisparity reduced;              ///< of the guide's size
+  std::optional<double> person_dp_px;  ///< disparity that the person was flattened to
+  Image smooth;                        ///< of the guide's size
+  Defocused defocused;
+};
+
+void require_picture(const Image& picture, const Capture& capture) {
+  if (capture.frames.size() != 1) {
+    throw InputError(fmt::format("picture: given beside {} frames: must be beside one", capture.frames.size()));
+  }
+  const Camera& camera = capture.camera;
+  const bool fits = picture.width == camera.width_px && picture.height == camera.height_px && picture.channels == 3;
+  if (!fits || !std::all_of(picture.data.begin(), picture.data.end(), [](float v) { return v >= 0 && v <= 1; })) {
+    throw InputError(fmt::format("picture: must be {} x {} pixels of linear RGB, every value in [0, 1]",
+                                 camera.width_px, camera.height_px));
+  }
+}
+
+void require_mask(const Image& mask) {
+  if (mask.empty() || mask.channels != 1) throw InputError("person mask: must have pixels, of one channel");
+  for (const float value : mask.data) {
+    if (!(value >= 0 && value <= 1)) throw InputError("person mask: every value must lie in [0, 1]");
+  }
+}
+
+Image stretched(const Image& mask, int width, int height) {
+  return mask.width > width ? resize_area(mask, width, height) : resize_bilinear(mask, width, height);
+}
+
+/// Section 4.2: the calibration at the capture's focus distance, for a mode that needs disparity.
+void prepare_correction(Run& run) {
+  if (!run.options.calibration) return;
+  run.correction = make_correction(*run.options.calibration, run.capture.camera);
+  std::vector<std::string>& warnings = run.result.warnings;
+  const std::vector<std::string>& sweep = run.options.calibration->warnings;
+  warnings.insert(warnings.end(), sweep.begin(), sweep.end());
+  if (!run.correction->warning.empty()) warnings.push_back(run.correction->warning);
+}
+
+void warn_of_empty_mask(Run& run) {
+  const float least = run.result.mode == Mode::dp_seg ? run.options.merge_mask.interior : 0.5f;
+  const std::vector<float>& mask = run.person->data;
+  if (std::any_of(mask.begin(), mask.end(), [&](float m) { return m > least; })) return;
+  run.result.warnings.push_back(fmt::format("the person mask has no pixel above {}: it keeps nobody sharp", least));
+}
+
+/// Section 4.1: the burst aligned and merged (Hasinoff et al. 2016).
+void merge_frames(Run& run) {
+  run.burst = align_and_merge(run.capture.frames, run.capture.exposure, run.options.merge);
+  run.result.base_frame = run.burst.base_frame;
+}
+
+/// The picture that the merged burst shows; gray, from the sum of its views, where it has no mosaic.
+void develop(Run& run) {
+  const Camera& camera = run.capture.camera;
+  MergedBurst& burst = run.burst;
+  if (run.options.picture) {
+    run.result.input = *run.options.picture;
+  } else if (!burst.mosaic.empty()) {
+    const std::array<double, 3>& gains = run.capture.exposure.white_balance;
+    run.result.input = demosaic(white_balanced(burst.mosaic, camera.cfa, gains), camera.cfa);
+  } else {
+    Image gray(burst.left.width, burst.left.height, 3);
+    for (std::size_t i = 0; i < burst.left.data.size(); ++i) {
+      const float sum = burst.left.data[i] + burst.right.data[i];
+      std::fill_n(gray.data.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, sum);
+    }
+    run.result.input = resize_bilinear(gray, camera.width_px, camera.height_px);
+  }
+  burst.mosaic = {};
+}
+
+/// options.find_people sees the picture upright.
+FoundPeople people_in(const Run& run) {
+  if (!run.options.transposed) return run.options.find_people(run.result.input, run.seeds);
+  FoundPeople found = run.options.find_people(transposed(run.result.input), run.seeds);
+  for (std::vector<Face>* faces : {&found.faces, &found.detected}) {
+    for (Face& face : *faces) face = transposed(face);
+  }
+  found.mask = transposed(found.mask);
+  return found;
+}
+
+/// Without people the mask that a mode needs is missing: disparity alone remains.
+void fall_back_to_disparity(Run& run, const FoundPeople& found) {
+  if (run.result.mode == Mode::seg) prepare_correction(run);
+  run.result.mode = Mode::dp;
+  if (!run.capture.frames[0].mosaic.empty()) {
+    require_matchable(run.capture.camera, "capture", "/camera/dp_downsample_x");
+  }
+  const std::string_view why = found.detected.empty() ? "no face found"
+                               : found.faces.empty()  ? "no face is large enough to be the subject's"
+                                                      : "nobody is seen there";
+  run.result.warnings.push_back(fmt::format("{}: blurred in mode dp, by disparity alone", why));
+}
+
+/// Section 3.3: faces, and the mask of those whose they are.
+void find_people(Run& run) {
+  FoundPeople found = people_in(run);
+  if (run.faces.empty()) run.faces = found.faces.empty() ? found.detected : found.faces;
+  if (!anybody_seen(found)) {
+    fall_back_to_disparity(run, found);
+    return;
+  }
+  require_mask(found.mask);
+  run.result.faces = std::move(found.faces);
+  run.found_mask = std::move(found.mask);
+  run.person = &run.found_mask;
+  warn_of_empty_mask(run);
+}
+
+/// Section 4.1: disparity of every tile, then of every DP pixel.
+void match_views(Run& run) {
+  const auto left = static_cast<float>(merged_view_variance(static_cast<int>(run.capture.frames.size())));
+  const ViewNoise one_frame = view_noise(run.capture.exposure);
+  std::optional<ViewNoise> noise;
+  if (one_frame.shot > 0 || one_frame.read > 0) noise = {left * one_frame.shot, left * one_frame.read};
+  const Matcher& matcher = matcher_named(run.options.matcher);
+  const TileDisparity tiles = matcher.match(run.burst.left, run.burst.right, noise, run.options.matching);
+  run.matched = upsample_tiles(tiles, run.burst.left.width, run.burst.left.height, run.options.tile_upsample);
+}
+
+/// Section 4.2: the lens's aberrations taken out.
+void correct_aberrations(Run& run) {
+  Image* const sigma = run.matched.sigma_dp_px.empty() ? nullptr : &run.matched.sigma_dp_px;
+  correct_disparity(*run.correction, run.matched.disparity_dp_px, run.matched.confidence, sigma);
+}
+
+/// Section 4.4: the matches at the resolution of the solver, if they are not yet.
+void reduce(Run& run) {
+  if (!run.reduced.confidence.empty()) return;
+  run.guide = make_smoothing_guide(run.result.input, run.options.smooth);
+  ConfidentMap reduced = reduce_by_confidence({run.matched.disparity_dp_px, run.matched.confidence},
+                                              run.guide.small.width, run.guide.small.height);
+  run.reduced = {std::move(reduced.value), std::move(reduced.confidence), {}};
+  run.result.matched_disparity_dp_px = std::move(run.matched.disparity_dp_px);
+  run.result.matched_confidence = std::move(run.matched.confidence);
+  run.result.matched_sigma_dp_px = std::move(run.matched.sigma_dp_px);
+}
+
+/// Section 4.3: the mask's interior set to the face's disparity.
+void merge_mask(Run& run) {
+  reduce(run);
+  const int width = run.guide.small.width, height = run.guide.small.height;
+  const Image mask = stretched(*run.person, width, height);
+  if (!run.faces.empty()) {
+    const Face& face = run.faces[0];
+    const double x = static_cast<double>(width) / run.width, y = static_cast<double>(height) / run.height;
+    run.person_dp_px = face_disparity(run.reduced, {face.x * x, face.y * y, face.width * x, face.height * y});
+  } else {
+    run.person_dp_px = interior_disparity(run.reduced, mask, run.options.merge_mask);
+  }
+  run.result.mask = stretched(*run.person, run.width, run.height);
+  run.reduced =
+      flatten_person(std::move(run.reduced), mask, static_cast<float>(*run.person_dp_px), run.options.merge_mask);
+}
+
+/// Section 4.4: bilateral solver and median.
+void smooth(Run& run) {
+  reduce(run);
+  run.smooth =
+      solve_and_median({run.reduced.disparity_dp_px, run.reduced.confidence}, run.guide.small, run.options.smooth);
+}
+
+/// Section 4.4: joint bilateral upsampling.
+void upsample(Run& run) {
+  run.result.disparity_dp_px = upsample_along_edges(run.smooth, run.guide, run.result.input, run.options.smooth);
+  run.result.confidence = resize_bilinear(run.reduced.confidence, run.width, run.height);
+}
+
+/// Sections 5.1 and 5.2: d_focus, Eq. 5's radii, and the layered blur.
+void blur_by_disparity(Run& run) {
+  const PortraitOptions& options = run.options;
+  PortraitResult& result = run.result;
+  result.focus_disparity_dp_px =
+      focus_disparity(run.smooth, run.faces, run.tap, options.face_in_focus_dp_px, run.width, run.height)
+          .value_or(run.person_dp_px.value_or(0));
+  const Camera& camera = run.capture.camera;
+  const BlurMapping mapping = options.match_pupil_mm
+                                  ? match_lens(camera, *options.match_pupil_mm, result.focus_disparity_dp_px)
+                                  : make_blur_mapping(camera.focus_distance_m, result.focus_disparity_dp_px, run.width,
+                                                      result.mode == Mode::dp_seg, options.blur_radius);
+  run.defocused =
+      defocus_method_named("layers").render({result.input, result.disparity_dp_px, {}, mapping}, run.defocus);
+}
+
+/// Section 3.4: the mask made to follow the picture's edges.
+void filter_person_mask(Run& run) {
+  const Image& input = run.result.input;
+  run.result.mask = filter_mask(*run.person, encode_guide(input, guide_gain(input)), run.options.filter_mask);
+}
+
+/// End of section 5.2: what is behind the person, by one radius.
+void blur_by_mask(Run& run) {
+  DefocusOptions& defocus = run.defocus;
+  defocus.mask_blur = blur_for_face(run.faces.empty() ? 0 : run.faces[0].width, run.width, defocus.mask_blur);
+  run.defocused = defocus_method_named("mask").render({run.result.input, {}, run.result.mask, {}}, defocus);
+}
+
+/// Section 5.3: noise on what the blur has smoothed.
+void synthesize_noise(Run& run) {
+  run.result.blur_radius_px = std::move(run.defocused.radius_px);
+  if (run.options.synthetic_noise) {
+    add_noise(run.defocused.rgb, run.defocused.blurred, make_noise_patches(run.options.seed, run.options.noise),
+              merged_noise(run.capture.exposure, static_cast<int>(run.capture.frames.size())));
+  }
+  run.result.portrait = std::move(run.defocused.rgb);
+}
+
+void encode(Run& run) { run.result.portrait_srgb = encode_for_display(run.result.portrait, run.options.display); }
+
+bool always(const Run&) { return true; }
+bool seeks_people(const Run& run) { return run.looks_for_people; }
+bool needs_disparity(const Run& run) { return run.result.mode != Mode::seg; }
+bool needs_correction(const Run& run) { return run.correction.has_value(); }
+bool needs_flattening(const Run& run) { return run.result.mode == Mode::dp_seg; }
+bool needs_mask_alone(const Run& run) { return run.result.mode == Mode::seg; }
+
+struct Step {
+  const char* name;  ///< of the stage, in result.json and on the progress bar
+  void (*work)(Run& run);
+  bool (*needed)(const Run& run);
+};
+
+constexpr Step kSteps[] = {
+    {"merge", merge_frames, always},
+    {"demosaic", develop, always},
+    {"people", find_people, seeks_people},
+    {"disparity", match_views, needs_disparity},
+    {"calibration", correct_aberrations, needs_correction},
+    {"mask", merge_mask, needs_flattening},
+    {"smooth", smooth, needs_disparity},
+    {"upsample", upsample, needs_disparity},
+    {"blur", blur_by_disparity, needs_disparity},
+    {"mask", filter_person_mask, needs_mask_alone},
+    {"blur", blur_by_mask, needs_mask_alone},
+    {"noise", synthesize_noise, always},
+    {"display", encode, always},
+};
+
+/// Runs a step and notes what it took.
+void run_step(const Step& step, Run& run, const PortraitProgress& progress) {
+  std::vector<StageTime>& done = run.result.stages;
+  const auto report = [&] {  // finding nobody changes which steps are needed
+    if (!progress) return;
+    const auto all = std::count_if(std::begin(kSteps), std::end(kSteps), [&](const Step& s) { return s.needed(run); });
+    progress(step.name, static_cast<double>(done.size()) / static_cast<double>(all));
+  };
+  report();
+  const auto start = std::chrono::steady_clock::now();
+  step.work(run);
+  const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  done.push_back({step.name, elapsed.count(), static_cast<double>(usage.ru_maxrss) / 1024});
+  report();
+}
+
+/// What can be refused before the work is, and what is known before it. `person_mask` lies as the capture does.
+void prepare(Run& run, const std::optional<Image>& person_mask) {
+  const PortraitOptions& options = run.options;
+  check(options);
+  run.result.mode = options.mode;
+  run.looks_for_people = options.mode != Mode::dp && !person_mask;
+  if (run.looks_for_people && !options.find_people) {
+    throw InputError("person mask: missing; modes dp+seg and seg need one");
+  }
+  if (options.picture) require_picture(*options.picture, run.capture);
+  if (options.match_pupil_mm && options.mode != Mode::seg) match_lens(run.capture.camera, *options.match_pupil_mm, 0);
+  KnownSubject known = known_subject(run.capture, options);
+  run.seeds = known.seeds();
+  run.faces = std::move(known.faces);
+  run.tap = known.tap;
+  if (options.transposed) {
+    for (Face& face : run.faces) face = transposed(face);
+    if (run.tap) run.tap = transposed(*run.tap);
+    run.defocus.bokeh.aperture.lying = true;
+  }
+  const std::array<double, 3>& gains = run.capture.exposure.white_balance;
+  run.defocus.bokeh.white = *std::min_element(gains.begin(), gains.end());
+  run.result.warnings = std::move(known.warnings);
+  if (options.mode != Mode::seg) prepare_correction(run);
+  if (options.mode != Mode::dp && person_mask) {
+    require_mask(*person_mask);
+    run.person = &*person_mask;
+    warn_of_empty_mask(run);
+  }
+}
+
+void turn_upright(PortraitResult& result) {
+  using Result = PortraitResult;
+  for (Image Result::*image : {&Result::input, &Result::portrait, &Result::portrait_srgb, &Result::disparity_dp_px,
+                               &Result::confidence, &Result::matched_disparity_dp_px, &Result::matched_confidence,
+                               &Result::matched_sigma_dp_px, &Result::mask, &Result::blur_radius_px}) {
+    result.*image = transposed(result.*image);
+  }
+  for (Face& face : result.faces) face = transposed(face);
+}
+
+}  // namespace
+
+PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options,
+                            const std::optional<Image>& person_mask, const PortraitProgress& progress) {
+  std::optional<Image> turned_mask;
+  if (options.transposed && person_mask) turned_mask = transposed(*person_mask);
+  Run run{.capture = capture,
+          .options = options,
+          .width = capture.camera.width_px,
+          .height = capture.camera.height_px,
+          .defocus = options.defocus};
+  prepare(run, options.transposed ? turned_mask : person_mask);
+  for (const Step& step : kSteps) {
+    if (step.needed(run)) run_step(step, run, progress);
+  }
+  if (options.transposed) turn_upright(run.result);
+  return std::move(run.result);
+}
+
+}  // namespace dualpixel::pipeline

@@ -1,0 +1,35 @@
+#pragma once
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "capture/capture.h"
+#include "capture/image/image.h"
+#include "pipeline/portrait/options.h"
+#include "pipeline/portrait/result.h"
+
+/// The portrait mode of Wadhwa et al. 2018, "Synthetic Depth-of-Field with a Single-Camera Mobile Phone", stage by
+/// stage: burst -> people -> disparity -> calibration -> mask merge -> edge-aware filtering -> blur -> noise.
+namespace dualpixel::pipeline {
+
+/// Called with the name of the stage and the fraction of all stages that is done.
+using PortraitProgress = std::function<void(const std::string& stage, double fraction)>;
+
+/// Runs all stages on `capture`; its truth is never used. `person_mask` (one channel, 0..1, of any size: it is
+/// stretched over the picture) serves the modes dp_seg and seg; without it, options.find_people makes one from the
+/// merged picture, and where it finds nobody the mode becomes dp, with a warning. A capture without mosaic gives a gray
+/// picture where none is given. Mask and face that are given are those of the first frame; where the base is the second
+/// or third they are used as they are, a hand's motion of a few pixels aside.
+///
+/// d_focus (section 5.1) is the median disparity over the largest face that is well focused; where there is none, over
+/// the region tapped; without either the person's disparity in mode dp_seg, and 0 (trust the autofocus) in mode dp,
+/// which detects no faces of its own.
+///
+/// Throws InputError where an option is out of its range, where a mode has neither mask nor find_people, or the mask is
+/// not one channel of finite values, where a given picture is not RGB of the sensor's size in 0..1, where a face or the
+/// tap lies outside the picture, and where the calibration is another camera's. Dense views (1 x 1) must be of one
+/// color: half-photosites under a mosaic hold nothing that could be matched.
+PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options = {},
+                            const std::optional<Image>& person_mask = {}, const PortraitProgress& progress = {});
+
+}  // namespace dualpixel::pipeline
