@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
+#include <sstream>
 
 #include "tests/architecture/source_tree.h"
 
@@ -52,6 +54,9 @@ const std::map<std::string, std::string> kTables = {};
 
 /// What breaks a rule today. The list may only shrink: an entry that is no longer needed fails the test.
 const Names kExceptions = {
+    "docs/architecture.md names simulator/lens/models.h",
+    "docs/architecture.md names pipeline/disparity/matchers.h",
+    "docs/architecture.md names pipeline/defocus/methods.h",
     "simulator/sensor/sensor.h includes simulator/lens/cfa.h",
     "pipeline/calibration/calibration -> pipeline/calibration/tilt -> pipeline/calibration/calibration",
     "pipeline/disparity/likelihood/likelihood_match -> pipeline/disparity/likelihood/shift_search -> "
@@ -187,6 +192,32 @@ void check_function_lengths() {
   }
 }
 
+/// Quoted paths count where they begin with a folder of the sources: "out/capture" is a user's.
+void check_documents() {
+  namespace fs = std::filesystem;
+  const fs::path root = DUALPIXEL_SOURCE_DIR;
+  Names tops = {"docs", "cmake", "lens_models"};
+  for (const auto& [library, allowed] : kLibraries) tops.insert(library);
+  for (const fs::path& folder : {root, root / "docs", root / "lens_models"}) {
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      if (entry.path().extension() != ".md") continue;
+      std::ostringstream text;
+      text << std::ifstream(entry.path()).rdbuf();
+      const NamedPaths named = paths_named_in(text.str());
+      const std::string document = entry.path().lexically_relative(root).generic_string();
+      for (const std::string& link : named.links) {
+        if (!fs::exists(folder / link)) add_violation(document + " links to " + link, "there is no such file");
+      }
+      for (const std::string& path : named.quoted) {
+        if (tops.contains(library_of(path)) && !fs::exists(root / path)) {
+          add_violation(document + " names " + path, "there is no such file");
+        }
+      }
+    }
+  }
+}
+
+TEST(Architecture, DocumentsNameFilesThatExist) { check_documents(); }
 TEST(Architecture, LibrariesIncludeOnlyWhatLiesBelowThem) { check_libraries(); }
 TEST(Architecture, FoldersIncludeOnlyWhatLiesBelowThem) { check_folders(); }
 TEST(Architecture, IncludesAreWholePaths) { check_paths(); }
@@ -201,6 +232,7 @@ TEST(Architecture, NoExceptionIsLeftBehind) {
   check_circles();
   check_folder_sizes();
   check_function_lengths();
+  check_documents();
   for (const std::string& exception : kExceptions) {
     EXPECT_TRUE(met_exceptions().contains(exception)) << "take out of kExceptions: " << exception;
   }
@@ -273,6 +305,13 @@ TEST(Suite, Name) {
   for (const Function& function : functions) lines[function.name] = function.lines;
   EXPECT_EQ(lines, (std::map<std::string, int>{
                        {"Lens", 3}, {"blur", 1}, {"longest", 15}, {"operator==", 3}, {"Suite.Name", 2}}));
+}
+
+TEST(SourceTree, DocumentsNamePaths) {
+  const NamedPaths named = paths_named_in(
+      "[a](b/c.md#d), [web](https://x.y/z), [here](#e) and `f/g.h`, `--set a/b=c`, `word`\n```\n`h/i.h`\n```\n`j/`");
+  EXPECT_EQ(named.links, std::vector<std::string>{"b/c.md"});
+  EXPECT_EQ(named.quoted, (std::vector<std::string>{"f/g.h", "j/"}));
 }
 
 TEST(SourceTree, CirclesAreFound) {

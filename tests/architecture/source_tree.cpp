@@ -235,6 +235,32 @@ std::vector<SourceFile> read_source_tree(const std::filesystem::path& root, cons
   return files;
 }
 
+NamedPaths paths_named_in(const std::string& markdown) {
+  NamedPaths named;
+  for (std::size_t at = markdown.find("]("); at != std::string::npos; at = markdown.find("](", at + 1)) {
+    std::string target = markdown.substr(at + 2, markdown.find(')', at) - at - 2);
+    target = target.substr(0, target.find('#'));
+    if (!target.empty() && target.find("://") == std::string::npos) named.links.push_back(target);
+  }
+  bool fenced = false;
+  std::istringstream lines(markdown);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("```")) fenced = !fenced;
+    if (fenced || line.starts_with("```")) continue;
+    for (std::size_t open = line.find('`'); open != std::string::npos;) {
+      const std::size_t close = line.find('`', open + 1);
+      if (close == std::string::npos) break;
+      const std::string quoted = line.substr(open + 1, close - open - 1);
+      const bool path = std::all_of(quoted.begin(), quoted.end(), [](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.' || c == '/' || c == '-';
+      });
+      if (path && quoted.find('/') != std::string::npos) named.quoted.push_back(quoted);
+      open = line.find('`', close + 1);
+    }
+  }
+  return named;
+}
+
 std::string unit_of(const std::string& path) { return path.substr(0, path.rfind('.')); }
 
 std::string folder_of(const std::string& path) { return path.substr(0, path.rfind('/')); }

@@ -31,6 +31,13 @@ std::vector<Function> functions_of(const std::string& text);
 /// Every .h and .cpp under the folders `tops` of `root`, in order of path.
 std::vector<SourceFile> read_source_tree(const std::filesystem::path& root, const std::vector<std::string>& tops);
 
+/// What a Markdown document names in the repository: targets of its links, without anchors and web addresses, and what
+/// it quotes in single backticks, where that is a path. Links are relative to the document, quoted paths to the root.
+struct NamedPaths {
+  std::vector<std::string> links, quoted;
+};
+NamedPaths paths_named_in(const std::string& markdown);
+
 /// Path without its extension: a header and the source file of its name are one unit.
 std::string unit_of(const std::string& path);
 
