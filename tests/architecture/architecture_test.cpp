@@ -57,6 +57,7 @@ const Names kExceptions = {
     "docs/architecture.md names simulator/lens/models.h",
     "docs/architecture.md names pipeline/disparity/matchers.h",
     "docs/architecture.md names pipeline/defocus/methods.h",
+    "docs/architecture.md names pipeline/edge_aware/smooth_disparity.h",
     "simulator/sensor/sensor.h includes simulator/lens/cfa.h",
     "pipeline/calibration/calibration -> pipeline/calibration/tilt -> pipeline/calibration/calibration",
     "pipeline/disparity/likelihood/likelihood_match -> pipeline/disparity/likelihood/shift_search -> "
