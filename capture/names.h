@@ -1,14 +1,10 @@
 #pragma once
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <iterator>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "capture/error.h"
 
 /// Lists of named values: one table each, used for reading, writing, help and refusals, so that they cannot disagree.
 ///
@@ -56,17 +52,17 @@ const char* name_of(const Table& table, const Value& value) {
 }
 
 /// "must be one of 'hard', 'ramp'; did you mean 'ramp'?", for messages that refuse `name`.
-template <class Table>
-std::string must_be_one_of(const Table& table, const std::string& name) {
-  const std::vector<std::string> names = names_of(table);
-  return fmt::format("must be one of '{}'{}", fmt::join(names, "', '"), did_you_mean(name, names));
-}
+std::string must_be_one_of(const std::vector<std::string>& names, const std::string& name);
 
-/// The value with this name. Throws InputError "field: name: must be one of ...".
+/// Throws InputError "field: name: must be one of ...".
+[[noreturn]] void refuse_name(const std::string& field, const std::string& name, const std::vector<std::string>& names);
+
+/// The value with this name. Throws InputError as refuse_name().
 template <class Table>
 auto value_named(const Table& table, const std::string& name, const std::string& field) {
-  if (const auto* row = find_named(table, name)) return row->value;
-  throw InputError(fmt::format("{}: {}: {}", field, printable(name), must_be_one_of(table, name)));
+  const auto* row = find_named(table, name);
+  if (!row) refuse_name(field, name, names_of(table));
+  return row->value;
 }
 
 /// Reads a field of a JSON object (`Reader`: Fields) whose value is a name of the table; absent, `value` stays.
@@ -84,7 +80,10 @@ std::string describe_names(const Table& table) {
   std::size_t widest = 0;
   for (const auto& row : table) widest = std::max(widest, std::string_view(row.name).size());
   std::string text;
-  for (const auto& row : table) text += fmt::format("  {:<{}}  {}\n", row.name, widest, row.description);
+  for (const auto& row : table) {
+    const std::string name = row.name;
+    text += "  " + name + std::string(widest - name.size() + 2, ' ') + row.description + '\n';
+  }
   return text;
 }
 

@@ -4,6 +4,7 @@
 
 #include <functional>
 
+#include "capture/error.h"
 #include "capture/json_fields.h"
 
 namespace dualpixel {
