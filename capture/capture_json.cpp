@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/camera_json.h"
+#include "capture/color_filter_array.h"
 
 namespace dualpixel {
 namespace {
@@ -99,7 +100,7 @@ Camera read_camera(Fields fields) {
   Camera camera;
   camera.focus_distance_m = 0;
   read_intrinsics(fields, camera);
-  fields.choice("cfa", camera.cfa, {"RGGB", "BGGR", "GRBG", "GBRG"});
+  fields.choice("cfa", camera.cfa, names_of(kColorFilterArrays));
   fields.required("focus_distance_m").number("focus_distance_m", camera.focus_distance_m, 1e-4, kInfinity);
   fields.choice("split", camera.split, {"hard", "ramp", "microlens", "table", "unknown"});
   fields.number("alpha", camera.alpha, 0, 10);
