@@ -119,7 +119,7 @@ std::uint64_t Journal::read_records() {
     pixels.resize(record.floats);
     if (!file_.read(reinterpret_cast<char*>(pixels.data()), record.floats * sizeof(float))) break;
     if (checksum(record, pixels) != record.checksum) break;
-    places_[{record.render, record.tile}] = {good + sizeof record, record.floats};
+    records_[{record.render, record.tile}] = {good + sizeof record, record.floats};
     good += sizeof record + record.floats * sizeof(float);
   }
   return good;
@@ -127,12 +127,12 @@ std::uint64_t Journal::read_records() {
 
 bool Journal::restore(std::uint64_t render, const Tile& tile, Views& views) {
   const std::lock_guard lock(mutex_);
-  const auto place = places_.find({render, tile.index});
-  if (place == places_.end()) return false;
+  const auto record = records_.find({render, tile.index});
+  if (record == records_.end()) return false;
   // a render of another size has tiles of other sizes under the same numbers
   const auto floats = static_cast<std::uint32_t>(6 * (tile.x1 - tile.x0) * (tile.y1 - tile.y0));
-  if (place->second.floats != floats) return false;
-  file_.seekg(static_cast<std::streamoff>(place->second.offset));
+  if (record->second.floats != floats) return false;
+  file_.seekg(static_cast<std::streamoff>(record->second.offset));
   each_row(tile, views, [&](float* left, float* right, int count) {
     const auto bytes = static_cast<std::streamsize>(count * sizeof(float));
     file_.read(reinterpret_cast<char*>(left), bytes).read(reinterpret_cast<char*>(right), bytes);
@@ -179,9 +179,9 @@ std::uint64_t fingerprint(const Scene& scene, const CameraView& camera, const st
     for (int d = 0; d < 4; ++d) s[d][i] = unit_float(static_cast<std::uint32_t>(hash(i, d)));
   }
   const SensorGrid& sensor = camera.lens.sensor();
-  for (int place = 0; place < 16; ++place) {
+  for (int point = 0; point < 16; ++point) {
     LensPacket rays;
-    camera.lens.sample(place % 4 * (sensor.width_px - 1) / 3, place / 4 * (sensor.height_px - 1) / 3, place % 3, s,
+    camera.lens.sample(point % 4 * (sensor.width_px - 1) / 3, point / 4 * (sensor.height_px - 1) / 3, point % 3, s,
                        rays);
     sum.add(rays);
   }

@@ -18,7 +18,7 @@ namespace dualpixel::simulator {
 /// found and dropped.
 class Journal : public TileStore {
  public:
-  /// Begins the file at `path`, or goes on with it where its key is `key`, which must stand for all that the tiles
+  /// Begins the file at `path`, or continues it where its key is `key`, which must identify all that the tiles
   /// depend on. This and all else throws InputError where the file is another's, or cannot be read or written.
   Journal(const std::string& path, std::uint64_t key);
 
@@ -29,17 +29,17 @@ class Journal : public TileStore {
   /// Takes in the whole records of the open file; returns the bytes up to their end.
   std::uint64_t read_records();
 
-  struct Place {
+  struct Location {
     std::uint64_t offset;  ///< of the pixels
     std::uint32_t floats;
   };
   std::string path_;
   std::mutex mutex_;
   std::fstream file_;
-  std::map<std::pair<std::uint64_t, int>, Place> places_;  ///< of (render, tile)
+  std::map<std::pair<std::uint64_t, int>, Location> records_;  ///< of (render, tile)
 };
 
-/// A number that stands for all that `scene` and `camera` hold, and for whatever else `more` says.
+/// A hash of all that `scene` and `camera` hold, and of `more`.
 std::uint64_t fingerprint(const Scene& scene, const CameraView& camera, const std::string& more);
 
 }  // namespace dualpixel::simulator

@@ -8,16 +8,16 @@
 /// tolerates anyway, such as the sensor's noise.
 ///
 /// Of each tile sixteen photosites are rendered at 8, 32, 128, ... samples, twice each with independent scrambles,
-/// until their mean square difference says that the error will be small enough at four times as many; the error's fall
-/// is drawn on from there. These pilots are thrown away: the count that they lead to is fixed before the picture's own
-/// samples are drawn, so stopping cannot bias it (repeated testing of the picture's own samples would).
+/// until their mean square difference says that the error will be small enough at four times as many; beyond that
+/// the error's fall is extrapolated. These pilots are thrown away: the count that they lead to is fixed before the
+/// picture's own samples are drawn, so stopping cannot bias it (repeated testing of the picture's own samples would).
 ///
 /// Samples go where they gain most: for independent samples each tile's count is in proportion to its standard
 /// deviation, which costs least for an RMS error over the picture. To give each tile the same error would cost as much
 /// as to give each the same count.
 namespace dualpixel::simulator {
 
-/// Allowed variance of one half-photosite's mean, nits^2, for radiance x in its filter's colour:
+/// Allowed variance of one half-photosite's mean, nits^2, for radiance x in its filter's color:
 /// per_nit * x + constant.
 struct ErrorTarget {
   std::array<double, 3> per_nit{};

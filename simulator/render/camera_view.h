@@ -5,8 +5,8 @@
 
 namespace dualpixel::simulator {
 
-/// Where the camera stands, its lens and its sensor: what turns a place on the sensor and one in the pupil into a ray.
-/// Camera axes: x right, y down, z forward, origin at the centre of the entrance pupil.
+/// The camera's pose, lens and sensor: what turns a position on the sensor and one in the pupil into a ray.
+/// Camera axes: x right, y down, z forward, origin at the center of the entrance pupil.
 struct CameraView {
   glm::mat4 world_from_camera{1};  ///< rigid
   LensSampler lens;

@@ -8,7 +8,7 @@
 struct RTCDeviceTy;
 struct RTCSceneTy;
 
-/// The only place that talks to Embree; compiles with Embree 3.13 and 4. A mesh without placements is a geometry in
+/// The only code that calls Embree; compiles with Embree 3.13 and 4. A mesh without placements is a geometry in
 /// world space; one with placements is stored once, and each placement is an Embree instance of it. Hits on alpha-cut
 /// texels are passed through. Rays must be finite (Debian's Embree aborts on others).
 namespace dualpixel::simulator {

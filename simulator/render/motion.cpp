@@ -10,8 +10,8 @@
 namespace dualpixel::simulator {
 namespace {
 
-/// The place on the sensor, metres, whose chief ray has `slope`: Newton's method from a place nearby. Chief rays are
-/// nearly linear in the place, so that three or four steps leave less than float's rounding. Empty where ten do not
+/// The point on the sensor, meters, whose chief ray has `slope`: Newton's method from a point nearby. Chief rays are
+/// nearly linear in it, so that three or four steps leave less than float's rounding. Empty where ten do not
 /// find it: beyond the widest angle that the lens takes in, or where the distortion's formula turns back.
 std::optional<glm::dvec2> place_of(const LensSampler& lens, glm::dvec2 slope, glm::dvec2 start_m) {
   constexpr int kMostSteps = 10;

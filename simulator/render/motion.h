@@ -10,14 +10,14 @@
 namespace dualpixel::simulator {
 
 /// Where each point that a pixel's chief ray sees in `first` is found in a later frame: two channels, x and y, in
-/// photosites, to be added to the pixel's place; infinite where the point lies behind the later camera, or so far to
+/// photosites, to be added to the pixel's position; infinite where the point lies behind the later camera, or so far to
 /// its side that no chief ray of the lens leads there. The point moves with its triangle; what the ray misses is
-/// infinitely far. The later place may be hidden, or outside of the picture. `later_scene` has the same triangles and
-/// placements of shared meshes, which may stand elsewhere.
+/// infinitely far. The later position may be hidden, or outside of the picture. `later_scene` has the same triangles
+/// and placements of shared meshes, which may be elsewhere.
 Image trace_motion(const RenderScene& first_world, const CameraView& first, const Scene& later_scene,
                    const CameraView& later);
 
-/// The first mesh whose triangles, or how many places it stands in, are not the same in both; empty: all are.
+/// The first mesh whose triangles, or whose number of instances, differ; empty: none.
 std::optional<std::size_t> mesh_that_differs(const Scene& a, const Scene& b);
 
 }  // namespace dualpixel::simulator

@@ -11,7 +11,7 @@
 namespace dualpixel::simulator {
 
 struct SampleMap {
-  static constexpr int kTile = 16;  ///< photosites a side: neighbours share the part of the scene that caches hold
+  static constexpr int kTile = 16;  ///< photosites a side: neighbors share the part of the scene that caches hold
   int width_px = 0, height_px = 0;
   std::vector<std::uint32_t> samples;  ///< of each tile's photosites, row by row
   std::vector<float> error_ratio;      ///< expected standard error over the allowed one, RMS; empty: not known

@@ -5,7 +5,7 @@
 
 namespace dualpixel::simulator {
 
-/// The geometry part of Truth, by the chief ray through each pixel's centre and the lens's disparity field; never
+/// The geometry part of Truth, by the chief ray through each pixel's center and the lens's disparity field; never
 /// by matching rendered views. The pictures are left empty.
 Truth trace_truth(const RenderScene& scene, const CameraView& camera);
 

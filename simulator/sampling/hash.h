@@ -4,7 +4,7 @@
 /// Counter-based randomness: a value depends on its key alone, never on what was drawn before it or by which thread.
 namespace dualpixel::simulator {
 
-/// SplitMix64's finaliser (Steele et al. 2014): a bijection of 64 bits with full avalanche.
+/// SplitMix64's finalizer (Steele et al. 2014): a bijection of 64 bits with full avalanche.
 constexpr std::uint64_t hash(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15ull;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;

@@ -97,7 +97,7 @@ inline void joint_samples(std::uint32_t first, std::uint64_t pixel_key, float ou
   }
 }
 
-/// Eight points, `first` a multiple of 8, as mirrored pairs: lanes i and i + 8 are at one place of the pixel and at
+/// Eight points, `first` a multiple of 8, as mirrored pairs: lanes i and i + 8 are at one position on the pixel and at
 /// opposite ones of the pupil, lanes 0 to 7 in its left half (third coordinate under 1/2).
 inline void mirrored_samples(std::uint32_t first, std::uint64_t pixel_key, float out[4][kPacket]) {
   constexpr int kPairs = kPacket / 2;

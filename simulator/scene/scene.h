@@ -10,7 +10,7 @@
 
 /// A scene as plain arrays: what a glTF file becomes before Embree sees it. Everything here has been checked: indices
 /// are in range, values are finite, node transforms are applied, but for those of meshes that several nodes share.
-/// Lengths are metres in glTF's world axes (y up); light is photometric: radiance in nits (cd/m^2) for each of linear
+/// Lengths are meters in glTF's world axes (y up); light is photometric: radiance in nits (cd/m^2) for each of linear
 /// R, G, B (Rec. 709 primaries).
 namespace dualpixel::simulator {
 
@@ -36,13 +36,13 @@ struct Texture {
 /// Fills `decoded` of a texture of up to 2048 x 2048 texels: four times the memory, a sixth off an unlit sample.
 void keep_decoded(Texture& texture);
 
-/// What bytes stand for: sRGB ones (IEC 61966-2-1), and linear ones.
+/// Linear values of bytes: sRGB ones (IEC 61966-2-1), and linear ones.
 struct DecodeTables {
   std::array<float, 256> srgb, linear;
 };
 extern const DecodeTables kDecodeTables;
 
-/// One texel as linear numbers. Not for static initialisers, which may run before the tables are filled.
+/// One texel as linear numbers. Not for static initializers, which may run before the tables are filled.
 inline glm::vec4 decode_texel(const Texture& texture, std::size_t index) {
   const auto& color = texture.srgb ? kDecodeTables.srgb : kDecodeTables.linear;
   const std::uint8_t* t = (texture.paged ? texture.paged.get() : texture.rgba.data()) + 4 * index;
@@ -64,14 +64,14 @@ struct Material {
   float normal_scale = 1;
   float alpha_cutoff = 0;  ///< hits with alpha below it are passed through; 0: opaque
   bool double_sided = false;
-  bool unlit = false;  ///< radiance is base colour times Scene::unlit_white_nits
+  bool unlit = false;  ///< radiance is base color times Scene::unlit_white_nits
   TextureSlot base_color_texture;
   TextureSlot metallic_roughness_texture;  ///< G roughness, B metallic
   TextureSlot emissive_texture;
   TextureSlot normal_texture;
 };
 
-/// One of the places in which a shared mesh stands.
+/// One instance of a shared mesh.
 struct Placement {
   glm::mat4x3 world_from_mesh{1};  ///< invertible; may mirror
   std::uint32_t object_id = 0;     ///< as a Mesh's
@@ -85,12 +85,12 @@ struct Mesh {
   std::vector<glm::vec3> normals;  ///< unit length; empty: flat shading
   std::vector<glm::vec2> uv0;
   std::vector<glm::vec2> uv1;
-  std::vector<glm::vec4> colors;  ///< linear, multiplies the base colour
+  std::vector<glm::vec4> colors;  ///< linear, multiplies the base color
   std::vector<glm::uvec3> triangles;
   int material = 0;             ///< index into Scene::materials
   std::uint32_t object_id = 0;  ///< 1-based index of the glTF node
   bool person = false;          ///< node or an ancestor has extras {"category": "person"}
-  /// Not empty: the mesh stands in each of these places and nowhere else, and objects and persons are theirs. Such a
+  /// Not empty: the mesh appears once per placement and nowhere else, with the placement's object and person. Such a
   /// mesh must not emit: light is sampled from triangles in world space.
   std::vector<Placement> placements;
 };

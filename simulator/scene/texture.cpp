@@ -5,7 +5,7 @@
 namespace dualpixel::simulator {
 namespace {
 
-/// In double, so that each byte is the float nearest to what it stands for.
+/// In double, so that each byte is the float nearest to its exact value.
 DecodeTables make_tables() {
   DecodeTables tables{};
   for (int i = 0; i < 256; ++i) {

@@ -53,7 +53,7 @@ inline std::size_t pick_from(const float* cumulative, std::size_t size, float& u
 
 /// Scales an accumulated sum so that it ends at exactly 1.
 template <typename Iterator>
-void normalise(Iterator begin, Iterator end) {
+void normalize(Iterator begin, Iterator end) {
   const float total = *(end - 1);
   for (auto it = begin; it != end; ++it) *it = total > 0 ? *it / total : float(it - begin + 1) / float(end - begin);
   *(end - 1) = 1;
@@ -159,11 +159,11 @@ Lights::Lights(const Scene& scene, glm::vec3 low, glm::vec3 high) : scene_(scene
 
 void Lights::fill_environment_table(const EnvironmentProbes& probes, int normal) {
   constexpr int kOfCell = EnvironmentProbes::kOfCell;
-  // No place that light could come from may be left out. Normals lie up to 5.0 degrees from their cell's middle, whose
-  // cosines are lifted by the sine of that; places lie up to 1.4 degrees beyond the outermost probes of their own cell,
-  // and the constant keeps those that only just rise above a surface from being drawn never.
+  // No direction that light could come from may be left out. Normals lie up to 5.0 degrees from their cell's middle,
+  // whose cosines are lifted by the sine of that; positions lie up to 1.4 degrees beyond the outermost probes of their
+  // own cell, and the constant gives those just above the horizon some probability.
   constexpr float kLift = 0.09f, kLeast = 0.002f;
-  const float least_nits = 0.01f * probes.power / (4 * kPi);  // a probe may have missed what shines in its cell
+  const float least_nits = 0.01f * probes.power / (4 * kPi);  // a probe may have missed a small light in its cell
   EnvironmentTable& table = environment_tables_[normal];
   const glm::vec3 n = cell_normal(normal);
   float lux = 0;
@@ -179,10 +179,10 @@ void Lights::fill_environment_table(const EnvironmentProbes& probes, int normal)
     }
     lux += nits / kCellsPerSteradian[row];
     table.rows[row] = lux;
-    normalise(table.cells[row].begin(), table.cells[row].end());
+    normalize(table.cells[row].begin(), table.cells[row].end());
   }
   environment_lux_[normal] = lux;
-  normalise(table.rows.begin(), table.rows.end());
+  normalize(table.rows.begin(), table.rows.end());
 }
 
 void Lights::make_environment_tables() {
@@ -222,7 +222,7 @@ void Lights::make_near_lights(float radius_squared) {
     near_.push_back(static_cast<float>(sum));
   }
   near_lux_ = static_cast<float>(sum);
-  if (near_lux_ > 0) normalise(near_.begin(), near_.end());
+  if (near_lux_ > 0) normalize(near_.begin(), near_.end());
 }
 
 Lights::Choice Lights::choice_at(glm::vec3 normal) const {
@@ -242,10 +242,10 @@ void Lights::sample(const int lanes[kPacket], const Vec3Packet& point, const Vec
                     const float v[kPacket], LightPacket& out) const {
   // `below`: the light of the lights before those in question; u * all_lux lies in one of these stretches
   alignas(64) int cell[kPacket], from_environment[kPacket], waiting[kPacket];
-  alignas(64) float below[kPacket], all_lux[kPacket], place[kPacket];
+  alignas(64) float below[kPacket], all_lux[kPacket], within[kPacket];
   const bool environment = !environment_tables_.empty();
   for (int i = 0; i < kPacket; ++i) {
-    // a lane that is not wanted may hold no number: it looks up straight ahead
+    // an inactive lane may hold NaN: it gets the cell of the +z normal
     const bool wanted = lanes[i] != 0;
     const float x = wanted ? normal.x[i] : 0.0f, y = wanted ? normal.y[i] : 0.0f, z = wanted ? normal.z[i] : 1.0f;
     cell[i] = normal_cell(x, y, z);
@@ -265,11 +265,11 @@ void Lights::sample(const int lanes[kPacket], const Vec3Packet& point, const Vec
     const float at = u[i] * all_lux[i];
     from_environment[i] = at < below[i] ? lanes[i] : 0;
     waiting[i] = at < below[i] ? 0 : lanes[i];
-    place[i] = at / below[i];
+    within[i] = at / below[i];
     any_environment |= from_environment[i];
     any_waiting |= waiting[i];
   }
-  if (any_environment) sample_environment(from_environment, cell, place, v, all_lux, out);
+  if (any_environment) sample_environment(from_environment, cell, within, v, all_lux, out);
   for (std::size_t k = 0; any_waiting && k < directional_.size(); ++k) {
     const Directional& d = directional_[k];
     for (int i = 0; i < kPacket; ++i) {
@@ -285,8 +285,8 @@ void Lights::sample(const int lanes[kPacket], const Vec3Packet& point, const Vec
     }
   }
   if (!any_waiting) return;
-  for (int i = 0; i < kPacket; ++i) place[i] = (u[i] * all_lux[i] - below[i]) / near_lux_;
-  sample_near(waiting, point, place, v, all_lux, out);
+  for (int i = 0; i < kPacket; ++i) within[i] = (u[i] * all_lux[i] - below[i]) / near_lux_;
+  sample_near(waiting, point, within, v, all_lux, out);
 }
 
 void Lights::sample_environment(const int lanes[kPacket], const int cell[kPacket], const float u[kPacket],
@@ -391,7 +391,7 @@ void Lights::sample_near(const int lanes[kPacket], const Vec3Packet& point, cons
     const float cosine = std::abs(normal.x[i] * x + normal.y[i] * y + normal.z[i] * z) * scale;
     to_light.x[i] = x * scale, to_light.y[i] = y * scale, to_light.z[i] = z * scale;
     distance[i] = length;
-    pdf[i] = cosine > 1e-6f ? squared / (cosine * area[i]) : 0.0f;  // 0 where a light is looked at from its edge
+    pdf[i] = cosine > 1e-6f ? squared / (cosine * area[i]) : 0.0f;  // 0 where a light is seen edge-on
   }
   for (int i = 0; i < kPacket; ++i) {
     if (chosen[i].triangle < 0) continue;

@@ -8,7 +8,7 @@
 
 /// Choosing where light may come from: environment and directional lights in proportion to the light that they throw on
 /// a surface with its normal if nothing is in their way, near lights (punctual ones, emissive triangles) in proportion
-/// to what they throw on an average place of the scene.
+/// to what they throw on an average point of the scene.
 namespace dualpixel::simulator {
 
 struct LightSample {
@@ -52,7 +52,7 @@ class Lights {
     std::array<float, kRows> rows{};
     std::array<std::array<float, kColumns>, kRows> cells{};  ///< of each row by itself
   };
-  /// Luminance of the environment at places spread over the cells, and the directions to them.
+  /// Luminance of the environment at points spread over the cells, and the directions to them.
   struct EnvironmentProbes;
   void fill_environment_table(const EnvironmentProbes& probes, int normal);
   void make_environment_tables();
@@ -87,7 +87,7 @@ class Lights {
   };
   std::vector<Directional> directional_;
   std::vector<float> near_;  ///< running sums of the shares of punctual lights (directional: 0), then of triangles_
-  float near_lux_ = 0;       ///< ... which throw this in all on an average place
+  float near_lux_ = 0;       ///< ... which throw this in all on an average point
   std::vector<EmissiveTriangle> triangles_;
   std::vector<int> first_triangle_of_mesh_;  ///< index into triangles_, -1: the mesh does not emit
 

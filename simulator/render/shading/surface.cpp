@@ -15,13 +15,13 @@ struct Tap {
   float fraction;
 };
 
-/// For any number `u`, without branches: loops over lanes become vector instructions.
+/// For any `u`, NaN included, without branches: loops over lanes become vector instructions.
 inline Tap linear_tap(float u, int size, Wrap mode) {
   const bool repeat = mode == Wrap::repeat;
   const float period = repeat ? 1.0f : 2.0f, per_period = 1 / period;
   u = mode == Wrap::clamp ? u : u - period * std::floor(u * per_period);
   u = mode == Wrap::mirror && u > 1 ? 2 - u : u;
-  u = u < 1 ? u : 1.0f;                                                  // also where it is no number
+  u = u < 1 ? u : 1.0f;                                                  // also where it is NaN
   const float x = (u > 0 ? u : 0.0f) * static_cast<float>(size) + 0.5f;  // from the texel before the first
   const int low = static_cast<int>(x) - 1, high = low + 1, last = size - 1;
   const int below = repeat ? last : 0, above = repeat ? 0 : last;
@@ -155,7 +155,7 @@ glm::vec4 sample_texture(const Texture& texture, glm::vec2 uv) {
 
 namespace {
 
-/// The corner indices of each lane's triangle; lanes that are not wanted repeat one that is.
+/// The corner indices of each lane's triangle; inactive lanes repeat an active one.
 struct TrianglePacket {
   glm::uvec3 corners[kPacket];
   bool one = true;  ///< the same in all lanes

@@ -87,18 +87,18 @@ std::vector<T> read_accessor(const GltfFile& file, int index) {
   if (!accessor.sparse.isSparse) return values;
 
   const auto& sparse = accessor.sparse;
-  std::vector<std::uint32_t> places(sparse.count);
-  read_elements(view_bytes(model, sparse.indices.bufferView, sparse.indices.byteOffset), 0, places.size(),
-                TINYGLTF_TYPE_SCALAR, sparse.indices.componentType, false, places.data());
-  std::vector<T> replacements(places.size() * components);
-  read_elements(view_bytes(model, sparse.values.bufferView, sparse.values.byteOffset), 0, places.size(), accessor.type,
+  std::vector<std::uint32_t> targets(sparse.count);
+  read_elements(view_bytes(model, sparse.indices.bufferView, sparse.indices.byteOffset), 0, targets.size(),
+                TINYGLTF_TYPE_SCALAR, sparse.indices.componentType, false, targets.data());
+  std::vector<T> replacements(targets.size() * components);
+  read_elements(view_bytes(model, sparse.values.bufferView, sparse.values.byteOffset), 0, targets.size(), accessor.type,
                 accessor.componentType, accessor.normalized, replacements.data());
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (places[i] >= accessor.count || (i > 0 && places[i] <= places[i - 1])) {
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    if (targets[i] >= accessor.count || (i > 0 && targets[i] <= targets[i - 1])) {
       fail_gltf(file.name, fmt::format("/accessors/{}/sparse/indices", index),
-                fmt::format("entry {} is {}: must increase and be less than {}", i, places[i], accessor.count));
+                fmt::format("entry {} is {}: must increase and be less than {}", i, targets[i], accessor.count));
     }
-    std::copy_n(&replacements[i * components], components, &values[std::size_t{places[i]} * components]);
+    std::copy_n(&replacements[i * components], components, &values[std::size_t{targets[i]} * components]);
   }
   return values;
 }

@@ -13,6 +13,7 @@
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
+#include "simulator/scene/gltf/light_kinds.h"
 
 namespace dualpixel::simulator {
 namespace {
@@ -519,11 +520,11 @@ class Checker {
   void check_light(Item& light) const {
     std::string type;
     double intensity = 1, range = 1, outer = std::numbers::pi / 4, inner = 0;
-    light.fields.required("type").choice("type", type, {"point", "spot", "directional"});
+    light.fields.required("type").choice("type", type, names_of(kLightKinds));
     numbers<3>(light, "color", {1, 1, 1}, 0, kLargestNumber);
     light.fields.number("intensity", intensity, 0, kLargestNumber);
     light.fields.number("range", range, std::numeric_limits<float>::min(), kLargestNumber);
-    if (type != "spot") return;
+    if (type != name_of(kLightKinds, PunctualLight::Kind::spot)) return;
     light.fields.required("spot");
     Item spot = child(light, "spot");
     spot.fields.number("outerConeAngle", outer, 1e-6, std::numbers::pi / 2);

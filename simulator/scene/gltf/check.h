@@ -14,7 +14,7 @@ inline constexpr const char* kSupportedExtensions[] = {"KHR_lights_punctual", "K
 /// Checks the JSON of a glTF 2.0 file: the type and range of every field that the reader uses, every reference from one
 /// array into another, and that accessors lie within their views and views within their buffers. What passes can be
 /// walked without further checks of structure; the values inside the buffers are checked as they are decoded.
-/// `bin_bytes` is the size of a GLB's binary chunk, which stands for buffer 0 where that has no URI.
+/// `bin_bytes` is the size of a GLB's binary chunk, which is buffer 0 where that has no URI.
 ///
 /// Throws InputError naming `file`, the JSON path, the value and what is allowed (glTF 2.0 specification, section 5).
 void check_gltf(const nlohmann::json& root, const std::string& file, std::optional<std::size_t> bin_bytes);

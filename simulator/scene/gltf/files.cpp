@@ -84,7 +84,7 @@ std::string percent_decoded(const std::string& uri, const std::string& file, con
   return decoded;
 }
 
-/// The bytes that a URI stands for.
+/// The bytes that a URI names.
 std::string read_uri(const std::string& uri, const std::string& folder, const std::string& file,
                      const std::string& pointer, std::size_t& bytes_left) {
   if (uri.starts_with("data:")) {

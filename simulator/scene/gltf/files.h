@@ -12,7 +12,7 @@ struct GltfFile {
   std::string name;  ///< as messages name it
   tinygltf::Model model;
   std::vector<std::string> warnings;
-  std::string source_hash;  ///< of the file's bytes and of those that its URIs stand for
+  std::string source_hash;  ///< of the file's bytes and of those that its URIs name
 };
 
 /// Takes the container apart (GLB header and chunks), checks the JSON, and reads what the URIs name: data URIs, and

@@ -17,6 +17,7 @@
 #include "simulator/scene/gltf/animation.h"
 #include "simulator/scene/gltf/check.h"
 #include "simulator/scene/gltf/files.h"
+#include "simulator/scene/gltf/light_kinds.h"
 #include "simulator/scene/gltf/material.h"
 #include "simulator/scene/gltf/mesh.h"
 
@@ -36,7 +37,7 @@ bool pays(std::size_t corners, std::size_t users) {
   return users > 1 && corners / 3 * (users - 1) * kTriangle > kShared + users * kPlacement;
 }
 
-/// A node's place in the tree.
+/// A node's position in the tree.
 struct NodeState {
   glm::dmat4 world{1};  ///< world from node
   bool shown = false;   ///< belongs to the default scene
@@ -126,9 +127,7 @@ glm::dmat4 rigid(const GltfFile& file, int node, const glm::dmat4& world) {
 
 PunctualLight read_light(const tinygltf::Light& source, const glm::dmat4& pose) {
   PunctualLight light;
-  light.kind = source.type == "point"  ? PunctualLight::Kind::point
-               : source.type == "spot" ? PunctualLight::Kind::spot
-                                       : PunctualLight::Kind::directional;
+  light.kind = value_named(kLightKinds, source.type, "light type");
   for (int c = 0; c < 3; ++c) {
     light.intensity[c] = static_cast<float>(source.intensity * (source.color.empty() ? 1 : source.color[c]));
   }
@@ -246,7 +245,7 @@ class MeshReader {
     scene_.meshes.push_back(std::move(mesh));
   }
 
-  /// One more place for a shared mesh; false where the node needs a copy.
+  /// One more instance of a shared mesh; false where the node needs a copy.
   bool share(int node_index, int i, std::size_t& zero_area) {
     const int mesh_index = file_.model.nodes[node_index].mesh;
     const tinygltf::Primitive& p = primitive(node_index, i);

@@ -50,7 +50,7 @@ std::uint8_t* make_room(Texture& texture, std::int64_t texels, TexelsLeft& left)
   return paged.get();
 }
 
-/// Decodes an image of 1 to 4 channels (grey, grey and alpha, RGB, RGBA) into `texture`.
+/// Decodes an image of 1 to 4 channels (gray, gray and alpha, RGB, RGBA) into `texture`.
 void decode_image(const GltfFile& file, int index, TexelsLeft& left, Texture& texture) {
   const auto fail = [&](const std::string& message) {
     fail_gltf(file.name, fmt::format("/images/{}", index), message);
@@ -79,7 +79,7 @@ void decode_image(const GltfFile& file, int index, TexelsLeft& left, Texture& te
   texture.width = spec.width;
   texture.height = spec.height;
   std::uint8_t* to = nullptr;
-  const bool colour = spec.nchannels >= 3;
+  const bool color = spec.nchannels >= 3;
   const bool alpha = spec.nchannels % 2 == 0;
   std::vector<std::uint8_t> strip(static_cast<std::size_t>(spec.width) * spec.nchannels * kStripRows);
   for (int y = 0; y < spec.height; y += kStripRows) {
@@ -90,7 +90,7 @@ void decode_image(const GltfFile& file, int index, TexelsLeft& left, Texture& te
     if (y == 0) to = make_room(texture, texels, left);  // a header alone is not believed
     const std::uint8_t* from = strip.data();
     for (std::int64_t i = 0; i < std::int64_t{end - y} * spec.width; ++i, from += spec.nchannels, to += 4) {
-      for (int c = 0; c < 3; ++c) to[c] = from[colour ? c : 0];
+      for (int c = 0; c < 3; ++c) to[c] = from[color ? c : 0];
       to[3] = alpha ? from[spec.nchannels - 1] : 255;
     }
   }

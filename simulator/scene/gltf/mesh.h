@@ -10,7 +10,7 @@ namespace dualpixel::simulator {
 
 inline constexpr double kFarthestVertex_m = 1e6;  ///< from the origin
 
-/// Where a mesh stands: the world matrix of its node, or, for a skinned mesh (whose node's own matrix does not count),
+/// Pose of a mesh: the world matrix of its node, or, for a skinned mesh (whose node's own matrix does not count),
 /// each joint's world matrix times its inverse bind matrix.
 struct MeshPose {
   glm::dmat4 world_from_mesh{1};
