@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "capture/error.h"
-#include "simulator/lens/cfa.h"
+#include "simulator/lens/sensor_grid.h"
 #include "simulator/render/motion.h"
 #include "simulator/render/truth.h"
 #include "simulator/sampling/hash.h"
@@ -132,18 +132,6 @@ void scale(Image& image, double factor) {
   for (float& value : image.data) value = static_cast<float>(value * factor);
 }
 
-glm::mat4 world_from_camera(const Simulation& s, const Scene& scene) {
-  if (s.pose) {
-    const glm::dvec3 forward = glm::normalize(to_vec(s.pose->look_at_m) - to_vec(s.pose->position_m));
-    const glm::dvec3 right = glm::normalize(glm::cross(forward, to_vec(s.pose->up)));
-    const glm::dvec3 down = glm::cross(forward, right);
-    return glm::mat4(glm::dmat4(glm::dvec4(right, 0), glm::dvec4(down, 0), glm::dvec4(forward, 0),
-                                glm::dvec4(to_vec(s.pose->position_m), 1)));
-  }
-  // glTF's camera looks along -z with y up
-  return camera_node(s, scene).world_from_node * glm::mat4(1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1);
-}
-
 /// Scene and camera at one time of a burst.
 struct Moment {
   std::unique_ptr<Scene> own_scene;  ///< empty: the first frame's
@@ -154,7 +142,7 @@ Moment moment(const Simulation& s, const CameraView& first, double time_s) {
   Moment now{nullptr, first};
   if (s.animation && time_s != 0) {
     now.own_scene = std::make_unique<Scene>(load_scene(s, time_s));
-    now.view.world_from_camera = world_from_camera(s, *now.own_scene);
+    now.view.world_from_camera = camera_pose(s, *now.own_scene);
   }
   const glm::dmat4 shake = hand_shake(s.hand_shake_seed, time_s, s.hand_shake);
   now.view.world_from_camera = glm::mat4(glm::dmat4(now.view.world_from_camera) * shake);
@@ -230,8 +218,8 @@ ProgressCallback step_of(const StageCallback& stage, const char* name) {
   return [&stage, name](double fraction) { stage(name, fraction); };
 }
 
-/// Truth's pictures in the frames' normalised signal: a neutral grey reads the same in all channels after the sensor's
-/// colour response is divided out, as white balance does.
+/// Truth's pictures in the frames' normalized signal: a neutral gray reads the same in all channels after the sensor's
+/// color response is divided out, as white balance does.
 void add_truth_pictures(const Simulation& s, const RenderScene& world, const CameraView& view, double unit_per_nit,
                         const StageCallback& stage, Truth& truth) {
   RenderOptions options = s.render;
@@ -268,41 +256,40 @@ Scene load_scene(const Simulation& s, double time_s) {
   return scene;
 }
 
-SensorGrid sensor_grid(const Simulation& s) {
-  return {s.sensor.width_px,
-          s.sensor.height_px,
-          s.sensor.pixel_pitch_um * 1e-6,
-          {0.5 * s.sensor.width_px, 0.5 * s.sensor.height_px},
-          s.sensor.dp_downsample_x};
-}
-
 Camera describe_camera(const Simulation& s) {
   Camera c;
   c.name = "simulated " + s.lens.name;
-  c.width_px = s.sensor.width_px;
-  c.height_px = s.sensor.height_px;
-  c.pixel_pitch_um = s.sensor.pixel_pitch_um;
-  c.dp_downsample_x = s.sensor.dp_downsample_x;
-  c.dp_downsample_y = s.sensor.dp_downsample_y;
+  describe_sensor(s.sensor, c);
   const ThinLens& thin = s.lens.thin;
   c.focal_length_mm = thin.focal_length_m * 1e3;
   c.f_number = thin.f_number;
   c.focus_distance_m = thin.focus_distance_m;
-  const glm::dvec2 centre = sensor_grid(s).principal_point_px;
-  c.principal_point_px = {centre.x, centre.y};
-  constexpr const char* kSplitNames[] = {"hard", "ramp", "microlens", "table"};
-  c.split = kSplitNames[static_cast<int>(s.lens.split.kind)];
+  c.split = name_of(kSplitKinds, s.lens.split.kind);
   c.alpha = s.lens.split.alpha(thin.rim_slope());
   return c;
 }
 
-CameraView place_camera(const Simulation& s, const Scene& scene) {
+glm::mat4 camera_pose(const Simulation& s, const Scene& scene) {
+  if (s.pose) {
+    const glm::dvec3 forward = glm::normalize(to_vec(s.pose->look_at_m) - to_vec(s.pose->position_m));
+    const glm::dvec3 right = glm::normalize(glm::cross(forward, to_vec(s.pose->up)));
+    const glm::dvec3 down = glm::cross(forward, right);
+    return glm::mat4(glm::dmat4(glm::dvec4(right, 0), glm::dvec4(down, 0), glm::dvec4(forward, 0),
+                                glm::dvec4(to_vec(s.pose->position_m), 1)));
+  }
+  // glTF's camera looks along -z with y up
+  return camera_node(s, scene).world_from_node * glm::mat4(1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1);
+}
+
+LensSampler prepare_lens(const Simulation& s) {
   try {
-    return {world_from_camera(s, scene), LensSampler(s.lens, sensor_grid(s))};
-  } catch (const std::invalid_argument& error) {
-    throw InputError(printable(s.path) + ": /lens: " + error.what());
+    return {s.lens, sensor_grid(s.sensor)};
+  } catch (const InputError& error) {
+    throw InputError(printable(s.path) + ": /lens/" + error.what());
   }
 }
+
+CameraView place_camera(const Simulation& s, const Scene& scene) { return {camera_pose(s, scene), prepare_lens(s)}; }
 
 ErrorTarget sensor_noise(const Simulation& s, double lux_per_nit) {
   ErrorTarget target;
@@ -318,8 +305,12 @@ ErrorTarget sensor_noise(const Simulation& s, double lux_per_nit) {
 
 Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& stage) {
   check_memory(s, (s.animation ? 2 : 1) * bytes_of(scene));
+  return simulate(s, scene, place_camera(s, scene), stage);
+}
+
+Capture simulate(const Simulation& s, const Scene& scene, const CameraView& view, const StageCallback& stage) {
+  check_memory(s, (s.animation ? 2 : 1) * bytes_of(scene));
   if (s.animation) check_animation(s, scene);
-  const CameraView view = place_camera(s, scene);
   const RenderScene world(scene);
 
   Capture capture;

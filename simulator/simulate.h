@@ -14,14 +14,17 @@ namespace dualpixel::simulator {
 /// Simulation::animation is set. Throws InputError, also where nothing in them gives light.
 Scene load_scene(const Simulation& simulation, double time_s = 0);
 
-/// Its photosites, the axis in the middle.
-SensorGrid sensor_grid(const Simulation& simulation);
-
 /// The camera as its captures describe it.
 Camera describe_camera(const Simulation& simulation);
 
-/// The camera of `simulation` as it stands in `scene`, its lens made ready (up to a second for a prescription). Throws
-/// InputError where the node is missing.
+/// Pose of the camera: camera axes to the world's. Throws InputError where the scene has no such camera.
+glm::mat4 camera_pose(const Simulation& simulation, const Scene& scene);
+
+/// The lens over its sensor, ready to draw rays (up to a second for a prescription). Throws InputError where no light
+/// passes it.
+LensSampler prepare_lens(const Simulation& simulation);
+
+/// Both: the camera, ready to render.
 CameraView place_camera(const Simulation& simulation, const Scene& scene);
 
 /// The variance that the sensor adds to a half photosite: shot noise and one read-out.
@@ -35,5 +38,9 @@ using StageCallback = std::function<void(const std::string& stage, double fracti
 /// Throws InputError before anything is rendered where an animation makes triangles appear or vanish, or where pictures
 /// and scenes would not fit into this machine's memory.
 Capture simulate(const Simulation& simulation, const Scene& scene, const StageCallback& stage = {});
+
+/// The same with place_camera()'s result, where the caller has it already.
+Capture simulate(const Simulation& simulation, const Scene& scene, const CameraView& camera,
+                 const StageCallback& stage = {});
 
 }  // namespace dualpixel::simulator

@@ -29,9 +29,8 @@ constexpr std::uint64_t kSeed = 1;
 simulator::Lens refocused(const simulator::Simulation& simulation, double focus_distance_m) {
   try {
     return simulator::refocused(simulation.lens, focus_distance_m);
-  } catch (const std::invalid_argument& error) {
-    throw InputError(
-        fmt::format("{}: /lens: focused at {:g} m: {}", printable(simulation.path), focus_distance_m, error.what()));
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: /lens: {}", printable(simulation.path), error.what()));
   }
 }
 
@@ -58,9 +57,9 @@ void add_noise(Image& view, const pipeline::ViewNoise& noise, std::uint64_t seed
 simulator::LensSampler focused_lens(const simulator::Simulation& simulation, double focus_distance_m) {
   const simulator::Lens lens = refocused(simulation, focus_distance_m);
   try {
-    return simulator::LensSampler(lens, simulator::sensor_grid(simulation));
-  } catch (const std::invalid_argument& error) {
-    throw InputError(printable(simulation.path) + ": /lens: " + error.what());
+    return simulator::LensSampler(lens, simulator::sensor_grid(simulation.sensor));
+  } catch (const InputError& error) {
+    throw InputError(printable(simulation.path) + ": /lens/" + error.what());
   }
 }
 

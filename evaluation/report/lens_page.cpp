@@ -206,7 +206,7 @@ template <typename Value>
 Series over_cut(const std::string& name, const std::vector<simulator::CutPoint>& cut, const Value& value,
                 bool dashed = false) {
   Series series{name, {}, dashed, false};
-  for (const simulator::CutPoint& p : cut) series.points.emplace_back(p.place, value(p.coefficients));
+  for (const simulator::CutPoint& p : cut) series.points.emplace_back(p.field, value(p.coefficients));
   return series;
 }
 
@@ -291,8 +291,8 @@ std::string lens_page(const simulator::LensReport& report) {
               "</p>\n";
   }
   for (const std::string& warning : report.warnings) body += "<p>Warning: " + escape_html(warning) + "</p>\n";
-  if (lens.prescription) {
-    body += "<div class=\"plots wide-plot\">" + svg_plot(cross_section(*lens.prescription)) + "</div>";
+  if (const simulator::Prescription* prescription = simulator::prescription_of(lens)) {
+    body += "<div class=\"plots wide-plot\">" + svg_plot(cross_section(*prescription)) + "</div>";
     body += field_plots(report);
   }
   body += calibration_plots(report);

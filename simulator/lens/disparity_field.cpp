@@ -23,7 +23,7 @@ struct Sums {
 };
 
 bool same_everywhere(const Lens& lens) {
-  return lens.model == Lens::Model::thin && lens.split.microlens.design_exit_pupil_mm == 0;
+  return std::holds_alternative<ThinModel>(lens.model) && lens.split.microlens.design_exit_pupil_mm == 0;
 }
 
 DisparityCoefficients closed_form(const LensSampler& lens) {

@@ -3,7 +3,7 @@
 
 #include "simulator/lens/lens_sampler.h"
 
-/// What a calibration of this camera should find: at every place x of the sensor a point at planar depth D has, to
+/// What a calibration of this camera should find: at every point x of the sensor a point at planar depth D has, to
 /// first order exactly,
 ///     centroid disparity = slope_dp_px_m(x) / D + intercept_dp_px(x)    (S_z, I_z of Wadhwa et al. 2018, section 4.2)
 ///     signed blur        = blur_slope_px_m(x) / D + blur_intercept_px(x)
@@ -18,10 +18,10 @@ struct DisparityCoefficients {
   double left_light = 0, right_light = 0;  ///< illumination of each view over that of the whole axis
 };
 
-/// By `samples` rays (a multiple of 16) of photosite (x, y)'s centre.
+/// By `samples` rays (a multiple of 16) of photosite (x, y)'s center.
 DisparityCoefficients trace_disparity(const LensSampler& lens, int x, int y, int samples = 4096);
 
-/// The same over the whole sensor: a grid of traced places, bilinear in between; a thin lens needs one.
+/// The same over the whole sensor: a grid of traced field points, bilinear in between; a thin lens needs one.
 class DisparityField {
  public:
   explicit DisparityField(const LensSampler& lens);

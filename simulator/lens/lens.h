@@ -1,29 +1,30 @@
 #pragma once
-#include <memory>
 #include <string>
 
-#include "simulator/lens/aberrations.h"
-#include "simulator/lens/prescription/prescription.h"
-#include "simulator/lens/split_pixel.h"
-#include "simulator/lens/thin_lens.h"
+#include "simulator/lens/models.h"
+#include "simulator/lens/split/split_pixel.h"
 
 namespace dualpixel::simulator {
 
-/// A lens, focused, and the split pixel behind it. `thin` is always set: of a prescription it is the ideal lens with
-/// the same focal length, pupils and focus, which also takes the truth's wide-aperture photograph.
+/// A lens, focused, and the split pixel behind it.
 struct Lens {
-  enum class Model { thin, aberrated, prescription } model = Model::thin;
   std::string name = "thin lens";
   std::string source;   ///< where its figures come from
   std::string derived;  ///< which of them are not the source's
+  /// First-order figures. Of a prescription, the ideal lens with the same focal length, pupils and focus; it also takes
+  /// the truth's wide-aperture photograph.
   ThinLens thin;
-  Aberrations aberrations;                           ///< model aberrated
-  std::shared_ptr<const Prescription> prescription;  ///< model prescription: stopped down and focused
-  bool exact_trace = false;  ///< trace every surface for every sample instead of the fitted polynomials
+  LensModel model;
   SplitPixel split;
 };
 
-/// The lens focused on another distance. Throws std::invalid_argument where it cannot be.
+/// The lens focused on another distance. Throws InputError where it cannot be.
 Lens refocused(Lens lens, double focus_distance_m);
+
+/// Radius of the image circle, focused on infinity; 0: not limited, as that of a thin lens.
+double image_radius_mm(const Lens& lens);
+
+/// The surfaces of a lens whose model is a prescription, otherwise nullptr.
+const Prescription* prescription_of(const Lens& lens);
 
 }  // namespace dualpixel::simulator

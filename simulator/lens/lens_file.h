@@ -8,15 +8,12 @@
 namespace dualpixel::simulator {
 
 /// Reads a lens from `json`, which came from `file` at `pointer`, and focuses it on `focus_distance_m` from its
-/// entrance pupil. With a field `file`, that file (relative to `file`) is read and the other fields take the place of
+/// entrance pupil. With a field `file`, that file (relative to `file`) is read and the other fields replace
 /// its own. Throws InputError: unknown fields, values out of range, a focus or f-number out of the lens's reach.
 Lens read_lens(const nlohmann::json& json, const std::string& file, const std::string& pointer,
                double focus_distance_m);
 
 /// A lens file.
 Lens read_lens_file(const std::string& path, double focus_distance_m);
-
-/// The aberrated lens `lens` as the text of a lens file; what tools/ fits is written by this.
-nlohmann::ordered_json aberrated_lens_json(const Lens& lens);
 
 }  // namespace dualpixel::simulator

@@ -15,10 +15,6 @@ namespace {
 
 constexpr double kDegree = M_PI / 180;
 
-double image_radius_mm(const Lens& lens) {
-  return lens.prescription ? lens.prescription->image_radius_mm : lens.aberrations.image_radius_mm;
-}
-
 /// Angles whose chief rays fall on evenly spread heights of the picture of infinity.
 std::vector<double> field_angles(const LensSampler& sampler) {
   constexpr int kFields = 21;
@@ -37,20 +33,21 @@ std::vector<CutPoint> cut(const LensSampler& sampler, bool horizontal) {
   std::vector<CutPoint> points;
   const SensorGrid& sensor = sampler.sensor();
   for (int k = 0; k < kPoints; ++k) {
-    const double place = -1 + 2.0 * k / (kPoints - 1);
-    const double x = horizontal ? 0.5 * (place + 1) * (sensor.width_px - 1) : 0.5 * (sensor.width_px - 1);
-    const double y = horizontal ? 0.5 * (sensor.height_px - 1) : 0.5 * (place + 1) * (sensor.height_px - 1);
+    const double field = -1 + 2.0 * k / (kPoints - 1);
+    const double x = horizontal ? 0.5 * (field + 1) * (sensor.width_px - 1) : 0.5 * (sensor.width_px - 1);
+    const double y = horizontal ? 0.5 * (sensor.height_px - 1) : 0.5 * (field + 1) * (sensor.height_px - 1);
     points.push_back(
-        {place, trace_disparity(sampler, static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y)))});
+        {field, trace_disparity(sampler, static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y)))});
   }
   return points;
 }
 
 std::vector<FastFormError> fast_form_errors(const Lens& lens, const SensorGrid& sensor) {
   Lens other = lens;
-  other.exact_trace = false;
+  bool& exact_trace = std::get<PrescriptionModel>(other.model).exact_trace;
+  exact_trace = false;
   const LensSampler fast(other, sensor);
-  other.exact_trace = true;
+  exact_trace = true;
   const LensSampler exact(other, sensor);
   const double px_per_slope = lens.thin.image_distance_m() / sensor.pixel_pitch_m;
   std::vector<FastFormError> errors;
@@ -85,20 +82,17 @@ std::vector<FastFormError> fast_form_errors(const Lens& lens, const SensorGrid& 
   return errors;
 }
 
-/// Disparity over signed blur at one place.
+/// Disparity over signed blur at one field point.
 double alpha(const DisparityCoefficients& c) {
   return c.blur_slope_px_m != 0 ? 2 * c.slope_dp_px_m / c.blur_slope_px_m : 0;
 }
 
-const char* model_name(const Lens& lens) {
-  constexpr const char* kNames[] = {"thin", "aberrated", "prescription"};
-  return kNames[static_cast<int>(lens.model)];
-}
+const char* model_name(const Lens& lens) { return name_of(kLensModels, lens.model.index()); }
 
 nlohmann::ordered_json cut_json(const std::vector<CutPoint>& points) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const CutPoint& p : points) {
-    rows.push_back({{"place", p.place},
+    rows.push_back({{"place", p.field},
                     {"slope_dp_px_m", p.coefficients.slope_dp_px_m},
                     {"intercept_dp_px", p.coefficients.intercept_dp_px},
                     {"alpha", alpha(p.coefficients)},
@@ -115,11 +109,11 @@ LensReport report_lens(const Lens& lens, const SensorGrid& sensor) {
   report.lens = lens;
   report.sensor = sensor;
   const LensSampler sampler(lens, sensor);
-  if (lens.prescription) {
+  if (prescription_of(lens)) {
     const Lens at_infinity = refocused(lens, std::numeric_limits<double>::infinity());
-    const Prescription& p = *at_infinity.prescription;
+    const Prescription& p = *prescription_of(at_infinity);
     report.warnings = overlaps(p);
-    report.fields = analyse_fields(p, p.reference_nm, field_angles(sampler));
+    report.fields = analyze_fields(p, p.reference_nm, field_angles(sampler));
     for (const FieldAnalysis& f : report.fields) {
       report.field_of_radius.push_back(f.chief_height / p.image_radius_mm);
       if (!f.reached) report.warnings.push_back(fmt::format("no chief ray at {:.4g} degrees", f.theta_rad / kDegree));
@@ -147,8 +141,8 @@ nlohmann::ordered_json to_json(const LensReport& report) {
   j["sensor"] = {{"width_px", report.sensor.width_px},
                  {"height_px", report.sensor.height_px},
                  {"pixel_pitch_um", report.sensor.pixel_pitch_m * 1e6}};
-  if (lens.prescription) {
-    const Paraxial p = paraxial(*lens.prescription);
+  if (const Prescription* prescription = prescription_of(lens)) {
+    const Paraxial p = paraxial(*prescription);
     j["paraxial"] = {{"efl_mm", p.focal_length},
                      {"bfl_mm", p.back_focus},
                      {"ffl_mm", p.front_focus},
@@ -199,8 +193,8 @@ std::string to_text(const LensReport& report) {
                   thin.focus_distance_m, lens.split.alpha(thin.rim_slope()));
   if (!lens.source.empty()) text += "source: " + printable(lens.source, kLongestNoteBytes) + '\n';
   if (!lens.derived.empty()) text += "derived: " + printable(lens.derived, kLongestNoteBytes) + '\n';
-  if (lens.prescription) {
-    const Paraxial p = paraxial(*lens.prescription);
+  if (const Prescription* prescription = prescription_of(lens)) {
+    const Paraxial p = paraxial(*prescription);
     text += fmt::format(
         "\nFirst order, mm: EFL {:.4f}  BFL {:.4f}  FFL {:.4f}  Petzval radius {:.3f}\n"
         "entrance pupil {:.4f} wide at z {:.4f}, exit pupil {:.4f} wide at z {:.4f} (z from the first vertex)\n\n"
@@ -224,10 +218,10 @@ std::string to_text(const LensReport& report) {
   }
   text +=
       "\nDisparity = slope / depth + intercept, along the middle row\n"
-      "place  slope, DP px m  intercept, DP px   alpha   left  right\n";
+      "field  slope, DP px m  intercept, DP px   alpha   left  right\n";
   for (std::size_t k = 0; k < report.horizontal.size(); k += 2) {
     const CutPoint& p = report.horizontal[k];
-    text += fmt::format("{:5.2f}{:16.4f}{:18.4f}{:8.4f}{:7.3f}{:7.3f}\n", p.place, p.coefficients.slope_dp_px_m,
+    text += fmt::format("{:5.2f}{:16.4f}{:18.4f}{:8.4f}{:7.3f}{:7.3f}\n", p.field, p.coefficients.slope_dp_px_m,
                         p.coefficients.intercept_dp_px, alpha(p.coefficients), p.coefficients.left_light,
                         p.coefficients.right_light);
   }

@@ -11,10 +11,10 @@
 /// (evaluation/report/lens_page.h).
 namespace dualpixel::simulator {
 
-/// What a lens file may say about its source, before it is cut.
+/// What a lens file may say about its source; longer text is cut.
 inline constexpr std::size_t kLongestNoteBytes = 2000;
 
-/// The polynomials that stand for a prescription against its exact trace, at one distance from the axis.
+/// The polynomials of a prescription against its exact trace, at one distance from the axis.
 struct FastFormError {
   double field = 0;   ///< of the sensor's half diagonal
   double rms_px = 0;  ///< of single rays, as lengths on the sensor, photosites
@@ -23,9 +23,9 @@ struct FastFormError {
   double disparity_dp_px = 0;  ///< at infinity, what rendering is about
 };
 
-/// A place on the sensor along one of its middle lines, in half widths (or half heights).
+/// A field point on one of the sensor's middle lines.
 struct CutPoint {
-  double place = 0;
+  double field = 0;  ///< from the center, in half widths (or half heights)
   DisparityCoefficients coefficients;
 };
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "simulator/lens/cfa.h"
+#include "simulator/lens/sensor_grid.h"
 
 namespace dualpixel::simulator {
 namespace {
@@ -86,15 +86,16 @@ DpViews expected_dp_views(const Views& views, const SensorOptions& sensor, const
   const Image electrons = expected_electrons(views.left, views.right, sensor, exposure, lux_per_nit);
   const double gain = gain_dn_per_electron(sensor, exposure.iso);
   const double white = std::exp2(sensor.bits) - 1 - sensor.black_level_dn;
-  DpViews dp{Image(electrons.width / 2, electrons.height / 4), Image(electrons.width / 2, electrons.height / 4)};
+  DpViews dp;
+  dp.left = dp.right = Image(electrons.width / kMatchDpPixelX, electrons.height / kMatchDpPixelY);
   for (int y = 0; y < electrons.height; ++y) {
     for (int x = 0; x < electrons.width; ++x) {
       if (cfa_color(x, y) != 1) continue;
       // a full photosite loses charge of both halves
       const double left = electrons.at(x, y, 0), right = electrons.at(x, y, 1);
       const double kept = std::min(1.0, sensor.full_well_e / std::max(left + right, 1e-30));
-      dp.left.at(x / 2, y / 4) += static_cast<float>(0.25 * gain * kept * left);
-      dp.right.at(x / 2, y / 4) += static_cast<float>(0.25 * gain * kept * right);
+      dp.left.at(x / kMatchDpPixelX, y / kMatchDpPixelY) += static_cast<float>(0.25 * gain * kept * left);
+      dp.right.at(x / kMatchDpPixelX, y / kMatchDpPixelY) += static_cast<float>(0.25 * gain * kept * right);
     }
   }
   for (Image* view : {&dp.left, &dp.right}) {

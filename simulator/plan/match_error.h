@@ -8,13 +8,16 @@
 /// How far a small change of the two views moves the disparity that a least-squares matcher finds.
 ///
 /// A matcher shifts a window of the left view over the right one until the sum of squared differences, after gain and
-/// offset were fitted, is least. Linearised about the reference picture B (Lucas & Kanade 1981), a view that becomes A
+/// offset were fitted, is least. Linearized about the reference picture B (Lucas & Kanade 1981), a view that becomes A
 /// looks as if it had moved by
 ///     delta(A) = - sum (A - B) g / sum g^2,        g = dB/dx less its projections on 1 and B,
 /// over the window, so that neither gain nor offset counts; the disparity moves by delta of the right view minus delta
 /// of the left one. g is orthogonal to B: delta is a sum over A with fixed weights, and two pictures' disparities
 /// differ by the difference of their sums, whatever noise or bias made it.
 namespace dualpixel::simulator {
+
+/// Photosites of one DP pixel of the matcher, as the paper's sensor has them.
+inline constexpr int kMatchDpPixelX = 2, kMatchDpPixelY = 4;
 
 /// DP views without noise: digital numbers above black, as the sensor bins and clips the light.
 struct DpViews {
@@ -44,7 +47,7 @@ struct MatchWindows {
   int total = 0;
 };
 
-/// The windows that fit into the picture, side by side from column 1 + offset_x (dB/dx needs a neighbour) and row
+/// The windows that fit into the picture, side by side from column 1 + offset_x (dB/dx needs a neighbor) and row
 /// offset_y on. The reference is the mean of two renders with independent noise, so that noise is not taken for
 /// texture. A window says something of its disparity where the sensor's noise, that of `frames` frames merged, blurs it
 /// by no more than `most_sensor_noise_dp_px`.

@@ -1,70 +1,46 @@
 #pragma once
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
-#include <string>
 #include <vector>
 
-#include "simulator/plan/lens_ladder.h"
-#include "simulator/simulate.h"
+#include "simulator/plan/steps.h"
+#include "simulator/scene/scene.h"
+#include "simulator/scene_file.h"
 
 /// "Model no more than a scene needs": the cheapest lens model, bounce count and sample count whose disparity errors,
 /// added in quadrature, stay within a tolerance, in DP px RMS over the picture. The reference has everything on: the
-/// dearest model of the scene's lens, 8 bounces, endless samples.
+/// most accurate model of the scene's lens, 8 bounces, endless samples.
 ///
-/// Lens models, from the dearest: exact trace of the prescription, its polynomials, its aberrated twin, the thin lens;
-/// an aberrated lens has but the last two. Their error is traced, not rendered: disparity at the same place of the
-/// sensor, for the depth that the scene has there, against the reference's (DisparityCoefficients), RMS over 432
-/// places. A cheaper model also draws the picture elsewhere; that is shown and does not count, since truth moves with
-/// it.
+/// Lens models, from the most accurate: exact trace of the prescription, its polynomials, its aberrated twin, the thin
+/// lens; an aberrated lens has only itself and the thin lens. Their error is traced, not rendered: disparity at the
+/// same point of the sensor, for the depth that the scene has there, against the reference's (DisparityCoefficients),
+/// RMS over 432 field points. A cheaper model also displaces the picture; that is shown and does not count, since truth
+/// moves with it.
 ///
 /// Bounces and samples are measured on pilot renders of tiles spread over the frame (the whole sensor, where it is
-/// small), through the dearest model short of the exact trace, by what they do to a matcher
+/// small), through the most accurate model short of the exact trace, by what they do to a matcher
 /// (simulator/plan/match_error.h) in windows that have texture.
 ///   Samples  renders that differ by their seeds alone scatter by their error. Measured at 16 and 64 samples with
 ///            8 bounces, scaled to fewer bounces by their noise at 16; from there on to the next it is taken to fall as
 ///            1/sqrt(samples), the least that sampling does.
 ///   Bounces  two pairs of renders, n bounces and 8 with the same random numbers; the mean product of the two pairs'
 ///            differences is the mean square of what is no noise. A window whose two pictures correlate by less than
-///            0.8 shows other things than it should and counts as an error of 1 DP px.
+///            0.8 cannot be matched: it is lost and counts as an error of 1 DP px.
 /// Three standard errors, from the scatter over the windows, are added to each mean square. Windows count whose
 /// disparity the capture's own sensor noise, its burst merged, blurs by no more than the tolerance. Where fewer than 6
-/// windows have texture, bounces and how samples are chosen stay as the scene file has them, and the plan says so.
+/// windows have texture, bounces and samples stay as the scene file has them, and the plan says so.
 ///
 /// The choice is by counted work, so that it is the same on every machine: a sample through a thin lens costs 1, an
 /// aberrated one 1.1, polynomials 1.4, an exact trace 5.5 (`dualpixel bench lens`), a bounce 1. Times are measured, and
 /// for the left and right view of the full sensor.
 namespace dualpixel::simulator {
 
-inline constexpr int kReferenceBounces = 8;
-
-struct LensRung {
-  LensModel model;
-  double error_dp_px = 0;
-  double error_95_dp_px = 0;      ///< 95th percentile
-  double picture_shift_px = 0;    ///< photosites, RMS, by which the picture lies elsewhere
-  double seconds_per_sample = 0;  ///< of the lens alone, on all threads
-};
-
-struct BounceRung {
-  int bounces = 0;
-  double error_dp_px = 0;
-  int lost_windows = 0;           ///< those that count as 1 DP px
-  double noise = 1;               ///< error of 16 samples over that with 8 bounces
-  double seconds_per_sample = 0;  ///< whole, on all threads, behind the pilot's lens
-};
-
-struct SampleRung {
-  int samples = 0;
-  double error_dp_px = 0;  ///< with the chosen bounces
-};
-
 struct Plan {
   double tolerance_dp_px = 0;
   std::uint64_t seed = 0;
-  std::vector<LensRung> lenses;     ///< from the cheapest to the reference
-  std::vector<BounceRung> bounces;  ///< likewise; as the scene file has it alone where `windows_textured` is too few
-  std::vector<SampleRung> samples;  ///< powers of two, from 16 to beyond the chosen
+  std::vector<LensStep> lenses;     ///< from the cheapest to the reference
+  std::vector<BounceStep> bounces;  ///< likewise; as the scene file has it alone where `windows_textured` is too few
+  std::vector<SampleStep> samples;  ///< powers of two, from 16 to beyond the chosen
   std::size_t lens = 0, bounce = 0, sample = 0;  ///< the chosen
   std::size_t pilot_lens = 0;                    ///< through which the pilots were rendered
   int windows = 0, windows_textured = 0;
@@ -72,24 +48,18 @@ struct Plan {
   bool measured = true;  ///< bounces and samples; otherwise left as the scene file has them
   bool met = true;       ///< the tolerance is
 
-  /// Of rungs lens l, bounce b, sample s together.
+  /// Of lens step l, bounce step b and sample step s together.
   double error_dp_px(std::size_t l, std::size_t b, std::size_t s) const;
   double picture_s(std::size_t l, std::size_t b, std::size_t s) const;
 };
 
-/// Throws InputError where the sensor is smaller than a window, and where the lens or the camera is no good. Progress
-/// is of the pilot renders.
+/// Throws InputError where the sensor is smaller than a window, and where the lens or the camera cannot be used.
+/// Progress is of the pilot renders.
 Plan plan(const Simulation& simulation, const Scene& scene, double tolerance_dp_px, std::uint64_t seed,
           const ProgressCallback& progress = {});
 
-/// The same simulation with the plan's choice; a measured one takes the place of all that the scene file says of
+/// The same simulation with the plan's choice; a measured one replaces all that the scene file says of
 /// samples.
 Simulation planned(Simulation simulation, const Plan& plan);
-
-/// Everything a program may want. Without times it is the same at every run, as what goes into a capture must be.
-nlohmann::ordered_json plan_json(const Plan& plan, bool with_times);
-
-/// A table, and one sentence to conclude.
-std::string plan_text(const Plan& plan);
 
 }  // namespace dualpixel::simulator

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "simulator/lens/cfa.h"
+#include "simulator/lens/sensor_grid.h"
 #include "simulator/sampling/hash.h"
 
 namespace dualpixel::simulator {
@@ -43,7 +43,8 @@ double probe_tile(const RenderScene& world, const CameraView& camera, const Rend
   return sum / count;
 }
 
-/// The count at which the curve, its last slope drawn on, comes down to 1. A net's variance falls at least as 1/N.
+/// The count at which the curve, extrapolated at its last slope, comes down to 1. A net's variance falls at least as
+/// 1/N.
 double samples_needed(const ErrorCurve& curve, double& slope) {
   const double last = kFirstCount * std::pow(double{kGrowth}, static_cast<double>(curve.size()) - 1);
   slope = 1;
@@ -66,7 +67,7 @@ Pilot probe_tiles(const RenderScene& world, const CameraView& camera, const Rend
   const double levels = std::log(static_cast<double>(most_samples) / kFirstCount) / std::log(double{kGrowth}) + 1;
   std::uint32_t samples = kFirstCount;
   for (int level = 0;; ++level, samples *= kGrowth) {
-    // The last step is cheaper drawn on than measured.
+    // The last step is cheaper to extrapolate than to measure.
     const auto wanted = [&](const ErrorCurve& curve) {
       return level == 0 || (curve.size() == static_cast<std::size_t>(level) && curve.back() > kGrowth);
     };

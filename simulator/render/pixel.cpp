@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "simulator/lens/cfa.h"
+#include "simulator/lens/sensor_grid.h"
 #include "simulator/render/camera_rays.h"
 #include "simulator/render/shading/bsdf.h"
 #include "simulator/render/shading/surface.h"

@@ -59,9 +59,9 @@ struct FixedPattern {
   double whole_offset_dn = 0, left_offset_dn = 0, right_offset_dn = 0;
 };
 
-FixedPattern fixed_pattern(const SensorOptions& sensor, std::uint64_t place) {
+FixedPattern fixed_pattern(const SensorOptions& sensor, std::uint64_t photosite) {
   if (sensor.prnu == 0 && sensor.dark_offset_dn == 0) return {};
-  Draws draws(hash(sensor.fixed_pattern_seed, 5, place));
+  Draws draws(hash(sensor.fixed_pattern_seed, 5, photosite));
   const double deviation = std::sqrt(2.0) * sensor.prnu;  // of one half
   const auto gain = [&] { return std::max(0.0, 1 + deviation * draws.normal()); };
   const auto offset = [&] { return sensor.dark_offset_dn * draws.normal(); };
@@ -75,6 +75,25 @@ int binned(const SensorOptions& sensor) {
 }
 
 }  // namespace
+
+SensorGrid sensor_grid(const SensorOptions& sensor) {
+  return {sensor.width_px,
+          sensor.height_px,
+          sensor.pixel_pitch_um * 1e-6,
+          {0.5 * sensor.width_px, 0.5 * sensor.height_px},
+          sensor.dp_downsample_x};
+}
+
+void describe_sensor(const SensorOptions& sensor, Camera& camera) {
+  camera.width_px = sensor.width_px;
+  camera.height_px = sensor.height_px;
+  camera.pixel_pitch_um = sensor.pixel_pitch_um;
+  camera.cfa = name_of(kColorFilterArrays, kSimulatedCfa);
+  camera.dp_downsample_x = sensor.dp_downsample_x;
+  camera.dp_downsample_y = sensor.dp_downsample_y;
+  const glm::dvec2 center = sensor_grid(sensor).principal_point_px;
+  camera.principal_point_px = {center.x, center.y};
+}
 
 double gain_dn_per_electron(const SensorOptions& sensor, double iso) {
   const double white = std::exp2(sensor.bits) - 1;
@@ -119,7 +138,7 @@ Frame expose(const Image& electrons, const SensorOptions& sensor, const Exposure
   const double white = std::exp2(sensor.bits) - 1;
   // Beyond the full well, charge is lost; the two halves share one well.
   const auto level = [&](double counted) { return sensor.black_level_dn + gain * counted; };
-  const auto digitise = [&](double dn) { return static_cast<std::uint16_t>(std::clamp(std::round(dn), 0.0, white)); };
+  const auto digitize = [&](double dn) { return static_cast<std::uint16_t>(std::clamp(std::round(dn), 0.0, white)); };
 
   const int block_width = sensor.dp_downsample_x, block_height = sensor.dp_downsample_y;
   const bool dense = block_width * block_height == 1;
@@ -132,9 +151,9 @@ Frame expose(const Image& electrons, const SensorOptions& sensor, const Exposure
     std::vector<double> sums(2 * static_cast<std::size_t>(frame.left.width), 0.0);  // left, right of each DP pixel, DN
     for (int y = block_height * block_y; y < block_height * (block_y + 1); ++y) {
       for (int x = 0; x < width; ++x) {
-        const std::uint64_t place = static_cast<std::uint64_t>(y) << 32 | static_cast<unsigned>(x);
-        const FixedPattern fixed = fixed_pattern(sensor, place);
-        Draws draws(hash(seed, place));
+        const std::uint64_t photosite = static_cast<std::uint64_t>(y) << 32 | static_cast<unsigned>(x);
+        const FixedPattern fixed = fixed_pattern(sensor, photosite);
+        Draws draws(hash(seed, photosite));
         const auto read_out = [&](double counted, double offset_dn) {
           double dn = level(counted + sensor.read_noise_e * draws.normal()) + offset_dn;
           if (sensor.read_noise_after_gain_dn > 0) dn += sensor.read_noise_after_gain_dn * draws.normal();
@@ -147,7 +166,7 @@ Frame expose(const Image& electrons, const SensorOptions& sensor, const Exposure
           left /= fill;
           right /= fill;
         }
-        frame.mosaic.at(x, y) = digitise(read_out(left + right, fixed.whole_offset_dn));
+        frame.mosaic.at(x, y) = digitize(read_out(left + right, fixed.whole_offset_dn));
         if (dense || cfa_color(x, y) == 1) {
           sums[2 * (x / block_width)] += read_out(left, fixed.left_offset_dn);
           sums[2 * (x / block_width) + 1] += read_out(right, fixed.right_offset_dn);
@@ -155,8 +174,8 @@ Frame expose(const Image& electrons, const SensorOptions& sensor, const Exposure
       }
     }
     for (int x = 0; x < frame.left.width; ++x) {
-      frame.left.at(x, block_y) = digitise(sums[2 * x] / binned(sensor));
-      frame.right.at(x, block_y) = digitise(sums[2 * x + 1] / binned(sensor));
+      frame.left.at(x, block_y) = digitize(sums[2 * x] / binned(sensor));
+      frame.right.at(x, block_y) = digitize(sums[2 * x + 1] / binned(sensor));
     }
   });
   return frame;

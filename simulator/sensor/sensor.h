@@ -4,14 +4,16 @@
 
 #include "capture/capture.h"
 #include "capture/image/image.h"
-#include "simulator/lens/cfa.h"
+#include "simulator/lens/sensor_grid.h"
 
 /// From light to digital numbers. Each half of a photosite counts photons; the photosite's electrons are the sum of
 /// its halves, so mosaic and DP views share their shot noise as on a real sensor, and each read-out adds its own read
-/// noise. A DP pixel is the mean of the green half-photosites of its block, read one by one and digitised together; of
+/// noise. A DP pixel is the mean of the green half-photosites of its block, read one by one and digitized together; of
 /// a block of one, the half-photosite under its own filter.
 namespace dualpixel::simulator {
 
+/// A sensor: its geometry, from which the renderer's SensorGrid and a capture's Camera are derived, and what turns
+/// light into digital numbers.
 struct SensorOptions {
   int width_px = 2688;   ///< even
   int height_px = 2016;  ///< multiple of 4
@@ -28,9 +30,15 @@ struct SensorOptions {
   std::uint64_t fixed_pattern_seed = 1;  ///< which camera
   int bits = 10;
   double black_level_dn = 64;
-  int dp_downsample_x = 2;  ///< photosites per DP pixel: 2 x 4, 2 x 2, or 1 x 1 (dense, all colours)
+  int dp_downsample_x = 2;  ///< photosites per DP pixel: 2 x 4, 2 x 2, or 1 x 1 (dense, all colors)
   int dp_downsample_y = 4;
 };
+
+/// The photosites for rendering, the optical axis in the middle.
+SensorGrid sensor_grid(const SensorOptions& sensor);
+
+/// Fills what a capture's camera says of its sensor: photosites, color filters, DP pixels, principal point.
+void describe_sensor(const SensorOptions& sensor, Camera& camera);
 
 struct ExposureOptions {
   double time_s = 0.01;
@@ -45,7 +53,7 @@ double gain_dn_per_electron(const SensorOptions& sensor, double iso);
 /// from white; fixed pattern is not part of them.
 Exposure describe_exposure(const SensorOptions& sensor, const ExposureOptions& exposure);
 
-/// Mean electrons of each half-photosite under its colour filter; two channels: left, right. `left` and `right` are
+/// Mean electrons of each half-photosite under its color filter; two channels: left, right. `left` and `right` are
 /// radiance in nits as render_views() gives it.
 Image expected_electrons(const Image& left, const Image& right, const SensorOptions& sensor,
                          const ExposureOptions& exposure, double lux_per_nit);

@@ -42,7 +42,7 @@ BENCHMARK(padded);
 
 void lens(benchmark::State& state, const char* file, bool exact) {
   Lens lens = read_lens_file(std::string(DUALPIXEL_SOURCE_DIR "/lens_models/") + file, 1);
-  lens.exact_trace = exact;
+  if (auto* model = std::get_if<PrescriptionModel>(&lens.model)) model->exact_trace = exact;
   const LensSampler sampler(lens, phone_sensor(1344, 1008));
   alignas(64) float s[4][kPacket];
   mirrored_samples(0, 1, s);

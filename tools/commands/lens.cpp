@@ -5,13 +5,13 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
 #include "evaluation/report/lens_page.h"
-#include "simulator/lens/aberrated_twin.h"
+#include "simulator/lens/aberrated/aberrated_json.h"
+#include "simulator/lens/aberrated/aberrated_twin.h"
 #include "simulator/lens/lens_file.h"
 #include "tools/commands/commands.h"
 
@@ -33,10 +33,8 @@ struct LensOptions {
 simulator::SensorGrid sensor_for(const LensOptions& options, const simulator::Lens& lens) {
   double pitch_um = options.pixel_pitch_um;
   if (pitch_um == 0) {
-    const double radius_mm = lens.prescription ? lens.prescription->image_radius_mm : lens.aberrations.image_radius_mm;
-    pitch_um = lens.model == simulator::Lens::Model::thin
-                   ? 1.4
-                   : 2e3 * radius_mm / std::hypot(options.width_px, options.height_px);
+    const double radius_mm = simulator::image_radius_mm(lens);
+    pitch_um = radius_mm == 0 ? 1.4 : 2e3 * radius_mm / std::hypot(options.width_px, options.height_px);
   }
   return {options.width_px, options.height_px, pitch_um * 1e-6, {0.5 * options.width_px, 0.5 * options.height_px}};
 }
@@ -46,18 +44,18 @@ void run(const LensOptions& options) {
   for (const std::string& assignment : options.overrides) apply_override(json, assignment);
   const simulator::Lens lens = simulator::read_lens(json, options.file, "", options.focus_distance_m);
   const simulator::SensorGrid sensor = sensor_for(options, lens);
-  if (!options.twin.empty() && !lens.prescription) {
+  if (!options.twin.empty() && !simulator::prescription_of(lens)) {
     throw InputError(printable(options.file) + ": /model: --twin needs a prescription");
   }
   simulator::LensReport report;
+  std::string twin;
   try {
     report = simulator::report_lens(lens, sensor);
-    if (!options.twin.empty()) {
-      replace_file(options.twin, simulator::aberrated_lens_json(simulator::aberrated_twin(lens)).dump(2) + '\n');
-    }
-  } catch (const std::invalid_argument& error) {
-    throw InputError(printable(options.file) + ": " + error.what());
+    if (!options.twin.empty()) twin = simulator::aberrated_lens_json(simulator::aberrated_twin(lens)).dump(2) + '\n';
+  } catch (const InputError& error) {
+    throw InputError(printable(options.file) + ": /" + error.what());
   }
+  if (!options.twin.empty()) replace_file(options.twin, twin);
   if (!options.page.empty()) replace_file(options.page, evaluation::lens_page(report));
   std::cout << (options.json ? simulator::to_json(report).dump(2) + '\n' : simulator::to_text(report));
 }

@@ -3,7 +3,7 @@
 
 #include "capture/files.h"
 #include "capture/json_fields.h"
-#include "simulator/plan/plan.h"
+#include "simulator/plan/plan_text.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {

@@ -10,7 +10,7 @@
 #include "capture/files.h"
 #include "capture/json_fields.h"
 #include "simulator/journal.h"
-#include "simulator/plan/plan.h"
+#include "simulator/plan/plan_text.h"
 #include "simulator/simulate.h"
 #include "tools/commands/commands.h"
 
@@ -46,8 +46,9 @@ void run(const SimulateOptions& options) {
                     printable(options.scene), *simulation.time_budget_s));
   }
   const simulator::Scene scene = simulator::load_scene(simulation);
-  simulator::place_camera(simulation, scene);  // refuses a missing camera before anything is rendered
-  if (!options.dry_run) {                      // and a folder that could not be written in the end
+  // a missing camera is refused before anything is rendered, and so is a folder that could not be written in the end
+  simulator::CameraView camera = simulator::place_camera(simulation, scene);
+  if (!options.dry_run) {
     const NewFolder writable(options.output, "capture.json");
   }
   for (const std::string& warning : scene.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
@@ -56,6 +57,7 @@ void run(const SimulateOptions& options) {
     const simulator::Plan chosen =
         simulator::plan(simulation, scene, options.tolerance_dp_px, simulation.render.seed, Progress("plan"));
     simulation = simulator::planned(std::move(simulation), chosen);
+    camera.lens = simulator::prepare_lens(simulation);
     plan_of_capture = simulator::plan_json(chosen, false).dump();
     const std::string text = simulator::plan_text(chosen);
     std::cerr << text.substr(text.rfind('\n', text.size() - 2) + 1);  // the sentence that concludes it
@@ -73,7 +75,6 @@ void run(const SimulateOptions& options) {
   const std::string journal_path = journal_beside(options.output);
   std::optional<simulator::Journal> journal;
   if (options.resume) {
-    const simulator::CameraView camera = simulator::place_camera(simulation, scene);
     const std::string inputs = fmt::format("{} {} {} {}", simulation.json.dump(), file_hash(simulation.gltf_path),
                                            simulation.render.max_bounces, DUALPIXEL_VERSION);
     journal.emplace(journal_path, simulator::fingerprint(scene, camera, inputs));
@@ -81,7 +82,7 @@ void run(const SimulateOptions& options) {
   }
 
   std::map<std::string, Progress> bars;
-  Capture capture = simulator::simulate(simulation, scene, [&](const std::string& stage, double fraction) {
+  Capture capture = simulator::simulate(simulation, scene, camera, [&](const std::string& stage, double fraction) {
     bars.try_emplace(stage, stage).first->second(fraction);
   });
   capture.provenance.program = "dualpixel " DUALPIXEL_VERSION;

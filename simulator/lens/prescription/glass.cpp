@@ -6,7 +6,7 @@ namespace dualpixel::simulator {
 
 double refractive_index(const Glass& glass, double wavelength_nm) {
   const auto& v = glass.values;
-  const double l2 = wavelength_nm * wavelength_nm * 1e-6;  // square micrometres
+  const double l2 = wavelength_nm * wavelength_nm * 1e-6;  // square micrometers
   switch (glass.kind) {
     case Glass::Kind::fixed:
       return v[0];

@@ -3,7 +3,7 @@
 
 namespace dualpixel::simulator {
 
-/// What lies between two surfaces, by one of the usual dispersion formulas (wavelength in micrometres inside them):
+/// What lies between two surfaces, by one of the usual dispersion formulas (wavelength in micrometers inside them):
 ///   fixed:      n
 ///   abbe:       n_d and V_d by Cauchy's two terms, n = A + B / lambda^2; V_d = 0 means no dispersion
 ///   sellmeier:  n^2 = 1 + sum_i K_i lambda^2 / (lambda^2 - L_i)

@@ -11,7 +11,7 @@ namespace dualpixel::simulator {
 struct FieldAnalysis {
   double theta_rad = 0;
   bool reached = false;              ///< whether a chief ray gets to the sensor; all below is 0 where not
-  double chief_height = 0;           ///< of the ray through the stop's centre, on the sensor
+  double chief_height = 0;           ///< of the ray through the stop's center, on the sensor
   double distortion = 0;             ///< its excess over focal length * tan(theta), as a fraction
   double chief_angle_rad = 0;        ///< at the sensor
   double tangential_focus = 0;       ///< parabasal focus of rays in the plane of the field, behind the sensor: +
@@ -25,22 +25,7 @@ struct FieldAnalysis {
   RayCounts rays;                    ///< what became of the beam
 };
 
-std::vector<FieldAnalysis> analyse_fields(const Prescription& lens, double wavelength_nm,
+std::vector<FieldAnalysis> analyze_fields(const Prescription& lens, double wavelength_nm,
                                           const std::vector<double>& theta_rad);
-
-/// The two halves of the stop, each a picture of the same point: the hard split.
-struct HalfPupils {
-  double disparity = 0;      ///< centroid of the right (x > 0) half's spot minus the left one's, mm
-  double left_fraction = 0;  ///< of the light
-  double spot_rms = 0;       ///< of both together, about their centroid
-  double spot_radius = 0;    ///< of its farthest ray
-};
-
-/// The field lies along the split (x) or across it; the sensor is `sensor_shift_mm` behind its place.
-HalfPupils analyse_halves(const Prescription& lens, double wavelength_nm, double theta_rad, bool along_split,
-                          double sensor_shift_mm);
-
-/// Part of the rays from the middle of the sensor, aimed evenly at the last surface's disc, that reach the scene.
-double naive_rear_efficiency(const Prescription& lens, double wavelength_nm);
 
 }  // namespace dualpixel::simulator

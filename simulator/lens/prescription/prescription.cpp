@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
+
+#include "capture/error.h"
 
 namespace dualpixel::simulator {
 namespace {
@@ -76,7 +77,7 @@ Pupil pupil_behind(const Prescription& lens) {
   const std::vector<Medium> n = media(lens);
   const auto stop = static_cast<std::size_t>(lens.stop_index());
   const std::size_t count = lens.surfaces.size();
-  // a point at the stop's centre, and one at its rim: linear, so two rays tell all. Light leaves the stop's surface.
+  // a point at the stop's center, and one at its rim: linear, so two rays tell all. Light leaves the stop's surface.
   const Paraxially axial = forward(lens, n, {0, 1}, stop, count, false);
   const Paraxially rim = forward(lens, n, {1, 0}, stop, count, false);
   const double distance = axial.nu == 0 ? -std::numeric_limits<double>::infinity() : -axial.y / axial.nu;
@@ -140,11 +141,15 @@ double paraxial_image_distance(const Prescription& lens, double object_z) {
   return -end.y / end.nu;
 }
 
+std::optional<std::string> check_f_number(const Prescription& lens, double f_number) {
+  const double open = paraxial(lens).f_number();
+  if (f_number >= open * (1 - 1e-6)) return std::nullopt;
+  return fmt::format("{}: the lens opens to f/{:.4g} only", f_number, open);
+}
+
 Prescription stopped_down(Prescription lens, double f_number) {
+  if (const auto why = check_f_number(lens, f_number)) throw InputError("f_number: " + *why);
   const Paraxial p = paraxial(lens);
-  if (f_number < p.f_number() * (1 - 1e-6)) {
-    throw std::invalid_argument(fmt::format("the lens opens to f/{:.4g} only", p.f_number()));
-  }
   lens.surfaces[lens.stop_index()].semi_diameter_mm = p.focal_length / (2 * f_number * p.entrance_pupil_scale);
   return lens;
 }
@@ -158,7 +163,7 @@ Prescription focused(Prescription lens, double focus_distance_mm) {
   const double at_infinity = thickness;
   const double miss_at_infinity =
       lens.surfaces.back().thickness_mm - paraxial_image_distance(lens, -std::numeric_limits<double>::infinity());
-  // how far behind the wanted place the image falls
+  // how far behind the wanted position the image falls
   const auto miss = [&](double shift) {
     thickness = at_infinity + shift;
     const double object_z = paraxial(lens).entrance_pupil_z - focus_distance_mm;
@@ -175,8 +180,7 @@ Prescription focused(Prescription lens, double focus_distance_mm) {
   }
   const double room = lens.surfaces.size() * 1e-6 + (gap + 1 == lens.surfaces.size() ? 1e9 : at_infinity);
   if (!(std::abs(miss_b) < 1e-9 * focus_distance_mm) || !(at_infinity + b > 0) || !(std::abs(b) < 20 * room)) {
-    throw std::invalid_argument(
-        fmt::format("focusing at {:.6g} mm: surface {}'s gap cannot do it", focus_distance_mm, gap));
+    throw InputError(fmt::format("focus distance: {:.6g} mm: surface {}'s gap cannot do it", focus_distance_mm, gap));
   }
   lens.focus_shift_mm = b;
   return lens;

@@ -1,12 +1,13 @@
 #pragma once
 #include <array>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "simulator/lens/prescription/glass.h"
 
-/// A lens as its designer writes it down: surfaces of revolution about one axis. The lens frame has z along the axis
+/// A lens prescription: surfaces of revolution about one axis. The lens frame has z along the axis
 /// from the scene to the sensor, its origin at the first surface's vertex, and x, y as the camera has them: a point
 /// (x, y, z) of it is (x, y, z_entrance_pupil - z) in camera axes.
 namespace dualpixel::simulator {
@@ -26,7 +27,7 @@ struct Prescription {
   std::vector<LensSurface> surfaces;       ///< in the order of the light
   double image_radius_mm = 0;              ///< of the sensor's circle that the lens was made for
   double reference_nm = 587.5618;          ///< of paraxial figures, of focusing and of the middle (green) ray
-  std::array<double, 3> wavelengths_nm{};  ///< of R, G, B; equal: no colour
+  std::array<double, 3> wavelengths_nm{};  ///< of R, G, B; equal: no color
   int focus_gap = -1;         ///< the surface whose thickness focuses; the last one, or -1: the whole lens moves
   double focus_shift_mm = 0;  ///< by how much it is longer than in the design, which is focused on infinity
 
@@ -54,15 +55,18 @@ Paraxial paraxial(const Prescription& lens);
 /// Where an object on the axis at `object_z` (mm, lens frame; -infinity is allowed) is imaged, from the last vertex.
 double paraxial_image_distance(const Prescription& lens, double object_z);
 
-/// The lens stopped down to `f_number`. Throws std::invalid_argument with the reason where it does not open so far.
+/// Why the lens cannot be stopped down to `f_number`, where it does not open so far.
+std::optional<std::string> check_f_number(const Prescription& lens, double f_number);
+
+/// The lens stopped down to `f_number`. Throws InputError where it does not open so far.
 Prescription stopped_down(Prescription lens, double f_number);
 
 /// The lens focused on `focus_distance_mm` from its entrance pupil: the focusing gap is set so that the paraxial image
-/// moves back to where the design at infinity has it relative to the sensor (a design's sensor stands a few microns off
-/// the paraxial focus, at the best one). Throws std::invalid_argument where the gap cannot do it.
+/// moves back to where the design at infinity has it relative to the sensor (a design's sensor is a few microns off the
+/// paraxial focus, at the best one). Throws InputError where the gap cannot do it.
 Prescription focused(Prescription lens, double focus_distance_mm);
 
-/// Each place where two neighbouring surfaces cross inside both clear apertures, as one readable line.
+/// One readable line for each pair of neighboring surfaces that cross inside both clear apertures.
 std::vector<std::string> overlaps(const Prescription& lens);
 
 /// Height of the surface over its vertex plane at radius r, mm. Not finite beyond the conic's end.

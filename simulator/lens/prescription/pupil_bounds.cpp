@@ -23,9 +23,9 @@ struct Grid {
 };
 
 /// In single precision: where exactly a rim lies is settled by the rays themselves.
-Grid trace_grid(const TracedLens<float>& lens, double r, double centre_m, double half_m, double half_l, int columns,
+Grid trace_grid(const TracedLens<float>& lens, double r, double center_m, double half_m, double half_l, int columns,
                 int rows) {
-  Grid grid{columns, rows, centre_m - half_m, 2 * half_m / rows, half_l / columns, std::vector<char>(columns * rows)};
+  Grid grid{columns, rows, center_m - half_m, 2 * half_m / rows, half_l / columns, std::vector<char>(columns * rows)};
   RayBatch<float, kLanes> rays;
   for (int first = 0; first < columns * rows; first += kLanes) {
     for (int i = 0; i < kLanes; ++i) {
@@ -92,7 +92,7 @@ std::vector<Point> outline(const Grid& grid) {
   return points;
 }
 
-/// The ellipse of least area about the outline: its centre lies on L = 0.
+/// The ellipse of least area about the outline: its center lies on L = 0.
 PupilEllipse smallest_ellipse(const std::vector<Point>& points) {
   double low = points.front().m, high = low, width = 0;
   for (const Point& p : points) {
@@ -100,34 +100,34 @@ PupilEllipse smallest_ellipse(const std::vector<Point>& points) {
     high = std::max(high, p.m);
     width = std::max(width, p.l);
   }
-  const auto reach2 = [&](double centre, double ratio) {  // squared half_m that holds all points, half_l = ratio half_m
+  const auto reach2 = [&](double center, double ratio) {  // squared half_m that holds all points, half_l = ratio half_m
     double most = 0;
     for (const Point& p : points) {
-      most = std::max(most, (p.m - centre) * (p.m - centre) + p.l * p.l / (ratio * ratio));
+      most = std::max(most, (p.m - center) * (p.m - center) + p.l * p.l / (ratio * ratio));
     }
     return most;
   };
   const double half = 0.5 * (high - low);
-  double centre = 0.5 * (low + high), ratio = width / half;
-  double best = reach2(centre, ratio) * ratio;
+  double center = 0.5 * (low + high), ratio = width / half;
+  double best = reach2(center, ratio) * ratio;
   for (double step = 0.25; step > 1e-3; step /= 2) {
     for (bool improved = true; improved;) {
       improved = false;
       for (int move = 0; move < 4; ++move) {
-        const double c = centre + (move == 0 ? step : move == 1 ? -step : 0) * half;
+        const double c = center + (move == 0 ? step : move == 1 ? -step : 0) * half;
         const double q = ratio * (move == 2 ? 1 + step : move == 3 ? 1 / (1 + step) : 1);
         const double area = reach2(c, q) * q;
         if (area < best * (1 - 1e-9)) {
           best = area;
-          centre = c;
+          center = c;
           ratio = q;
           improved = true;
         }
       }
     }
   }
-  const double half_m = std::sqrt(reach2(centre, ratio));
-  return {0, centre, half_m, half_m * ratio, 0};
+  const double half_m = std::sqrt(reach2(center, ratio));
+  return {0, center, half_m, half_m * ratio, 0};
 }
 
 double pass_area(const Grid& grid) {
@@ -137,10 +137,10 @@ double pass_area(const Grid& grid) {
 
 /// The pass region at r, from a first guess of its extent.
 PupilEllipse find_region(const TracedLens<float>& lens, double r, double chief_m, double half, int fine) {
-  double half_l = half, centre = chief_m, half_m = half;
+  double half_l = half, center = chief_m, half_m = half;
   PupilEllipse found;
   for (int attempt = 0; attempt < 6; ++attempt) {
-    Grid grid = trace_grid(lens, r, centre, half_m, half_l, 32, 64);
+    Grid grid = trace_grid(lens, r, center, half_m, half_l, 32, 64);
     keep_main_region(grid, chief_m);
     const std::vector<Point> points = outline(grid);
     if (points.empty()) {  // nothing, or too little to be seen in this grid
@@ -152,11 +152,11 @@ PupilEllipse find_region(const TracedLens<float>& lens, double r, double chief_m
     const bool cut =
         points.front().m <= grid.m_low + grid.m_step || points.back().m >= grid.m(grid.rows - 1) ||
         std::any_of(points.begin(), points.end(), [&](const Point& p) { return p.l >= half_l - grid.l_step; });
-    centre = found.centre_m;
+    center = found.center_m;
     half_m = (cut ? 1.6 : 1.05) * found.half_m;
     half_l = (cut ? 1.6 : 1.05) * found.half_l;
     if (cut) continue;
-    Grid refined = trace_grid(lens, r, centre, half_m, half_l, fine / 2, fine);
+    Grid refined = trace_grid(lens, r, center, half_m, half_l, fine / 2, fine);
     keep_main_region(refined, chief_m);
     const std::vector<Point> finer = outline(refined);
     if (finer.empty()) break;
@@ -166,7 +166,7 @@ PupilEllipse find_region(const TracedLens<float>& lens, double r, double chief_m
     return result;
   }
   PupilEllipse nothing;
-  nothing.chief_m = nothing.centre_m = chief_m;
+  nothing.chief_m = nothing.center_m = chief_m;
   return nothing;
 }
 
@@ -221,7 +221,7 @@ PupilEllipse PupilBounds::at(double r_mm) const {
   };
   PupilEllipse e;
   e.chief_m = value(&PupilEllipse::chief_m, -1);
-  e.centre_m = value(&PupilEllipse::centre_m, -1);
+  e.center_m = value(&PupilEllipse::center_m, -1);
   e.half_m = std::max(value(&PupilEllipse::half_m, 1), 0.0);
   e.half_l = std::max(value(&PupilEllipse::half_l, 1), 0.0);
   e.pass_area = (1 - t) * nodes[i].pass_area + t * nodes[i + 1].pass_area;

@@ -12,11 +12,11 @@
 namespace dualpixel::simulator {
 
 /// At a sensor point (0, r) of the lens frame: the pass region lies inside
-///   (L / half_l)^2 + ((M - centre_m) / half_m)^2 <= 1,       L, M direction cosines from the sensor to the scene.
+///   (L / half_l)^2 + ((M - center_m) / half_m)^2 <= 1,       L, M direction cosines from the sensor to the scene.
 /// All 0 where the lens passes nothing.
 struct PupilEllipse {
-  double chief_m = 0;  ///< of the ray through the stop's centre
-  double centre_m = 0, half_m = 0, half_l = 0;
+  double chief_m = 0;  ///< of the ray through the stop's center
+  double center_m = 0, half_m = 0, half_l = 0;
   double pass_area = 0;  ///< of the pass region, dL dM
 };
 
@@ -33,7 +33,7 @@ struct PupilBounds {
 /// the rims of strong aspheres) are left out. Nodes reach to `image_radius_mm`.
 PupilBounds find_pupil(const Prescription& lens, double wavelength_nm, double image_radius_mm);
 
-/// Where the reverse ray from sensor point (0, r) through the centre of the stop leaves the sensor: its cosine M,
+/// Where the reverse ray from sensor point (0, r) through the center of the stop leaves the sensor: its cosine M,
 /// searched near `guess`. NaN where there is none.
 double chief_cosine(const TracedLens<double>& unclipped, double r_mm, double guess);
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kLanes = 16;
 
-/// Rays of one node with their places in the ellipse: what a polynomial is fitted to.
+/// Rays of one node with their positions in the ellipse: what a polynomial is fitted to.
 struct Bundle {
   std::vector<double> x, y;
   std::vector<double> origin_x, origin_y, slope_x, slope_y, stop_x, stop_y;
@@ -24,45 +24,45 @@ struct Bundle {
   std::vector<double> largest_rim2;       ///< of all surfaces
 };
 
-/// Places on rings out to the rim of the unit disc, the right half of it: symmetry tells the other.
-std::vector<std::pair<double, double>> fitting_places() {
-  std::vector<std::pair<double, double>> places;
+/// Positions on rings out to the rim of the unit disc; its right half, since the left one follows by symmetry.
+std::vector<std::pair<double, double>> fitting_positions() {
+  std::vector<std::pair<double, double>> positions;
   constexpr int kRings = 16;
   for (int ring = 0; ring <= kRings; ++ring) {
     const double rho = std::sin(0.5 * M_PI * ring / kRings);  // denser towards the rim, where polynomials err
     const int around = std::max(1, 2 * ring);
     for (int i = 0; i < around; ++i) {
       const double phi = M_PI * ((i + 0.5) / around - 0.5);
-      places.emplace_back(rho * std::cos(phi), rho * std::sin(phi));
+      positions.emplace_back(rho * std::cos(phi), rho * std::sin(phi));
     }
   }
-  return places;
+  return positions;
 }
 
 Bundle trace_bundle(const TracedLens<double>& unclipped, double r, const PupilEllipse& ellipse, double pupil_z) {
   const auto count = unclipped.surfaces().size();
   Bundle bundle;
   bundle.rim2.resize(count);
-  const std::vector<std::pair<double, double>> places = fitting_places();
+  const std::vector<std::pair<double, double>> positions = fitting_positions();
   RayBatch<double, kLanes> rays;
   std::vector<double> storage(count * kLanes);
   auto* rim2 = reinterpret_cast<double(*)[kLanes]>(storage.data());
-  for (std::size_t first = 0; first < places.size(); first += kLanes) {
+  for (std::size_t first = 0; first < positions.size(); first += kLanes) {
     for (std::size_t i = 0; i < kLanes; ++i) {
-      const auto& [x, y] = places[std::min(first + i, places.size() - 1)];
+      const auto& [x, y] = positions[std::min(first + i, positions.size() - 1)];
       rays.x[i] = 0, rays.y[i] = r, rays.z[i] = unclipped.sensor_z_mm();
       rays.l[i] = ellipse.half_l * x;
-      rays.m[i] = ellipse.centre_m + ellipse.half_m * y;
+      rays.m[i] = ellipse.center_m + ellipse.half_m * y;
       const double rest = 1 - rays.l[i] * rays.l[i] - rays.m[i] * rays.m[i];
       rays.n[i] = -std::sqrt(std::max(rest, 1e-9));
       rays.end[i] = rest > 1e-6 ? 0 : 1;
     }
     unclipped.trace(rays, rim2);
     move_to_plane(rays, pupil_z);
-    for (std::size_t i = 0; i < kLanes && first + i < places.size(); ++i) {
+    for (std::size_t i = 0; i < kLanes && first + i < positions.size(); ++i) {
       if (rays.end[i] != 0 || -rays.n[i] < 0.02) continue;
-      bundle.x.push_back(places[first + i].first);
-      bundle.y.push_back(places[first + i].second);
+      bundle.x.push_back(positions[first + i].first);
+      bundle.y.push_back(positions[first + i].second);
       bundle.origin_x.push_back(rays.x[i]);
       bundle.origin_y.push_back(rays.y[i]);
       bundle.slope_x.push_back(rays.l[i] / -rays.n[i]);
@@ -80,8 +80,8 @@ Bundle trace_bundle(const TracedLens<double>& unclipped, double r, const PupilEl
   return bundle;
 }
 
-/// One least-squares problem over the rays that come within `reach` of every rim: beyond it nothing has to be right,
-/// and strong aspheres send such rays anywhere.
+/// One least-squares problem over the rays that come within `reach` of every rim: beyond it the fit does not
+/// matter, and strong aspheres send such rays anywhere.
 class Fit {
  public:
   Fit(const Bundle& bundle, double reach, int degree, bool odd) {
@@ -117,7 +117,7 @@ class Fit {
   bool enough_ = false;
 };
 
-/// A ray that no surface passes: what stands where no polynomial can be fitted.
+/// A ray that no surface passes: used where no polynomial can be fitted.
 RayPolynomial blocked() {
   RayPolynomial p{};
   p.stop_y[0] = 2;
@@ -131,7 +131,7 @@ RayPolynomial RayPolynomials::at(double r_mm) const {
       std::clamp(r_mm / bounds.image_radius_mm * (PupilBounds::kNodes - 1), 0.0, PupilBounds::kNodes - 1.0);
   const int i = std::min(static_cast<int>(u), PupilBounds::kNodes - 2);
   const auto t = static_cast<float>(u - i);
-  std::array<float, 4> w = cubic_weights(t);  // the ends go on with the slope of the last interval
+  std::array<float, 4> w = cubic_weights(t);  // beyond the ends the last slope is extrapolated
   const int before = std::max(i - 1, 0), after = std::min(i + 2, PupilBounds::kNodes - 1);
   if (i == 0) w[1] += 2 * w[0], w[2] -= w[0], w[0] = 0;
   if (i + 2 == PupilBounds::kNodes) w[2] += 2 * w[3], w[1] -= w[3], w[3] = 0;
@@ -158,7 +158,7 @@ RayPolynomials fit_ray_polynomials(const Prescription& lens, double wavelength_n
     if (bounds.nodes[k].half_m > 0) bundles[k] = trace_bundle(unclipped, r, bounds.nodes[k], entrance_pupil_z_mm);
   });
 
-  // The surfaces that clip more than others do, most busy first.
+  // The surfaces that clip most rays, in that order.
   std::vector<std::pair<int, int>> clipping;
   for (std::size_t s = 0; s < lens.surfaces.size(); ++s) {
     if (lens.surfaces[s].stop) continue;

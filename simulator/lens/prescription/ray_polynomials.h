@@ -3,9 +3,9 @@
 
 #include "simulator/lens/prescription/pupil_bounds.h"
 
-/// The fast form of a prescription: for each distance from the axis, polynomials from the place in the pupil ellipse to
-/// the ray in front of the lens. The lens has an axis, so a sensor point is turned into (0, r) of the lens frame first;
-/// there the lens is symmetric about x = 0, and each output is an even or an odd function of the ellipse's x.
+/// The fast form of a prescription: for each distance from the axis, polynomials from the position in the pupil ellipse
+/// to the ray in front of the lens. The lens has an axis, so a sensor point is turned into (0, r) of the lens frame
+/// first; there the lens is symmetric about x = 0, and each output is an even or an odd function of the ellipse's x.
 namespace dualpixel::simulator {
 
 /// Terms x^(2 i) y^j with 2 i + j <= degree, i by i. An odd function is x times an even one of a degree less.

@@ -5,7 +5,7 @@
 namespace dualpixel::simulator {
 namespace {
 
-/// Surfaces are themselves to the first of these times their clear radius, and go on smoothly to the second.
+/// Surfaces follow their formula to the first of these times their clear radius, and continue smoothly to the second.
 constexpr double kEdge = 1.05, kReach = 1.25;
 
 template <class Real>

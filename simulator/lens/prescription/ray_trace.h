@@ -48,7 +48,7 @@ struct TraceSurface {
   bool has_odd = false;
   Real clear_radius2;
   Real blocked_radius2;  ///< beyond it rays end: the clear aperture, or a little more where nothing is clipped
-  /// Beyond edge_radius2 the surface goes on as a paraboloid with the edge's height and slope, beyond reach_radius2
+  /// Beyond edge_radius2 the surface continues as a paraboloid with the edge's height and slope, beyond reach_radius2
   /// flat: every ray meets it somewhere, and what an asphere does outside its aperture can't get in the way.
   Real edge_radius2, edge_slope, reach_radius2;
   Real sag_low, sag_high;        ///< all of the surface lies between
@@ -120,7 +120,7 @@ inline Sag<Real> sag_at(const TraceSurface<Real>& s, Real r2) {
   return sag;
 }
 
-/// Moves rays that stand on the vertex plane (z relative to it) to the first intersection with an aspheric surface:
+/// Moves rays from the vertex plane (z relative to it) to the first intersection with an aspheric surface:
 /// the slab that holds the surface is searched for the first change of sign, which Newton's method then cannot leave
 /// for another root (a plain Newton from the conic does, on the strong aspheres of phone lenses).
 template <int Even, bool Odd, class Real, int N>
@@ -221,7 +221,7 @@ void refract(Real eta, const Real slope[N], RayBatch<Real, N>& rays) {
     const Real l = eta * rays.l[i] + along * nx;
     const Real m = eta * rays.m[i] + along * ny;
     const Real n = eta * rays.n[i] + along * nz;
-    // a ray that turns round has lost its way: keep it as it was, it is blocked
+    // a ray that turns round is numerically lost: keep it as it was, it is blocked
     const bool keeps_on = passes && n * rays.n[i] > 0;
     rays.end[i] = keeps_on || rays.end[i] != 0 ? rays.end[i] : Real(RayEnd::missed);
     rays.l[i] = keeps_on ? l : rays.l[i];

@@ -31,9 +31,8 @@ simulator::Simulation camera_with(const std::string& lens, int width_px = 2688, 
   simulation.lens = simulator::read_lens_file(std::string(DUALPIXEL_SOURCE_DIR "/lens_models/") + lens + ".json", 1);
   simulation.sensor.width_px = width_px;
   simulation.sensor.height_px = height_px;
-  if (simulation.lens.prescription) {
-    simulation.sensor.pixel_pitch_um =
-        2e3 * simulation.lens.prescription->image_radius_mm / std::hypot(width_px, height_px);
+  if (const simulator::Prescription* prescription = simulator::prescription_of(simulation.lens)) {
+    simulation.sensor.pixel_pitch_um = 2e3 * prescription->image_radius_mm / std::hypot(width_px, height_px);
   }
   return simulation;
 }

@@ -18,15 +18,18 @@ constexpr double kFocus = 1.0;
 
 Lens base_lens(SplitPixel::Kind split = SplitPixel::Kind::hard) {
   Lens lens;
-  lens.model = Lens::Model::aberrated;
+  lens.model = Aberrations{};
   lens.thin = {4.442e-3, 1.8, kFocus};
   lens.split.kind = split;
   return lens;
 }
 
+Aberrations& aberrations(Lens& lens) { return std::get<Aberrations>(lens.model); }
+
 /// A sensor whose photosite (0, 0) has its centre at (x, y), in field radii of the lens.
 SensorGrid photosite_at(const Lens& lens, double x, double y) {
-  const double per_radius = lens.aberrations.field_radius_m(lens.thin) / kPitch;
+  const double radius_mm = image_radius_mm(lens) > 0 ? image_radius_mm(lens) : Aberrations{}.image_radius_mm;
+  const double per_radius = field_radius_m(radius_mm, lens.thin) / kPitch;
   return {1, 1, kPitch, {0.5 - x * per_radius, 0.5 - y * per_radius}};
 }
 
@@ -47,7 +50,7 @@ constexpr double kAlphaError = 3 * 0.264 / 181;
 // Disparity is counted in DP pixels: a sensor whose are one photosite wide sees twice as many, blur stays.
 TEST(DisparityField, CountsInTheSensorsOwnDpPixels) {
   Lens lens = base_lens(SplitPixel::Kind::ramp);
-  for (const Lens::Model model : {Lens::Model::thin, Lens::Model::aberrated}) {
+  for (const LensModel& model : {LensModel(ThinModel{}), LensModel(Aberrations{})}) {
     lens.model = model;
     SensorGrid sensor = photosite_at(lens, 0.4, -0.3);
     const DisparityCoefficients two = DisparityField(LensSampler(lens, sensor)).at(0.5, 0.5);
@@ -62,7 +65,7 @@ TEST(DisparityField, CountsInTheSensorsOwnDpPixels) {
 TEST(Knobs, AllZeroIsTheThinLens) {
   Lens aberrated = base_lens(SplitPixel::Kind::ramp);
   Lens thin = aberrated;
-  thin.model = Lens::Model::thin;
+  thin.model = ThinModel{};
   const SensorGrid sensor = photosite_at(aberrated, 0.4, -0.3);
   const LensSampler a(aberrated, sensor), b(thin, sensor);
   alignas(64) float s[4][kPacket];
@@ -85,7 +88,7 @@ TEST(Knobs, CatsEye) {
   };
   for (const Row& row : {Row{0, 1, .424, .5, .424}, Row{.4, .747, .338, .34, .400}, Row{.8, .505, .268, .10, .363}}) {
     Lens lens = base_lens();
-    lens.aberrations.rims = {{1, row.e}};
+    aberrations(lens).rims = {{1, row.e}};
     const DisparityCoefficients along = at(lens, 1, 0), across = at(lens, 0, 1);
     const double exact = row.e == 0 ? 1 : (2 * std::acos(row.e / 2) - row.e / 2 * std::sqrt(4 - row.e * row.e)) / M_PI;
     EXPECT_NEAR(exact, row.area, 5e-4);
@@ -99,7 +102,7 @@ TEST(Knobs, CatsEye) {
   }
   // the rim beyond h = 1 in the other direction blocks the other side
   Lens lens = base_lens();
-  lens.aberrations.rims = {{1, 0.8}};
+  aberrations(lens).rims = {{1, 0.8}};
   EXPECT_LT(at(lens, -1, 0).right_light, at(lens, -1, 0).left_light);
   EXPECT_LT(at(lens, 1, 0).left_light, at(lens, 1, 0).right_light);
 }
@@ -107,14 +110,14 @@ TEST(Knobs, CatsEye) {
 TEST(Knobs, SplitOffset) {
   for (double e : {-0.2, 0.0, 0.1, 0.3}) {
     Lens lens = base_lens();
-    lens.aberrations.split_offset.constant = e;
+    aberrations(lens).split_offset.constant = e;
     const DisparityCoefficients c = at(lens, 0, 0);
     const double right = (std::acos(e) - e * std::sqrt(1 - e * e)) / M_PI, left = 1 - right;
     EXPECT_NEAR(c.right_light, right, binomial_error(right));
     EXPECT_NEAR(alpha(lens, c), std::pow(1 - e * e, 1.5) / (3 * M_PI * left * right), kAlphaError);
   }
   Lens lens = base_lens();
-  lens.aberrations.split_offset.gradient_x = 0.1;
+  aberrations(lens).split_offset.gradient_x = 0.1;
   EXPECT_NEAR(at(lens, 1, 0).right_light, 0.436, binomial_error(0.436) + 5e-4);
   EXPECT_NEAR(at(lens, -1, 0).left_light, 0.436, binomial_error(0.436) + 5e-4);
 }
@@ -133,9 +136,9 @@ TEST(Knobs, SplitOffsetMapIsBilinearBetweenItsCells) {
 // Field curvature moves the image behind the sensor by dz: b = -L dz / z_i, at the depth that would else be sharp.
 TEST(Knobs, FieldCurvature) {
   Lens lens = base_lens();
-  lens.aberrations.tangential_focus_um.c = {30, -10};
-  lens.aberrations.sagittal_focus_um.c = {-8};
-  lens.aberrations.focus_um_per_diopter = 3;
+  aberrations(lens).tangential_focus_um.c = {30, -10};
+  aberrations(lens).sagittal_focus_um.c = {-8};
+  aberrations(lens).focus_um_per_diopter = 3;
   const double h = 0.7, h2 = h * h;
   const double dz_t = 1e-6 * (30 * h2 - 10 * h2 * h2 + 3 / kFocus), dz_s = 1e-6 * (-8 * h2 + 3 / kFocus);
   const double b_per_dz = -lens.thin.pupil_diameter_m() / lens.thin.image_distance_m() / kPitch;
@@ -149,7 +152,7 @@ TEST(Knobs, FieldCurvature) {
 // d = 2 [(b/2) 4/(3 pi) + c3 4/(5 pi)] for the hard split; the fifth power has 4/(7 pi).
 TEST(Knobs, SphericalAberration) {
   Lens lens = base_lens();
-  lens.aberrations.spherical_um = {5, -2};
+  aberrations(lens).spherical_um = {5, -2};
   const DisparityCoefficients c = at(lens, 0, 0);
   const double depth = 2, b_px = blur_scale_px_m(lens) * (1 / kFocus - 1 / depth);
   const double c3_px = 5e-6 / kPitch, c5_px = -2e-6 / kPitch;
@@ -159,11 +162,11 @@ TEST(Knobs, SphericalAberration) {
 
 TEST(Knobs, DistortionMovesThePicture) {
   Lens lens = base_lens();
-  lens.aberrations.distortion.c = {-0.04, 0.01};
+  aberrations(lens).distortion.c = {-0.04, 0.01};
   const double h = 0.8, shrink = 1 + (-0.04 * h * h + 0.01 * h * h * h * h);
   const SensorGrid sensor = photosite_at(lens, 0.6 * h, -0.8 * h);
   const LensSampler sampler(lens, sensor);
-  const double radius = h * lens.aberrations.field_radius_m(lens.thin);
+  const double radius = h * field_radius_m(image_radius_mm(lens), lens.thin);
   const glm::dvec2 slope = sampler.chief_slope(0.6 * radius, -0.8 * radius);
   EXPECT_NEAR(glm::length(slope), radius / shrink / lens.thin.image_distance_m(), 1e-12);
   // the sampled bundle's mean is the chief ray
@@ -181,11 +184,11 @@ TEST(Knobs, DistortionMovesThePicture) {
 
 TEST(Knobs, ColorMovesFocusAndSize) {
   Lens lens = base_lens();
-  lens.aberrations.longitudinal_color_um = {12, -20};
-  lens.aberrations.lateral_color = {0.001, -0.002};
+  aberrations(lens).longitudinal_color_um = {12, -20};
+  aberrations(lens).lateral_color = {0.001, -0.002};
   const LensSampler sampler(lens, photosite_at(lens, 0.5, 0));
   ASSERT_TRUE(sampler.has_color());
-  const double radius = 0.5 * lens.aberrations.field_radius_m(lens.thin);
+  const double radius = 0.5 * field_radius_m(image_radius_mm(lens), lens.thin);
   for (int color : {0, 1, 2}) {
     const double size = 1 + (color == 0 ? 0.001 : color == 2 ? -0.002 : 0);
     const double dz = color == 0 ? 12e-6 : color == 2 ? -20e-6 : 0;
@@ -207,13 +210,13 @@ TEST(Knobs, Falloff) {
   Lens lens = base_lens();
   const double d = lens.thin.image_distance_m(), r = lens.thin.pupil_diameter_m() / 2;
   for (double field : {0.0, 0.5, 1.0}) {
-    const double x = field * lens.aberrations.field_radius_m(lens.thin);
+    const double x = field * field_radius_m(image_radius_mm(lens), lens.thin);
     const double sum = x * x + d * d + r * r;
     const double exact =
         0.5 * (1 - (x * x + d * d - r * r) / std::sqrt(sum * sum - 4 * r * r * x * x)) / (r * r / (d * d));
-    lens.aberrations.falloff = Aberrations::Falloff::disc;
+    aberrations(lens).falloff = Aberrations::Falloff::disc;
     EXPECT_NEAR(light(at(lens, field, 0)), exact, 2e-3 * exact) << field;
-    lens.aberrations.falloff = Aberrations::Falloff::cos4;
+    aberrations(lens).falloff = Aberrations::Falloff::cos4;
     EXPECT_NEAR(light(at(lens, field, 0)), std::pow(1 + x * x / (d * d), -2), 1e-5);
   }
   // 8.4 % over cos^4 at 38.5 degrees, axis against axis
@@ -228,8 +231,8 @@ TEST(Knobs, Falloff) {
 
 TEST(Knobs, ViewGainsShadeEachView) {
   Lens lens = base_lens();
-  lens.aberrations.left_gain = {0.8, -0.2, 0};
-  lens.aberrations.right_gain = {0.7, 0, 0};
+  aberrations(lens).left_gain = {0.8, -0.2, 0};
+  aberrations(lens).right_gain = {0.7, 0, 0};
   EXPECT_NEAR(at(lens, 0.5, 0).left_light, 0.5 * 0.7, binomial_error(0.5));
   EXPECT_NEAR(at(lens, 0.5, 0).right_light, 0.5 * 0.7, binomial_error(0.5));
   EXPECT_NEAR(at(lens, -0.5, 0).left_light, 0.5 * 0.9, binomial_error(0.5));
@@ -287,7 +290,7 @@ TEST(SplitKinds, MicrolensInFocusIsTheHardSplit) {
 // A microlens shifted for another exit pupil looks past the real one by the difference of the two chief rays.
 TEST(SplitKinds, MicrolensMadeForAnotherPupil) {
   Lens lens = base_lens(SplitPixel::Kind::microlens);
-  const double x = lens.aberrations.field_radius_m(lens.thin), d = lens.thin.image_distance_m();
+  const double x = field_radius_m(image_radius_mm(lens), lens.thin), d = lens.thin.image_distance_m();
   lens.split.microlens.design_exit_pupil_mm = 2 * d * 1e3;
   Lens shifted = lens;
   shifted.split.microlens.design_exit_pupil_mm = 0;

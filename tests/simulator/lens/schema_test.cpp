@@ -12,6 +12,7 @@
 #include <valijson/validator.hpp>
 
 #include "capture/json_fields.h"
+#include "simulator/lens/lens.h"
 
 namespace dualpixel::simulator::testing {
 namespace {
@@ -37,6 +38,14 @@ TEST(LensSchema, AcceptsEveryShippedLens) {
     }
   }
   EXPECT_GE(count, 17);
+}
+
+TEST(LensSchema, ListsTheReadersNames) {
+  const nlohmann::json schema = read_json_file(DUALPIXEL_SOURCE_DIR "/lens_models/lens.schema.json")["properties"];
+  EXPECT_EQ(schema["model"]["enum"], nlohmann::json(names_of(kLensModels)));
+  EXPECT_EQ(schema["split"]["properties"]["model"]["enum"], nlohmann::json(names_of(kSplitKinds)));
+  EXPECT_EQ(schema["focusing"]["enum"], nlohmann::json(names_of(kFocusings)));
+  EXPECT_EQ(schema["falloff"]["enum"], nlohmann::json(names_of(kFalloffs)));
 }
 
 TEST(LensSchema, RefusesWhatTheReaderRefuses) {

@@ -1,4 +1,4 @@
-#include "simulator/plan/plan.h"
+#include "simulator/plan/plan_text.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -85,7 +85,7 @@ TEST(Plan, AWallThatShinesNeedsNoBounces) {
   EXPECT_EQ(p.windows, 8);
   EXPECT_EQ(p.windows_textured, 8);
   EXPECT_EQ(chosen_bounces(p), 0);
-  for (const BounceRung& rung : p.bounces) EXPECT_EQ(rung.error_dp_px, 0);  // not one path goes on
+  for (const BounceStep& step : p.bounces) EXPECT_EQ(step.error_dp_px, 0);  // not one path goes on
 }
 
 TEST(SlowPlan, IndirectLightNeedsABounce) {
@@ -98,26 +98,25 @@ TEST(SlowPlan, IndirectLightNeedsABounce) {
 
 TEST(Plan, AnAberratedLensWithoutAberrationsIsAThinOne) {
   Simulation s = small_camera();
-  s.lens.model = Lens::Model::aberrated;
-  s.lens.aberrations.image_radius_mm = 1.1;
+  s.lens.model.emplace<Aberrations>().image_radius_mm = 1.1;
   const Plan p = plan(s, glowing_wall(), 0.02, 1);
   ASSERT_EQ(p.lenses.size(), 2u);
   EXPECT_LT(p.lenses[0].error_dp_px, 1e-3);
-  EXPECT_EQ(planned(s, p).lens.model, Lens::Model::thin);
+  EXPECT_TRUE(std::holds_alternative<ThinModel>(planned(s, p).lens.model));
 }
 
 TEST(Plan, ALensOutOfFocusIsNotReplacedByOneInFocus) {
   Simulation s = small_camera();
-  s.lens.model = Lens::Model::aberrated;
-  s.lens.aberrations.image_radius_mm = 1.1;
-  s.lens.aberrations.focus_um = 20;
+  auto& aberrations = s.lens.model.emplace<Aberrations>();
+  aberrations.image_radius_mm = 1.1;
+  aberrations.focus_um = 20;
   const Plan p = plan(s, glowing_wall(), 0.02, 1);
   // a focus surface dz behind the sensor changes the signed blur diameter by 2 R dz / z_i, and disparity is alpha times
   // that, in DP pixels
   const double blur_m = 2 * s.lens.thin.rim_slope() * 20e-6;
   const double expected = s.lens.split.alpha(s.lens.thin.rim_slope()) * blur_m / (2 * 11.2e-6);
   EXPECT_NEAR(p.lenses[0].error_dp_px, expected, 0.01 * expected);
-  EXPECT_EQ(planned(s, p).lens.model, Lens::Model::aberrated);
+  EXPECT_TRUE(std::holds_alternative<Aberrations>(planned(s, p).lens.model));
 }
 
 TEST(Plan, LessToleranceTakesMoreSamples) {
@@ -249,7 +248,7 @@ Simulation covering(const std::string& scene, const std::string& lens) {
   }
   s.sensor.width_px = 208;
   s.sensor.height_px = 128;
-  const double radius_mm = s.lens.prescription ? s.lens.prescription->image_radius_mm : 3.5;
+  const double radius_mm = prescription_of(s.lens) ? prescription_of(s.lens)->image_radius_mm : 3.5;
   s.sensor.pixel_pitch_um = 2e3 * radius_mm / std::hypot(s.sensor.width_px, s.sensor.height_px);
   return s;
 }
@@ -286,11 +285,12 @@ void keeps_its_promise(const std::string& scene_name, const std::string& lens, d
   const Simulation s = covering(scene_name, lens);
   const Scene scene = load_scene(s);
   const Plan p = plan(s, scene, tolerance_dp_px, 5);
-  const LensRung& rung = p.lenses[p.lens];
+  const LensStep& step = p.lenses[p.lens];
   EXPECT_TRUE(p.met) << lens;
 
-  const bool comparable = p.measured && rung.picture_shift_px < 0.1;
-  const double lens_error = comparable ? 0 : traced_error(s, scene, rung.model.lens, p.lenses.back().model.lens);
+  const bool comparable = p.measured && step.picture_shift_px < 0.1;
+  const double lens_error =
+      comparable ? 0 : traced_error(s, scene, step.candidate.lens, p.lenses.back().candidate.lens);
   const RenderScene world(scene);
   const auto render = [&](const Lens& through, int bounces, int samples, std::uint64_t seed) {
     Simulation other = s;
@@ -302,10 +302,10 @@ void keeps_its_promise(const std::string& scene_name, const std::string& lens, d
   double square = lens_error * lens_error;
   std::size_t count = 0;
   if (p.measured) {
-    const Lens& full = comparable ? p.lenses.back().model.lens : rung.model.lens;
+    const Lens& full = comparable ? p.lenses.back().candidate.lens : step.candidate.lens;
     std::vector<DpViews> cheap;
     for (int seed = 91; seed < 107; ++seed) {
-      cheap.push_back(render(rung.model.lens, chosen_bounces(p), chosen_samples(p), seed));
+      cheap.push_back(render(step.candidate.lens, chosen_bounces(p), chosen_samples(p), seed));
     }
     const int samples = std::clamp(2 * chosen_samples(p), 64, 128);
     const DpViews first = render(full, kReferenceBounces, samples, 1001);
@@ -327,7 +327,7 @@ void keeps_its_promise(const std::string& scene_name, const std::string& lens, d
   }
   const double error = std::sqrt(std::max(square, 0.0));
   std::cout << fmt::format("{:<20}{:<31}{:<16}{} bounces{:>5} samples  promised {:.4f}, found {:.4f} in {} windows{}\n",
-                           scene_name, lens, rung.model.name, chosen_bounces(p), chosen_samples(p),
+                           scene_name, lens, step.candidate.name, chosen_bounces(p), chosen_samples(p),
                            p.error_dp_px(p.lens, p.bounce, p.sample), error, count,
                            comparable ? "" : fmt::format(", of it {:.4f} traced", lens_error));
   EXPECT_LE(error, tolerance_dp_px) << scene_name << ' ' << lens;

@@ -7,7 +7,7 @@
 #include <bit>
 #include <cmath>
 
-#include "simulator/lens/cfa.h"
+#include "simulator/lens/sensor_grid.h"
 #include "tests/simulator/test_scenes.h"
 
 namespace dualpixel::simulator::testing {

@@ -130,7 +130,7 @@ TEST(TraceMotion, FollowsChiefRaysOfAPrescriptionBeyondThePicture) {
   nlohmann::json json = read_json_file(kFile);
   json.erase("wavelengths_nm");  // the pupils of one wavelength are found in a third of the time
   const Lens lens = read_lens(json, kFile, "", 1);
-  const CameraView camera = whole_view(lens, lens.prescription->image_radius_mm * 1e-3);
+  const CameraView camera = whole_view(lens, prescription_of(lens)->image_radius_mm * 1e-3);
   EXPECT_EQ(check_turned(camera, 0.01), 1);
   EXPECT_EQ(check_turned(camera, 0.4), 1);
 }
@@ -138,7 +138,7 @@ TEST(TraceMotion, FollowsChiefRaysOfAPrescriptionBeyondThePicture) {
 // The twin's distortion is a polynomial that means nothing far beyond the picture: a place is right, or there is none.
 TEST(TraceMotion, FollowsChiefRaysOfAnAberratedLensOrSaysThatThereAreNone) {
   const Lens lens = read_lens_file(DUALPIXEL_SOURCE_DIR "/lens_models/phone_aberrated_4.4mm_f1.8.json", 1);
-  const CameraView camera = whole_view(lens, lens.aberrations.image_radius_mm * 1e-3);
+  const CameraView camera = whole_view(lens, std::get<Aberrations>(lens.model).image_radius_mm * 1e-3);
   EXPECT_EQ(check_turned(camera, 0.01), 1);
   EXPECT_GT(check_turned(camera, 0.4), 0.5);
 }

@@ -15,7 +15,7 @@
 #include "evaluation/report/svg_plot.h"
 #include "simulator/lens/disparity_field.h"
 #include "simulator/lens/lens_file.h"
-#include "simulator/plan/lens_ladder.h"
+#include "simulator/plan/lens_candidates.h"
 #include "simulator/simulate.h"
 #include "tools/commands/commands.h"
 
@@ -53,13 +53,14 @@ double disparity_error(const simulator::LensSampler& lens, const simulator::Lens
 nlohmann::ordered_json bench_one(const std::string& path, const simulator::Simulation& s,
                                  const simulator::RenderScene& world, const glm::mat4& pose) {
   const simulator::Lens lens = simulator::read_lens_file(path, s.lens.thin.focus_distance_m);
-  const double radius_m =
-      1e-3 * (lens.prescription ? lens.prescription->image_radius_mm : lens.aberrations.image_radius_mm);
+  if (simulator::image_radius_mm(lens) == 0)
+    throw InputError(printable(path) + ": /model: a thin lens has no image circle to fill");
+  const double radius_m = 1e-3 * simulator::image_radius_mm(lens);
   const simulator::SensorGrid sensor{1344, 1008, radius_m * 2 / std::hypot(1344, 1008), {672, 504}};
-  const std::vector<simulator::LensModel> models = simulator::lens_ladder(lens);
+  const std::vector<simulator::LensCandidate> models = simulator::lens_candidates(lens);
   std::vector<simulator::CameraView> cameras;
   std::vector<double> ready_s, render_s(models.size(), 1e30);
-  for (const simulator::LensModel& model : models) {
+  for (const simulator::LensCandidate& model : models) {
     ready_s.push_back(seconds([&] { cameras.push_back({pose, {model.lens, sensor}}); }));
   }
   // turn by turn, so that a busy machine slows all of them
@@ -120,7 +121,7 @@ void run(const BenchLensOptions& options) {
   const simulator::Simulation s = simulator::read_simulation(read_json_file(options.scene), options.scene);
   const simulator::Scene scene = simulator::load_scene(s);
   const simulator::RenderScene world(scene);
-  const glm::mat4 pose = simulator::place_camera(s, scene).world_from_camera;
+  const glm::mat4 pose = simulator::camera_pose(s, scene);
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   nlohmann::ordered_json results = nlohmann::ordered_json::array();
   for (const std::string& lens : options.lenses) results.push_back(bench_one(lens, s, world, pose));

@@ -21,6 +21,7 @@
 #include <iostream>
 #include <tuple>
 
+#include "simulator/lens/prescription/beam.h"
 #include "simulator/lens/prescription/lens_analysis.h"
 #include "simulator/lens/prescription/pupil_bounds.h"
 #include "tests/simulator/lens/prescription/reference.h"
@@ -32,6 +33,60 @@ constexpr double kGrid = 0.0014;
 
 /// The reference's field figures are all at this wavelength, also where its paraxial ones are at another.
 constexpr double kWavelength = 587.5618;
+
+/// The two halves of the stop, each a picture of the same point: the hard split.
+struct HalfPupils {
+  double disparity = 0;      ///< centroid of the right (x > 0) half's spot minus the left one's, mm
+  double left_fraction = 0;  ///< of the light
+  double spot_rms = 0;       ///< of both together, about their centroid
+  double spot_radius = 0;    ///< of its farthest ray
+};
+
+/// The field lies along the split (x) or across it; the sensor is `sensor_shift_mm` behind its design position.
+HalfPupils analyze_halves(const Prescription& lens, double wavelength_nm, double theta_rad, bool along_split,
+                          double sensor_shift_mm) {
+  const double radius = 0.5 * paraxial(lens).entrance_pupil_diameter;
+  double guess[2] = {0, 0};
+  RayBatch<double, 1> chief{};
+  constexpr int kSteps = 16;
+  for (int step = 1; step <= kSteps; ++step) {
+    if (!Beam(lens, wavelength_nm, theta_rad * step / kSteps, along_split).through_stop(0, 0, radius, guess, chief))
+      return {};
+  }
+  const BeamTrace bundle =
+      trace_beam(Beam(lens, wavelength_nm, theta_rad, along_split), guess[0], guess[1], radius, sensor_shift_mm);
+  if (bundle.left.light == 0 || bundle.right.light == 0) return {};
+  return {bundle.right.mean_x() - bundle.left.mean_x(), bundle.left.light / bundle.whole.light, bundle.whole.rms(),
+          bundle.radius};
+}
+
+/// Part of the rays from the middle of the sensor, aimed evenly at the last surface's disc, that reach the scene.
+double naive_rear_efficiency(const Prescription& lens, double wavelength_nm) {
+  const TracedLens<double> traced(lens, wavelength_nm);
+  const double rear_z = traced.sensor_z_mm() - lens.surfaces.back().thickness_mm;
+  const double radius = lens.surfaces.back().semi_diameter_mm;
+  constexpr int kSide = 1024;
+  std::uint64_t aimed = 0, passed = 0;
+  BeamRays rays;
+  for (int first = 0; first < kSide * kSide; first += kBeamLanes) {
+    bool inside[kBeamLanes];
+    for (int i = 0; i < kBeamLanes; ++i) {
+      const double x = (2.0 * ((first + i) % kSide) + 1) / kSide - 1, y = (2.0 * ((first + i) / kSide) + 1) / kSide - 1;
+      inside[i] = x * x + y * y <= 1;
+      const double dx = x * radius, dy = y * radius, dz = rear_z - traced.sensor_z_mm();
+      const double length = std::sqrt(dx * dx + dy * dy + dz * dz);
+      rays.x[i] = rays.y[i] = 0, rays.z[i] = traced.sensor_z_mm();
+      rays.l[i] = dx / length, rays.m[i] = dy / length, rays.n[i] = dz / length;
+      rays.end[i] = 0;
+    }
+    traced.trace(rays);
+    for (int i = 0; i < kBeamLanes; ++i) {
+      aimed += inside[i] ? 1 : 0;
+      passed += inside[i] && rays.end[i] == 0 ? 1 : 0;
+    }
+  }
+  return static_cast<double>(passed) / static_cast<double>(aimed);
+}
 
 class ReferenceFields : public ::testing::TestWithParam<std::string> {
  protected:
@@ -50,12 +105,12 @@ class ReferenceFields : public ::testing::TestWithParam<std::string> {
 TEST_P(ReferenceFields, ChiefRaysFociLightAndSpots) {
   std::vector<double> theta;
   for (const nlohmann::json& row : figures["fields"]) theta.push_back(row["theta_deg"].get<double>() * M_PI / 180);
-  const std::vector<FieldAnalysis> fields = analyse_fields(*lens.prescription, kWavelength, theta);
+  const std::vector<FieldAnalysis> fields = analyze_fields(*prescription_of(lens), kWavelength, theta);
   constexpr double kStep = 1e-4;
   std::vector<double> beside;
   for (double t : theta) beside.insert(beside.end(), {t - kStep, t + kStep});
-  const std::vector<FieldAnalysis> beside_fields = analyse_fields(*lens.prescription, kWavelength, beside);
-  const double focal_length = paraxial(*lens.prescription).focal_length;
+  const std::vector<FieldAnalysis> beside_fields = analyze_fields(*prescription_of(lens), kWavelength, beside);
+  const double focal_length = paraxial(*prescription_of(lens)).focal_length;
   for (std::size_t k = 0; k < fields.size(); ++k) {
     const nlohmann::json& row = figures["fields"][k];
     const FieldAnalysis& f = fields[k];
@@ -92,7 +147,7 @@ TEST_P(ReferenceFields, HalfPupils) {
     const double theta = frac * figures["fields"].back()["theta_deg"].get<double>() * M_PI / 180;
     for (const auto& [shift, disparity, rms] :
          {std::tuple{0.0, "disp_um_focus", "rms_um_focus"}, std::tuple{delta, "disp_um_plus", "rms_um_plus"}}) {
-      const HalfPupils h = analyse_halves(*lens.prescription, kWavelength, theta, true, shift);
+      const HalfPupils h = analyze_halves(*prescription_of(lens), kWavelength, theta, true, shift);
       const double spread = 3 * kGrid * h.spot_radius;
       if (comparable(row, disparity)) {
         EXPECT_NEAR(1e3 * h.disparity, row[disparity].get<double>(), 1e3 * (0.03 * h.spot_rms + 2 * spread)) << frac;
@@ -107,7 +162,7 @@ TEST_P(ReferenceFields, HalfPupils) {
   }
 }
 
-// Slope and intercept of disparity against the sensor's place, field along the split and across it.
+// Slope and intercept of disparity against the sensor's position, field along the split and across it.
 TEST_P(ReferenceFields, DisparitySlopes) {
   if (!figures.contains("dp_slope_intercept")) GTEST_SKIP() << "the reference has no slopes for this lens";
   const double delta = figures["dp_delta_mm"];
@@ -115,8 +170,8 @@ TEST_P(ReferenceFields, DisparitySlopes) {
     const double frac = row["frac"];
     const double theta = frac * figures["fields"].back()["theta_deg"].get<double>() * M_PI / 180;
     for (bool along : {true, false}) {
-      const HalfPupils at = analyse_halves(*lens.prescription, kWavelength, theta, along, 0);
-      const HalfPupils behind = analyse_halves(*lens.prescription, kWavelength, theta, along, delta);
+      const HalfPupils at = analyze_halves(*prescription_of(lens), kWavelength, theta, along, 0);
+      const HalfPupils behind = analyze_halves(*prescription_of(lens), kWavelength, theta, along, delta);
       const double slope = (behind.disparity - at.disparity) / delta;
       const std::string name = along ? "_along" : "_across";
       // the slope is the distance of two centroids of directions, spread over a radius of about 1.7 times itself
@@ -130,18 +185,18 @@ TEST_P(ReferenceFields, DisparitySlopes) {
 }
 
 TEST_P(ReferenceFields, SolidAngleOnTheAxis) {
-  const PupilBounds bounds = find_pupil(*lens.prescription, kWavelength, lens.prescription->image_radius_mm);
+  const PupilBounds bounds = find_pupil(*prescription_of(lens), kWavelength, prescription_of(lens)->image_radius_mm);
   const double steradian = bounds.nodes[0].pass_area, theirs = figures["projected_solid_angle_axis_sr"];
   EXPECT_NEAR(steradian, theirs, 3 * kGrid * theirs);
   EXPECT_NEAR(0.5 * std::sqrt(M_PI / steradian), figures["working_fno_from_solid_angle"].get<double>(),
               1.5 * kGrid * figures["working_fno_from_solid_angle"].get<double>());
   // The cone of this solid angle, pi sin^2, cuts a disc of radius z tan out of the rear vertex's plane. We count the
   // hits on a grid; the circle's eight octants are alike, so the hits err by sqrt(8) * sqrt(8 radius_in_cells / 12).
-  const LensSurface& rear = lens.prescription->surfaces.back();
+  const LensSurface& rear = prescription_of(lens)->surfaces.back();
   const double sin2 = theirs / M_PI;
   const double reach = rear.thickness_mm / rear.semi_diameter_mm;
   const double cone = reach * reach * sin2 / (1 - sin2);
-  const double ours = naive_rear_efficiency(*lens.prescription, kWavelength);
+  const double ours = naive_rear_efficiency(*prescription_of(lens), kWavelength);
   const double cells = 512 * std::sqrt(cone), hits = M_PI * cells * cells;
   EXPECT_NEAR(ours, cone, cone * (3 * std::sqrt(8 * 8 * cells / 12) / hits + 3 * kGrid / (1 - sin2)));
   const double stated = figures["naive_rear_efficiency"];

@@ -16,7 +16,7 @@ class Reference : public ::testing::TestWithParam<std::string> {
 };
 
 TEST_P(Reference, Paraxial) {
-  const Paraxial p = paraxial(*lens.prescription);
+  const Paraxial p = paraxial(*prescription_of(lens));
   const nlohmann::json& expected = figures["paraxial"];
   const auto expect = [&](const char* key, double ours) {
     const double theirs = expected[key];
@@ -37,7 +37,7 @@ TEST_P(Reference, Paraxial) {
 }
 
 TEST_P(Reference, ExactRays) {
-  const TracedLens<double> traced(*lens.prescription, figures["wavelength_nm"], false);
+  const TracedLens<double> traced(*prescription_of(lens), figures["wavelength_nm"], false);
   EXPECT_NEAR(traced.sensor_z_mm(), figures["zsensor_from_first_vertex"].get<double>(), 1e-6);
   int checked = 0;
   for (const nlohmann::json& row : figures["rays"]) {

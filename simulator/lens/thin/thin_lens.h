@@ -1,6 +1,8 @@
 #pragma once
 #include <cmath>
 
+#include "capture/names.h"
+
 namespace dualpixel::simulator {
 
 /// An ideal lens: perfect focus, no distortion; its pupil is where rays start and depth is counted from.
@@ -30,6 +32,11 @@ struct ThinLens {
   double rim_slope() const { return 0.5 * pupil_diameter_m() / image_distance_m(); }
   /// Illuminance on the sensor, in lux, per nit of scene radiance, on the axis: pi/4 (L/z_i)^2.
   double lux_per_nit() const { return M_PI * rim_slope() * rim_slope(); }
+};
+
+inline constexpr Named<ThinLens::Focusing> kFocusings[] = {
+    {"move", ThinLens::Focusing::move, "the lens moves away from the sensor, the picture grows as it focuses nearer"},
+    {"power", ThinLens::Focusing::power, "the focal length shortens, the picture keeps its size"},
 };
 
 }  // namespace dualpixel::simulator

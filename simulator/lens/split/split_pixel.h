@@ -3,6 +3,8 @@
 #include <cmath>
 #include <vector>
 
+#include "capture/names.h"
+
 namespace dualpixel::simulator {
 
 /// How a photosite's two halves share the light that crossed the pupil. Two coordinates say where it crossed, both 0 on
@@ -51,9 +53,9 @@ struct SplitPixel {
       case Kind::microlens: {
         // u is the abscissa of a point of a disc, so its distribution function is that of the half circle
         const double reach = std::max(microlens.radius * std::abs(1 - microlens.height / microlens.focal_length), 1e-9);
-        const double centre = microlens.height * (t + excess_slope) - microlens.shift;
+        const double center = microlens.height * (t + excess_slope) - microlens.shift;
         const auto below = [&](double x) {
-          const double v = std::clamp((x - centre) / reach, -1.0, 1.0);
+          const double v = std::clamp((x - center) / reach, -1.0, 1.0);
           return 0.5 + (v * std::sqrt(1 - v * v) + std::asin(v)) / M_PI;
         };
         s.right = below(microlens.diode_width) - below(0);
@@ -88,6 +90,13 @@ struct SplitPixel {
     }
     return left > 0 && right > 0 ? 0.5 * (right_p / right - left_p / left) : 0;
   }
+};
+
+inline constexpr Named<SplitPixel::Kind> kSplitKinds[] = {
+    {"hard", SplitPixel::Kind::hard, "each half takes its half of the pupil"},
+    {"ramp", SplitPixel::Kind::ramp, "the share changes linearly over the pupil"},
+    {"microlens", SplitPixel::Kind::microlens, "a microlens of finite size and height over two photodiodes"},
+    {"table", SplitPixel::Kind::table, "measured shares over the pupil"},
 };
 
 }  // namespace dualpixel::simulator

@@ -14,7 +14,7 @@ struct EvenPolynomial {
   }
 };
 
-/// A quantity over the sensor: constant + gradient . (x, y) + map, the map bilinear between the centres of its cells,
+/// A quantity over the sensor: constant + gradient . (x, y) + map, the map bilinear between the centers of its cells,
 /// which cover the square |x|, |y| <= 1 row by row from the top left.
 struct FieldMap {
   double constant = 0;
@@ -22,8 +22,6 @@ struct FieldMap {
   int columns = 0, rows = 0;
   std::vector<float> cells{};
 
-  bool is_constant() const { return gradient_x == 0 && gradient_y == 0 && cells.empty(); }
-  /// x, y in field radii (Aberrations::field_radius_m).
   double operator()(double x, double y) const {
     double value = constant + gradient_x * x + gradient_y * y;
     if (!cells.empty()) {

@@ -1,0 +1,30 @@
+#pragma once
+#include <vector>
+
+#include "simulator/lens/lens_packet.h"
+#include "simulator/lens/split/split_pixel.h"
+
+namespace dualpixel::simulator {
+
+/// The split pixel made ready for rendering: gives each ray its weights in the left and in the right view.
+class SplitSampler {
+ public:
+  /// `rim_slope`: ThinLens::rim_slope() of the lens in front of it.
+  SplitSampler(const SplitPixel& split, double rim_slope);
+
+  /// Fills left and right of `rays`.
+  void weigh(const PixelFrame& f, const PupilPacket& pupil, LensPacket& rays) const;
+
+ private:
+  void weigh_by_table(const PixelFrame& f, const PupilPacket& pupil, LensPacket& rays) const;
+
+  SplitPixel split_;
+  double rim_slope_;
+  /// Shares over t (microlens) or p (table), evenly spaced.
+  struct Table {
+    float low = 0, per_step = 0;  ///< first coordinate; 1 / spacing
+    std::vector<float> left, right;
+  } table_;
+};
+
+}  // namespace dualpixel::simulator

@@ -1,0 +1,26 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "simulator/plan/pilot_renders.h"
+#include "simulator/plan/steps.h"
+
+namespace dualpixel::simulator {
+
+inline constexpr int kReferenceBounces = 8;
+inline constexpr std::array kPilotSamples = {16, 64};  ///< less than a packet of 16 costs as much
+
+/// What the pilot renders show of bounces and samples, in the windows that have texture.
+struct PilotErrors {
+  int windows = 0, windows_textured = 0;
+  std::vector<BounceStep> bounces;                   ///< 0, 1, 2, 4, 8; empty where too few windows have texture
+  std::array<double, kPilotSamples.size()> noise{};  ///< with the reference's bounces, at kPilotSamples
+
+  /// Error of `samples` samples with the reference's bounces.
+  double sample_error(int samples) const;
+};
+
+PilotErrors measure_pilots(const PilotRenders& pilots, const Simulation& simulation, double tolerance_dp_px,
+                           const ProgressCallback& progress);
+
+}  // namespace dualpixel::simulator

@@ -1,0 +1,29 @@
+#pragma once
+#include "simulator/plan/lens_candidates.h"
+
+/// The steps from the cheapest to the most accurate simulation, along each of the three choices of a plan, with the
+/// disparity error that each leaves.
+namespace dualpixel::simulator {
+
+struct LensStep {
+  LensCandidate candidate;
+  double error_dp_px = 0;
+  double error_95_dp_px = 0;      ///< 95th percentile
+  double picture_shift_px = 0;    ///< photosites, RMS: how far the picture is displaced from the reference's
+  double seconds_per_sample = 0;  ///< of the lens alone, on all threads
+};
+
+struct BounceStep {
+  int bounces = 0;
+  double error_dp_px = 0;
+  int lost_windows = 0;           ///< those that count as 1 DP px
+  double noise = 1;               ///< error of 16 samples over that with 8 bounces
+  double seconds_per_sample = 0;  ///< whole, on all threads, behind the pilot's lens
+};
+
+struct SampleStep {
+  int samples = 0;
+  double error_dp_px = 0;  ///< with the chosen bounces
+};
+
+}  // namespace dualpixel::simulator
