@@ -32,34 +32,34 @@ struct Paths {
 };
 
 /// Which of a pixel's samples a packet holds: `first` of each half packet.
-struct SamplePlace {
+struct SampleIndices {
   std::uint32_t first, index_mask;
   std::uint64_t pixel_key;
 };
 
-void random_samples(const SamplePlace& place, std::uint32_t stream, float out[kPacket]) {
+void random_samples(const SampleIndices& indices, std::uint32_t stream, float out[kPacket]) {
   for (int i = 0; i < kPacket; ++i) {
-    out[i] = unit_float(static_cast<std::uint32_t>(hash(place.pixel_key, 2 * place.first + i, stream) >> 32));
+    out[i] = unit_float(static_cast<std::uint32_t>(hash(indices.pixel_key, 2 * indices.first + i, stream) >> 32));
   }
 }
 
 /// The four coordinates on pixel and pupil.
-void camera_samples(Sampling sampling, const SamplePlace& place, float out[4][kPacket]) {
+void camera_samples(Sampling sampling, const SampleIndices& indices, float out[4][kPacket]) {
   constexpr std::uint32_t kPixelStream = 0x1000, kPupilStream = 0x1001;  // beyond those of bounces
   switch (sampling) {
     case Sampling::random:
-      for (int d = 0; d < 4; ++d) random_samples(place, d, out[d]);
+      for (int d = 0; d < 4; ++d) random_samples(indices, d, out[d]);
       return;
     case Sampling::padded:
-      padded_samples(place.first, place.index_mask, place.pixel_key, kPixelStream, out[0], out[1]);
-      padded_samples(place.first, place.index_mask, place.pixel_key, kPupilStream, out[2], out[3]);
+      padded_samples(indices.first, indices.index_mask, indices.pixel_key, kPixelStream, out[0], out[1]);
+      padded_samples(indices.first, indices.index_mask, indices.pixel_key, kPupilStream, out[2], out[3]);
       return;
     case Sampling::joint:
-      joint_samples(2 * place.first, place.pixel_key, out);
+      joint_samples(2 * indices.first, indices.pixel_key, out);
       return;
     case Sampling::mirrored:
       // Pairs integrate a texture that slopes across the blur exactly: a fifth of the error at 32 samples.
-      mirrored_samples(place.first, place.pixel_key, out);
+      mirrored_samples(indices.first, indices.pixel_key, out);
       return;
   }
 }
@@ -69,13 +69,13 @@ struct Padded {
 };
 
 /// Numbers for the decision `stream` of each path. Each of a mirrored pair has its own: with one light sample for both,
-/// the views would share their noise, and noise that lies at one place in both pulls disparity to 0.
-void path_samples(Sampling sampling, const SamplePlace& place, std::uint32_t stream, Padded& out) {
+/// the views would share their noise, and noise at the same position in both pulls disparity to 0.
+void path_samples(Sampling sampling, const SampleIndices& indices, std::uint32_t stream, Padded& out) {
   if (sampling == Sampling::random) {
-    random_samples(place, 4 + 2 * stream, out.u);
-    random_samples(place, 5 + 2 * stream, out.v);
+    random_samples(indices, 4 + 2 * stream, out.u);
+    random_samples(indices, 5 + 2 * stream, out.v);
   } else {
-    padded_samples(place.first, place.index_mask, place.pixel_key, stream, out.u, out.v);
+    padded_samples(indices.first, indices.index_mask, indices.pixel_key, stream, out.u, out.v);
   }
 }
 
@@ -133,79 +133,104 @@ void see_unlit(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], c
   }
 }
 
-/// The paths of `lanes`, all at one mesh: emission at the hit, a light sample, and, where a reflection is still to
-/// come, the next ray.
-void scatter(const RenderScene& world, unsigned mesh_id, const int lanes[kPacket], RayPacket& rays, Paths& paths,
-             const Padded& light, const Padded* reflection, ShadowRays& shadow) {
+/// The sixteen hits of one packet, seen from where their rays came from.
+struct Hits {
   SurfacePacket surface;
-  surfaces_at(world.scene, world.scene.meshes[mesh_id], lanes, rays, surface);
-  Vec3Packet to_eye, start;  // `start`: off the surface by more than the hit's rounding error
+  Vec3Packet to_eye, start;  ///< `start`: off the surface by more than the hit's rounding error
   alignas(64) float distance[kPacket];
+};
+
+void hits_at(const RenderScene& world, unsigned mesh_id, const int lanes[kPacket], const RayPacket& rays, Hits& hits) {
+  const SurfacePacket& surface = hits.surface;
+  surfaces_at(world.scene, world.scene.meshes[mesh_id], lanes, rays, hits.surface);
   for (int i = 0; i < kPacket; ++i) {
     const float dx = rays.direction_x[i], dy = rays.direction_y[i], dz = rays.direction_z[i];
     const float length = std::sqrt(dx * dx + dy * dy + dz * dz);
-    to_eye.x[i] = -dx / length, to_eye.y[i] = -dy / length, to_eye.z[i] = -dz / length;
-    distance[i] = rays.far[i] * length;
+    hits.to_eye.x[i] = -dx / length, hits.to_eye.y[i] = -dy / length, hits.to_eye.z[i] = -dz / length;
+    hits.distance[i] = rays.far[i] * length;
     const float px = surface.position.x[i], py = surface.position.y[i], pz = surface.position.z[i];
-    const float off = 1e-5f * std::max(surface.magnitude[i], distance[i]);
-    start.x[i] = px + off * surface.geometric_normal.x[i];
-    start.y[i] = py + off * surface.geometric_normal.y[i];
-    start.z[i] = pz + off * surface.geometric_normal.z[i];
+    const float off = 1e-5f * std::max(surface.magnitude[i], hits.distance[i]);
+    hits.start.x[i] = px + off * surface.geometric_normal.x[i];
+    hits.start.y[i] = py + off * surface.geometric_normal.y[i];
+    hits.start.z[i] = pz + off * surface.geometric_normal.z[i];
   }
-  if (surface.emits) {
-    for (int i = 0; i < kPacket; ++i) {
-      if (!lanes[i]) continue;
-      const float cosine = glm::dot(surface.geometric_normal.at(i), to_eye.at(i));
-      const float weight =
-          paths.pdf[i] == kInfinity
-              ? 1
-              : mis_weight(paths.pdf[i], world.lights.triangle_pdf(paths.normal.at(i), mesh_id, rays.triangle[i],
-                                                                   distance[i], cosine));
-      add_light(paths, i, surface.emission_nits.at(i) * weight);
-    }
-  }
+}
 
-  LightPacket l;
-  world.lights.sample(lanes, start, surface.normal, light.u, light.v, l);
+/// Light that the surface itself emits.
+void add_emission(const RenderScene& world, unsigned mesh_id, const int lanes[kPacket], const RayPacket& rays,
+                  const Hits& hits, Paths& paths) {
   for (int i = 0; i < kPacket; ++i) {
     if (!lanes[i]) continue;
-    const glm::vec3 direction = l.direction.at(i), radiance = l.radiance.at(i);
-    const float cosine = glm::dot(surface.normal.at(i), direction);
-    if (radiance != glm::vec3(0) && cosine > 0 && glm::dot(surface.geometric_normal.at(i), direction) > 0) {
-      const Surface s = surface.at(i);
-      const float weight = reflection && l.pdf[i] > 0 ? mis_weight(l.pdf[i], bsdf_pdf(s, to_eye.at(i), direction)) : 1;
-      shadow.arriving.set(i, paths.throughput.at(i) * bsdf(s, to_eye.at(i), direction) * radiance * (cosine * weight));
+    const float cosine = glm::dot(hits.surface.geometric_normal.at(i), hits.to_eye.at(i));
+    const float weight =
+        paths.pdf[i] == kInfinity
+            ? 1
+            : mis_weight(paths.pdf[i], world.lights.triangle_pdf(paths.normal.at(i), mesh_id, rays.triangle[i],
+                                                                 hits.distance[i], cosine));
+    add_light(paths, i, hits.surface.emission_nits.at(i) * weight);
+  }
+}
+
+/// One shadow ray from each hit to a sampled point of a light; `weighed` where a reflection could find the light too.
+void sample_lights(const RenderScene& world, const int lanes[kPacket], const Hits& hits, const Padded& light,
+                   bool weighed, const Paths& paths, ShadowRays& shadow) {
+  LightPacket l;
+  world.lights.sample(lanes, hits.start, hits.surface.normal, light.u, light.v, l);
+  for (int i = 0; i < kPacket; ++i) {
+    if (!lanes[i]) continue;
+    const glm::vec3 direction = l.direction.at(i), radiance = l.radiance.at(i), to_eye = hits.to_eye.at(i);
+    const float cosine = glm::dot(hits.surface.normal.at(i), direction);
+    if (radiance != glm::vec3(0) && cosine > 0 && glm::dot(hits.surface.geometric_normal.at(i), direction) > 0) {
+      const Surface s = hits.surface.at(i);
+      const float weight = weighed && l.pdf[i] > 0 ? mis_weight(l.pdf[i], bsdf_pdf(s, to_eye, direction)) : 1;
+      shadow.arriving.set(i, paths.throughput.at(i) * bsdf(s, to_eye, direction) * radiance * (cosine * weight));
       // stop short of the light's own surface
-      set_ray(shadow.rays, i, start.at(i), direction, l.distance_m[i] * (1 - 1e-4f));
+      set_ray(shadow.rays, i, hits.start.at(i), direction, l.distance_m[i] * (1 - 1e-4f));
       shadow.active[i] = -1;
     }
   }
+}
 
-  for (int i = 0; reflection && i < kPacket; ++i) {
+/// The next ray of each path.
+void sample_reflections(const int lanes[kPacket], const Hits& hits, const Padded& reflection, RayPacket& rays,
+                        Paths& paths) {
+  for (int i = 0; i < kPacket; ++i) {
     if (!lanes[i]) continue;
-    const Surface s = surface.at(i);
-    const glm::vec3 direction = sample_bsdf(s, to_eye.at(i), reflection->u[i], reflection->v[i]);
+    const Surface s = hits.surface.at(i);
+    const glm::vec3 to_eye = hits.to_eye.at(i);
+    const glm::vec3 direction = sample_bsdf(s, to_eye, reflection.u[i], reflection.v[i]);
     const float n_l = glm::dot(s.normal, direction);
-    const float pdf = bsdf_pdf(s, to_eye.at(i), direction);
+    const float pdf = bsdf_pdf(s, to_eye, direction);
     if (n_l > 0 && glm::dot(s.geometric_normal, direction) > 0 && pdf > 0) {
-      paths.throughput.set(i, paths.throughput.at(i) * bsdf(s, to_eye.at(i), direction) * (n_l / pdf));
+      paths.throughput.set(i, paths.throughput.at(i) * bsdf(s, to_eye, direction) * (n_l / pdf));
       paths.pdf[i] = pdf;
       paths.normal.set(i, s.normal);
-      set_ray(rays, i, start.at(i), direction, kInfinity);
+      set_ray(rays, i, hits.start.at(i), direction, kInfinity);
       paths.active[i] = -1;
     }
   }
 }
 
+/// The paths of `lanes`, all at one mesh: emission at the hit, a light sample, and, where a reflection is still to
+/// come, the next ray.
+void scatter(const RenderScene& world, unsigned mesh_id, const int lanes[kPacket], RayPacket& rays, Paths& paths,
+             const Padded& light, const Padded* reflection, ShadowRays& shadow) {
+  Hits hits;
+  hits_at(world, mesh_id, lanes, rays, hits);
+  if (hits.surface.emits) add_emission(world, mesh_id, lanes, rays, hits, paths);
+  sample_lights(world, lanes, hits, light, reflection != nullptr, paths, shadow);
+  if (reflection) sample_reflections(lanes, hits, *reflection, rays, paths);
+}
+
 /// One step of all active paths: nearest hits, light found there, shadow rays.
 void advance(const RenderScene& world, const PathOptions& options, RayPacket& rays, Paths& paths,
-             const SamplePlace& place, int bounce, bool last) {
+             const SampleIndices& indices, int bounce, bool last) {
   const Scene& scene = world.scene;
   const bool coherent = bounce == 0;
   if (options.log) write_down(*options.log, paths.active, rays, false, coherent);
   world.intersector.intersect(paths.active, rays, coherent);
 
-  alignas(64) int waiting[kPacket];  // paths that have met a mesh and not been looked at
+  alignas(64) int waiting[kPacket];  // paths that have hit a mesh and are still to be shaded
   bool any_missed = false;
   for (int i = 0; i < kPacket; ++i) {
     waiting[i] = rays.mesh[i] == kNoMesh ? 0 : paths.active[i];
@@ -218,7 +243,7 @@ void advance(const RenderScene& world, const PathOptions& options, RayPacket& ra
   for (int i = 0; i < kPacket; ++i) paths.active[i] = shadow.active[i] = 0;
   Padded light, reflection;
   bool sampled = false;
-  for (int first; (first = first_set(waiting)) < kPacket;) {  // mesh by mesh: most packets see but one
+  for (int first; (first = first_set(waiting)) < kPacket;) {  // mesh by mesh: most packets hit only one
     const unsigned mesh_id = rays.mesh[first];
     alignas(64) int lanes[kPacket];
     for (int i = 0; i < kPacket; ++i) {
@@ -231,8 +256,8 @@ void advance(const RenderScene& world, const PathOptions& options, RayPacket& ra
       continue;
     }
     if (!sampled) {
-      path_samples(options.sampling, place, 2 * bounce, light);
-      if (!last) path_samples(options.sampling, place, 2 * bounce + 1, reflection);
+      path_samples(options.sampling, indices, 2 * bounce, light);
+      if (!last) path_samples(options.sampling, indices, 2 * bounce + 1, reflection);
       sampled = true;
     }
     scatter(world, mesh_id, lanes, rays, paths, light, last ? nullptr : &reflection, shadow);
@@ -247,6 +272,49 @@ void advance(const RenderScene& world, const PathOptions& options, RayPacket& ra
   }
 }
 
+/// Camera rays of one packet of samples, in world axes, with their weights in the two views.
+void camera_packet(const CameraView& camera, const PathOptions& options, int x, int y, const SampleIndices& indices,
+                   LensPacket& packet, RayPacket& rays) {
+  alignas(64) float samples[4][kPacket];
+  camera_samples(options.sampling, indices, samples);
+  if (options.ideal_aperture_scale) {
+    camera.lens.sample_ideal(x, y, samples, static_cast<float>(*options.ideal_aperture_scale), packet);
+  } else {
+    camera.lens.sample(x, y, camera.lens.has_color() ? cfa_color(x, y) : 1, samples, packet);
+  }
+  to_world(packet, camera.world_from_camera, rays);
+}
+
+/// Starts a path for each of `count` samples that the lens lets pass. Half of them lie in each half of the pupil; an
+/// odd one in the half that `odd_left` says.
+void start_paths(const LensPacket& packet, int count, int odd_left, Paths& paths) {
+  constexpr int kPairs = kPacket / 2;
+  for (int i = 0; i < kPacket; ++i) {
+    const bool wanted = i < kPairs ? i < (count + odd_left) / 2 : i - kPairs < (count + 1 - odd_left) / 2;
+    paths.active[i] = wanted && packet.left[i] + packet.right[i] > 0 ? -1 : 0;
+    paths.throughput.set(i, glm::vec3(1));
+    paths.radiance.set(i, glm::vec3(0));
+    paths.pdf[i] = kInfinity;
+  }
+}
+
+void trace_paths(const RenderScene& world, const PathOptions& options, const SampleIndices& indices, RayPacket& rays,
+                 Paths& paths) {
+  for (int bounce = 0;; ++bounce) {
+    const bool last = bounce == options.max_bounces;
+    advance(world, options, rays, paths, indices, bounce, last);
+    if (last || first_set(paths.active) == kPacket) break;
+  }
+}
+
+void add_weighted(const float weight[kPacket], const Vec3Packet& radiance, Vec3Packet& sum) {
+  for (int i = 0; i < kPacket; ++i) {
+    sum.x[i] += weight[i] * radiance.x[i];
+    sum.y[i] += weight[i] * radiance.y[i];
+    sum.z[i] += weight[i] * radiance.z[i];
+  }
+}
+
 glm::vec3 sum_of(const Vec3Packet& lanes) {
   glm::vec3 sum(0);
   for (int i = 0; i < kPacket; ++i) sum += lanes.at(i);
@@ -257,53 +325,20 @@ glm::vec3 sum_of(const Vec3Packet& lanes) {
 
 HalfRadiance render_pixel(const RenderScene& world, const CameraView& camera, const PathOptions& options, int x, int y,
                           std::uint32_t samples, std::uint64_t pixel_key) {
-  constexpr int kPairs = kPacket / 2;
   const std::uint32_t index_mask = std::bit_ceil(std::max(samples, std::uint32_t{kPacket})) / 2 - 1;
-  alignas(64) float joint[4][kPacket];
+  const int odd_left = static_cast<int>(hash(pixel_key) >> 63);  // which half of the pupil gets an odd sample
   LensPacket packet;
   alignas(64) RayPacket rays;
   alignas(64) Paths paths;
-  const int odd_left = static_cast<int>(hash(pixel_key) >> 63);  // which half of the pupil gets an odd sample
-  const int color = camera.lens.has_color() ? cfa_color(x, y) : 1;
   Vec3Packet left_sum{}, right_sum{};
   for (std::uint32_t first = 0; first < samples; first += kPacket) {
-    const int lanes = static_cast<int>(std::min<std::uint32_t>(kPacket, samples - first));
-    const SamplePlace place{first / 2, index_mask, pixel_key};
-    camera_samples(options.sampling, place, joint);
-    if (options.ideal_aperture_scale) {
-      camera.lens.sample_ideal(x, y, joint, static_cast<float>(*options.ideal_aperture_scale), packet);
-    } else {
-      camera.lens.sample(x, y, color, joint, packet);
-    }
-    to_world(packet, camera.world_from_camera, rays);
-    for (int i = 0; i < kPacket; ++i) {
-      const bool wanted = i < kPairs ? i < (lanes + odd_left) / 2 : i - kPairs < (lanes + 1 - odd_left) / 2;
-      paths.active[i] = wanted && packet.left[i] + packet.right[i] > 0 ? -1 : 0;
-      paths.throughput.set(i, glm::vec3(1));
-      paths.radiance.set(i, glm::vec3(0));
-      paths.pdf[i] = kInfinity;
-    }
-    for (int bounce = 0;; ++bounce) {
-      const bool last = bounce == options.max_bounces;
-      advance(world, options, rays, paths, place, bounce, last);
-      if (last || first_set(paths.active) == kPacket) break;
-    }
-    if (options.ideal_aperture_scale) {  // undivided: one sum for both halves
-      for (int i = 0; i < kPacket; ++i) {
-        left_sum.x[i] += 0.5f * paths.radiance.x[i];
-        left_sum.y[i] += 0.5f * paths.radiance.y[i];
-        left_sum.z[i] += 0.5f * paths.radiance.z[i];
-      }
-      continue;
-    }
-    for (int i = 0; i < kPacket; ++i) {
-      left_sum.x[i] += packet.left[i] * paths.radiance.x[i];
-      left_sum.y[i] += packet.left[i] * paths.radiance.y[i];
-      left_sum.z[i] += packet.left[i] * paths.radiance.z[i];
-      right_sum.x[i] += packet.right[i] * paths.radiance.x[i];
-      right_sum.y[i] += packet.right[i] * paths.radiance.y[i];
-      right_sum.z[i] += packet.right[i] * paths.radiance.z[i];
-    }
+    const SampleIndices indices{first / 2, index_mask, pixel_key};
+    camera_packet(camera, options, x, y, indices, packet, rays);
+    start_paths(packet, static_cast<int>(std::min<std::uint32_t>(kPacket, samples - first)), odd_left, paths);
+    trace_paths(world, options, indices, rays, paths);
+    add_weighted(packet.left, paths.radiance, left_sum);
+    // the ideal lens gives both halves the same light: one sum serves both
+    if (!options.ideal_aperture_scale) add_weighted(packet.right, paths.radiance, right_sum);
   }
   const float scale = 1 / static_cast<float>(samples);
   const glm::vec3 left = sum_of(left_sum) * scale;
