@@ -5,22 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <glm/glm.hpp>
 #include <limits>
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
 #include "simulator/lens/lens_file.h"
+#include "simulator/path_beside.h"
 
 namespace dualpixel::simulator {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::string beside(const std::string& json_path, const std::string& name) {
-  return (std::filesystem::path(json_path).parent_path() / name).string();
-}
 
 glm::dvec3 to_vec(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
@@ -41,89 +37,107 @@ void read_camera(Fields camera, Simulation& s, double& focus_distance_m) {
   camera.done();
 }
 
+constexpr std::uint64_t kAnySeed = std::numeric_limits<std::uint64_t>::max();
+
+constexpr OptionRange<Simulation> kBurstRanges[] = {
+    {"frames", &Simulation::burst_frames, 1, 1000},
+    {"hand_shake", &Simulation::hand_shake, 0, 100},
+    {"exposure_poses", &Simulation::exposure_poses, 1, 64},
+};
+constexpr OptionRange<Simulation> kEnvironmentFileRanges[] = {
+    {"nits_per_unit", &Simulation::environment_nits_per_unit, 0, 1e9},
+};
+constexpr OptionRange<Simulation> kTruthRanges[] = {
+    {"photograph_aperture_scale", &Simulation::photograph_aperture_scale, 0, 100},
+};
+constexpr OptionRange<Simulation> kTruthSampleRanges[] = {
+    {"photograph_samples_per_pixel", &Simulation::photograph_samples_per_pixel, 1, 65536},
+    {"all_in_focus_samples_per_pixel", &Simulation::all_in_focus_samples_per_pixel, 1, 65536},
+};
+constexpr OptionRange<Simulation> kSceneRanges[] = {{"unlit_white_nits", &Simulation::unlit_white_nits, 0, 1e9}};
+constexpr double kLongestInterval_s = 1e5;
+
 void read_sensor(Fields sensor, SensorOptions& s) {
-  sensor.integer("width_px", s.width_px, 2, 32768);
-  sensor.integer("height_px", s.height_px, 4, 32768);
-  if (s.width_px % 2 != 0)
-    sensor.fail("width_px", fmt::format("{}: must be even: the mosaic repeats every 2", s.width_px));
-  if (s.height_px % 4 != 0) {
-    sensor.fail("height_px",
-                fmt::format("{}: must be a multiple of 4: a DP pixel is up to 4 photosites high", s.height_px));
-  }
-  sensor.number("pixel_pitch_um", s.pixel_pitch_um, 0.1, 100);
+  read_ranges(sensor, s, kSensorRanges);
   sensor.numbers("electrons_per_lux_s", s.electrons_per_lux_s.data(), 3);
-  for (double value : s.electrons_per_lux_s) {
-    if (!(value > 0 && value < 1e9)) sensor.fail("electrons_per_lux_s", fmt::format("{}: must lie in (0, 1e9)", value));
-  }
-  sensor.number("full_well_e", s.full_well_e, 1, 1e7);
-  sensor.number("read_noise_e", s.read_noise_e, 0, 1e4);
-  sensor.number("read_noise_after_gain_dn", s.read_noise_after_gain_dn, 0, 1e4);
-  sensor.number("prnu", s.prnu, 0, 0.5);
-  sensor.number("dark_offset_dn", s.dark_offset_dn, 0, 1e4);
-  sensor.integer("fixed_pattern_seed", s.fixed_pattern_seed, 0, std::numeric_limits<std::uint64_t>::max());
-  sensor.integer("dp_downsample_x", s.dp_downsample_x, 1, 2);
-  sensor.integer("dp_downsample_y", s.dp_downsample_y, 1, 4);
-  const int dp_x = s.dp_downsample_x, dp_y = s.dp_downsample_y;
-  if (!(dp_x == 2 && (dp_y == 2 || dp_y == 4)) && !(dp_x == 1 && dp_y == 1)) {
-    sensor.fail("dp_downsample_y", fmt::format("{} x {}: a DP pixel must be 2 x 4, 2 x 2 or 1 x 1", dp_x, dp_y));
-  }
-  sensor.integer("bits", s.bits, 8, 16);
-  sensor.number("black_level_dn", s.black_level_dn, 0, std::exp2(s.bits) / 2);
+  sensor.integer("fixed_pattern_seed", s.fixed_pattern_seed, 0, kAnySeed);
   sensor.done();
 }
 
 void read_burst(Fields burst, Simulation& s) {
-  burst.integer("frames", s.burst_frames, 1, 1000);
-  burst.number("hand_shake", s.hand_shake, 0, 100);
-  burst.integer("hand_shake_seed", s.hand_shake_seed, 0, std::numeric_limits<std::uint64_t>::max());
+  read_ranges(burst, s, kBurstRanges);
+  burst.integer("hand_shake_seed", s.hand_shake_seed, 0, kAnySeed);
   s.frame_interval_s = std::max(s.frame_interval_s, s.exposure.time_s);
-  burst.number("interval_s", s.frame_interval_s, s.exposure.time_s, 1e5);
-  burst.integer("exposure_poses", s.exposure_poses, 1, 64);
+  burst.number("interval_s", s.frame_interval_s, s.exposure.time_s, kLongestInterval_s);
   burst.boolean("animation", s.animation);
   burst.done();
 }
 
 void read_environment_fields(Fields environment, Simulation& s, const std::string& path) {
-  environment.choice("model", s.environment_model, {"none", "constant", "sky", "file"});
-  if (s.environment_model == "constant") {
-    environment.required("nits").numbers("nits", s.environment_nits.data(), 3);
-    for (double value : s.environment_nits) {
-      if (!(value >= 0 && value <= 1e9)) environment.fail("nits", fmt::format("{}: must lie in [0, 1e9]", value));
+  read_named(environment, "model", s.environment_model, kEnvironmentModels);
+  switch (s.environment_model) {
+    case EnvironmentModel::none:
+      break;
+    case EnvironmentModel::constant:
+      environment.required("nits").numbers("nits", s.environment_nits.data(), 3);
+      break;
+    case EnvironmentModel::sky:
+      read_ranges(environment, s.sky, kSkyRanges);
+      break;
+    case EnvironmentModel::file: {
+      std::string name;
+      environment.required("path").text("path", name);
+      s.environment_path = path_beside(path, name);
+      read_ranges(environment, s, kEnvironmentFileRanges);
+      break;
     }
-  } else if (s.environment_model == "sky") {
-    environment.number("sun_elevation_deg", s.sky.sun_elevation_deg, -90, 90);
-    environment.number("sun_azimuth_deg", s.sky.sun_azimuth_deg, -360, 360);
-    environment.number("zenith_nits", s.sky.zenith_nits, 0, 1e9);
-    environment.number("horizon_nits", s.sky.horizon_nits, 0, 1e9);
-    environment.number("ground_nits", s.sky.ground_nits, 0, 1e9);
-    environment.number("sun_glow_nits", s.sky.sun_glow_nits, 0, 1e9);
-    environment.number("sun_glow_width_deg", s.sky.sun_glow_width_deg, 0.5, 90);
-  } else if (s.environment_model == "file") {
-    std::string name;
-    environment.required("path").text("path", name);
-    s.environment_path = beside(path, name);
-    environment.number("nits_per_unit", s.environment_nits_per_unit, 0, 1e9);
   }
   environment.done();
 }
 
 void read_render(Fields render, Simulation& s) {
-  render.integer("samples_per_pixel", s.render.samples_per_pixel, 1, 65536);
-  const auto share = [&](const char* key, std::optional<double>& value) {
-    if (render.has(key)) render.number(key, value.emplace(), 1e-4, 100);
+  read_ranges(render, s.render, kRenderRanges);
+  const auto optional = [&](const char* key, std::optional<double>& value, double low, double high) {
+    if (render.has(key)) render.number(key, value.emplace(), low, high);
   };
-  share("noise_fraction", s.noise_fraction);
-  share("error", s.render_error);
-  if (render.has("time_budget_s")) render.number("time_budget_s", s.time_budget_s.emplace(), 0, 1e7);
-  if (s.noise_fraction.has_value() + s.render_error.has_value() + s.time_budget_s.has_value() > 1) {
-    const char* field = s.time_budget_s ? "time_budget_s" : "error";
-    render.fail(field, "give one of noise_fraction, error and time_budget_s");
-  }
-  render.integer("photograph_samples_per_pixel", s.photograph_samples_per_pixel, 1, 65536);
-  render.integer("all_in_focus_samples_per_pixel", s.all_in_focus_samples_per_pixel, 1, 65536);
-  render.integer("max_bounces", s.render.max_bounces, 0, 1000);
-  render.integer("seed", s.render.seed, 0, std::numeric_limits<std::uint64_t>::max());
+  optional("noise_fraction", s.noise_fraction, 1e-4, 100);
+  optional("error", s.render_error, 1e-4, 100);
+  optional("time_budget_s", s.time_budget_s, 0, 1e7);
+  read_ranges(render, s, kTruthSampleRanges);
+  render.integer("seed", s.render.seed, 0, kAnySeed);
   render.done();
+}
+
+std::optional<OptionProblem> check_burst(const Simulation& s) {
+  if (auto problem = check_ranges(s, kBurstRanges)) return problem;
+  if (const auto why = out_of_range(s.frame_interval_s, s.exposure.time_s, kLongestInterval_s)) {
+    return OptionProblem{"interval_s", *why};
+  }
+  return std::nullopt;
+}
+
+std::optional<OptionProblem> check_environment(const Simulation& s) {
+  for (double value : s.environment_nits) {
+    if (!(value >= 0 && value <= 1e9)) return OptionProblem{"nits", fmt::format("{}: must lie in [0, 1e9]", value)};
+  }
+  if (auto problem = check(s.sky)) return problem;
+  return check_ranges(s, kEnvironmentFileRanges);
+}
+
+std::optional<OptionProblem> check_render(const Simulation& s) {
+  if (auto problem = check(s.render)) return problem;
+  if (s.noise_fraction.has_value() + s.render_error.has_value() + s.time_budget_s.has_value() > 1) {
+    return OptionProblem{s.time_budget_s ? "time_budget_s" : "error",
+                         "give one of noise_fraction, error and time_budget_s"};
+  }
+  return check_ranges(s, kTruthSampleRanges);
+}
+
+std::optional<OptionProblem> check_face(const Simulation& s) {
+  if (!s.face_px) return std::nullopt;
+  const auto& f = *s.face_px;
+  if (f[0] >= 0 && f[1] >= 0 && f[2] > 0 && f[3] > 0) return std::nullopt;
+  return OptionProblem{"face_px", "must be x, y, width, height in photosites, width and height above 0"};
 }
 
 }  // namespace
@@ -137,34 +151,37 @@ Simulation read_simulation(const nlohmann::json& json, const std::string& path) 
   root.required("version").integer("version", version, 1, 1);
   std::string gltf;
   root.required("gltf").text("gltf", gltf);
-  s.gltf_path = beside(path, gltf);
+  s.gltf_path = path_beside(path, gltf);
   double focus_distance_m = 1;
   read_camera(root.object("camera"), s, focus_distance_m);
   s.lens = read_lens(root.has("lens") ? root.raw("lens") : nlohmann::json::object(), path, "/lens", focus_distance_m);
-  Fields sensor = root.object("sensor");
-  read_sensor(sensor, s.sensor);
+  read_sensor(root.object("sensor"), s.sensor);
   Fields exposure = root.object("exposure");
-  exposure.number("time_s", s.exposure.time_s, 1e-7, 1e4);
-  exposure.number("iso", s.exposure.iso, 1, 1e6);
+  read_ranges(exposure, s.exposure, kExposureRanges);
   exposure.done();
   read_burst(root.object("burst"), s);
   read_environment_fields(root.object("environment"), s, path);
-  root.number("unlit_white_nits", s.unlit_white_nits, 0, 1e9);
-  if (root.has("face_px")) {
-    s.face_px.emplace();
-    root.numbers("face_px", s.face_px->data(), 4);
-    const auto& f = *s.face_px;
-    if (f[0] < 0 || f[1] < 0 || !(f[2] > 0) || !(f[3] > 0)) {
-      root.fail("face_px", "must be x, y, width, height in photosites, width and height above 0");
-    }
-  }
+  read_ranges(root, s, kSceneRanges);
+  if (root.has("face_px")) root.numbers("face_px", s.face_px.emplace().data(), 4);
   Fields truth = root.object("truth");
-  truth.number("photograph_aperture_scale", s.photograph_aperture_scale, 0, 100);
+  read_ranges(truth, s, kTruthRanges);
   truth.done();
   read_render(root.object("render"), s);
   root.done();
+  require_valid(check(s), path);
   check_memory(s, 0);
   return s;
+}
+
+std::optional<OptionProblem> check(const Simulation& s) {
+  if (auto problem = within("sensor", check(s.sensor))) return problem;
+  if (auto problem = within("exposure", check(s.exposure))) return problem;
+  if (auto problem = within("burst", check_burst(s))) return problem;
+  if (auto problem = within("environment", check_environment(s))) return problem;
+  if (auto problem = check_ranges(s, kSceneRanges)) return problem;
+  if (auto problem = check_face(s)) return problem;
+  if (auto problem = within("truth", check_ranges(s, kTruthRanges))) return problem;
+  return within("render", check_render(s));
 }
 
 bool moves(const Simulation& s) { return s.hand_shake > 0 || s.animation; }

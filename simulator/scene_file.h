@@ -13,7 +13,7 @@
 /// The JSON file that places a camera in a scene: what to simulate, before anything is.
 namespace dualpixel::simulator {
 
-/// A camera of the scene file's own, for glTF files without one; takes the place of the node.
+/// A camera of the scene file's own, for glTF files without one; replaces the node.
 struct CameraPose {
   std::array<double, 3> position_m{};
   std::array<double, 3> look_at_m{};
@@ -30,12 +30,12 @@ struct Simulation {
   SensorOptions sensor;
   ExposureOptions exposure;
   int burst_frames = 9;
-  double hand_shake = 0;  ///< scale of hand_shake()'s amplitudes; 0: the camera stands still
+  double hand_shake = 0;  ///< scale of hand_shake()'s amplitudes; 0: the camera does not move
   std::uint64_t hand_shake_seed = 1;
-  double frame_interval_s = 0.04;          ///< from one frame's exposure to the next; at least the exposure time
-  int exposure_poses = 1;                  ///< poses over each exposure that the frame is the mean of
-  bool animation = false;                  ///< glTF's animations play: frame i shows the scene at i * frame_interval_s
-  std::string environment_model = "none";  ///< "none", "constant", "sky", "file"
+  double frame_interval_s = 0.04;  ///< from one frame's exposure to the next; at least the exposure time
+  int exposure_poses = 1;          ///< poses over each exposure that the frame is the mean of
+  bool animation = false;          ///< glTF's animations play: frame i shows the scene at i * frame_interval_s
+  EnvironmentModel environment_model = EnvironmentModel::none;
   std::array<double, 3> environment_nits{};
   SkyOptions sky;
   std::string environment_path;
@@ -55,6 +55,9 @@ struct Simulation {
   int all_in_focus_samples_per_pixel = 8;
   nlohmann::json json;  ///< the document as it was read, overrides applied
 };
+
+/// Whether all numbers lie in their ranges and the fields agree with each other.
+std::optional<OptionProblem> check(const Simulation& simulation);
 
 /// Reads a scene JSON document that came from `path`, after overrides ("camera.focus_distance_m=0.9") were applied to
 /// it. Throws InputError for unknown fields, values out of range, focus inside the focal length, and pictures that

@@ -241,12 +241,12 @@ void add_truth_pictures(const Simulation& s, const RenderScene& world, const Cam
 Scene load_scene(const Simulation& s, double time_s) {
   Scene scene = read_gltf(s.gltf_path, s.animation ? std::optional(time_s) : std::nullopt);
   scene.unlit_white_nits = static_cast<float>(s.unlit_white_nits);
-  if (s.environment_model == "constant") {
+  if (s.environment_model == EnvironmentModel::constant) {
     const glm::vec3 nits(s.environment_nits[0], s.environment_nits[1], s.environment_nits[2]);
     scene.environment = {2, 1, {nits, nits}};
-  } else if (s.environment_model == "sky") {
+  } else if (s.environment_model == EnvironmentModel::sky) {
     scene.environment = make_sky(s.sky);
-  } else if (s.environment_model == "file") {
+  } else if (s.environment_model == EnvironmentModel::file) {
     scene.environment = read_environment(s.environment_path, static_cast<float>(s.environment_nits_per_unit));
   }
   if (!gives_light(scene)) {
@@ -309,6 +309,7 @@ Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& s
 }
 
 Capture simulate(const Simulation& s, const Scene& scene, const CameraView& view, const StageCallback& stage) {
+  require_valid(check(s), s.path);
   check_memory(s, (s.animation ? 2 : 1) * bytes_of(scene));
   if (s.animation) check_animation(s, scene);
   const RenderScene world(scene);

@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "capture/image/image.h"
+#include "simulator/option_ranges.h"
 #include "simulator/render/pixel.h"
 #include "simulator/render/sample_map.h"
 #include "simulator/render/tile_store.h"
@@ -21,9 +22,16 @@ struct RenderOptions {
   TileStore* store = nullptr;                  ///< set: tiles that it knows are not rendered, others are added
 };
 
+inline constexpr OptionRange<RenderOptions> kRenderRanges[] = {
+    {"samples_per_pixel", &RenderOptions::samples_per_pixel, 1, 65536},
+    {"max_bounces", &RenderOptions::max_bounces, 0, 1000},
+};
+
+inline std::optional<OptionProblem> check(const RenderOptions& render) { return check_ranges(render, kRenderRanges); }
+
 /// Both halves of every photosite, full sensor size, linear RGB. left + right is the radiance in nits that the
 /// photosite sees, averaged over its area and the pupil and weighed by the lens's shading and the split's losses; the
-/// sensor turns it into light by LensSampler::lux_per_nit(). Through a lens with colour, light is traced at the
+/// sensor turns it into light by LensSampler::lux_per_nit(). Through a lens with color, light is traced at the
 /// wavelength of the photosite's own filter, so only that channel is right there.
 struct Views {
   Image left;

@@ -31,7 +31,7 @@ bool is_exr_or_hdr(const std::string& path) {
   return bytes.starts_with("\x76\x2f\x31\x01") || bytes.starts_with("#?RADIANCE") || bytes.starts_with("#?RGBE");
 }
 
-/// A colour of luminance 1 (Rec. 709).
+/// A color of luminance 1 (Rec. 709).
 glm::vec3 of_luminance_one(glm::vec3 rgb) { return rgb / glm::dot(rgb, glm::vec3(0.2126f, 0.7152f, 0.0722f)); }
 
 }  // namespace

@@ -1,9 +1,21 @@
 #pragma once
 #include <string>
 
+#include "capture/names.h"
+#include "simulator/option_ranges.h"
 #include "simulator/scene/scene.h"
 
 namespace dualpixel::simulator {
+
+/// Where light from infinity comes from.
+enum class EnvironmentModel { none, constant, sky, file };
+
+inline constexpr Named<EnvironmentModel> kEnvironmentModels[] = {
+    {"none", EnvironmentModel::none, "black"},
+    {"constant", EnvironmentModel::constant, "the same radiance everywhere"},
+    {"sky", EnvironmentModel::sky, "a procedural sky over a ground"},
+    {"file", EnvironmentModel::file, "an equirectangular EXR or HDR picture"},
+};
 
 /// An equirectangular EXR or HDR file; pixel values times `nits_per_unit` are nits. Throws InputError on other formats,
 /// values outside of [0, 1e12] nits, and pictures over 16384 x 8192.
@@ -18,6 +30,18 @@ struct SkyOptions {
   float sun_glow_nits = 40000;    ///< peak of the bright lobe around the sun; the disc itself is a directional light
   float sun_glow_width_deg = 12;  ///< standard deviation of the lobe
 };
+
+inline constexpr OptionRange<SkyOptions> kSkyRanges[] = {
+    {"sun_elevation_deg", &SkyOptions::sun_elevation_deg, -90, 90},
+    {"sun_azimuth_deg", &SkyOptions::sun_azimuth_deg, -360, 360},
+    {"zenith_nits", &SkyOptions::zenith_nits, 0, 1e9},
+    {"horizon_nits", &SkyOptions::horizon_nits, 0, 1e9},
+    {"ground_nits", &SkyOptions::ground_nits, 0, 1e9},
+    {"sun_glow_nits", &SkyOptions::sun_glow_nits, 0, 1e9},
+    {"sun_glow_width_deg", &SkyOptions::sun_glow_width_deg, 0.5, 90},
+};
+
+inline std::optional<OptionProblem> check(const SkyOptions& sky) { return check_ranges(sky, kSkyRanges); }
 
 /// A procedural sky, smooth enough that few light samples do.
 Environment make_sky(const SkyOptions& options, int width = 512);

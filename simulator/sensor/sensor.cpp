@@ -1,5 +1,6 @@
 #include "simulator/sensor/sensor.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -75,6 +76,31 @@ int binned(const SensorOptions& sensor) {
 }
 
 }  // namespace
+
+std::optional<OptionProblem> check(const SensorOptions& s) {
+  if (auto problem = check_ranges(s, kSensorRanges)) return problem;
+  if (s.width_px % 2 != 0) {
+    return OptionProblem{"width_px", fmt::format("{}: must be even: the mosaic repeats every 2", s.width_px)};
+  }
+  if (s.height_px % 4 != 0) {
+    return OptionProblem{
+        "height_px", fmt::format("{}: must be a multiple of 4: a DP pixel is up to 4 photosites high", s.height_px)};
+  }
+  for (double value : s.electrons_per_lux_s) {
+    if (!(value > 0 && value < 1e9)) {
+      return OptionProblem{"electrons_per_lux_s", fmt::format("{}: must lie in (0, 1e9)", value)};
+    }
+  }
+  const int dp_x = s.dp_downsample_x, dp_y = s.dp_downsample_y;
+  if (!(dp_x == 2 && (dp_y == 2 || dp_y == 4)) && !(dp_x == 1 && dp_y == 1)) {
+    return OptionProblem{"dp_downsample_y",
+                         fmt::format("{} x {}: a DP pixel must be 2 x 4, 2 x 2 or 1 x 1", dp_x, dp_y)};
+  }
+  if (const auto why = out_of_range(s.black_level_dn, 0, std::exp2(s.bits) / 2)) {
+    return OptionProblem{"black_level_dn", *why};
+  }
+  return std::nullopt;
+}
 
 SensorGrid sensor_grid(const SensorOptions& sensor) {
   return {sensor.width_px,

@@ -5,6 +5,7 @@
 #include "capture/capture.h"
 #include "capture/image/image.h"
 #include "simulator/lens/sensor_grid.h"
+#include "simulator/option_ranges.h"
 
 /// From light to digital numbers. Each half of a photosite counts photons; the photosite's electrons are the sum of
 /// its halves, so mosaic and DP views share their shot noise as on a real sensor, and each read-out adds its own read
@@ -34,6 +35,23 @@ struct SensorOptions {
   int dp_downsample_y = 4;
 };
 
+inline constexpr OptionRange<SensorOptions> kSensorRanges[] = {
+    {"width_px", &SensorOptions::width_px, 2, 32768},
+    {"height_px", &SensorOptions::height_px, 4, 32768},
+    {"pixel_pitch_um", &SensorOptions::pixel_pitch_um, 0.1, 100},
+    {"full_well_e", &SensorOptions::full_well_e, 1, 1e7},
+    {"read_noise_e", &SensorOptions::read_noise_e, 0, 1e4},
+    {"read_noise_after_gain_dn", &SensorOptions::read_noise_after_gain_dn, 0, 1e4},
+    {"prnu", &SensorOptions::prnu, 0, 0.5},
+    {"dark_offset_dn", &SensorOptions::dark_offset_dn, 0, 1e4},
+    {"dp_downsample_x", &SensorOptions::dp_downsample_x, 1, 2},
+    {"dp_downsample_y", &SensorOptions::dp_downsample_y, 1, 4},
+    {"bits", &SensorOptions::bits, 8, 16},
+    {"black_level_dn", &SensorOptions::black_level_dn, 0, 32768},
+};
+
+std::optional<OptionProblem> check(const SensorOptions& sensor);
+
 /// The photosites for rendering, the optical axis in the middle.
 SensorGrid sensor_grid(const SensorOptions& sensor);
 
@@ -44,6 +62,15 @@ struct ExposureOptions {
   double time_s = 0.01;
   double iso = 100;
 };
+
+inline constexpr OptionRange<ExposureOptions> kExposureRanges[] = {
+    {"time_s", &ExposureOptions::time_s, 1e-7, 1e4},
+    {"iso", &ExposureOptions::iso, 1, 1e6},
+};
+
+inline std::optional<OptionProblem> check(const ExposureOptions& exposure) {
+  return check_ranges(exposure, kExposureRanges);
+}
 
 /// Digital numbers per electron: the full well reaches the white level at ISO 100.
 double gain_dn_per_electron(const SensorOptions& sensor, double iso);
