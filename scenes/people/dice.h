@@ -7,44 +7,44 @@
 
 /// The draws of one recipe, in order, from a key alone, of a training or a held-out set. Of each sixteenth of the unit
 /// interval the last fifth belongs to the held-out set and the rest to training, so a number that is drawn uniformly (a
-/// length, a colour, ...) is never the same in both. Numbers that are drawn about a middle (angles, ...) are sums of
+/// length, a color, ...) is never the same in both. Numbers that are drawn about a middle (angles, ...) are sums of
 /// such, and cover the same values in both. Pools of whole things (rooms, gestures, ...) are split by choose(). Seeds
 /// of noise differ because the key's last bit says which set it is.
 namespace dualpixel::scenes {
 
-class Dice {
+class RandomStream {
  public:
-  Dice(std::uint64_t seed, bool held_out) : key_(simulator::hash(seed) << 1 | (held_out ? 1 : 0)) {}
+  RandomStream(std::uint64_t seed, bool held_out) : key_(simulator::hash(seed) << 1 | (held_out ? 1 : 0)) {}
 
   bool held_out() const { return (key_ & 1) != 0; }
 
   /// Whether most of what is drawn is to be of no particular kind (see docs/people.md): cloth, walls, places and
   /// gestures that nobody has seen come together, as they do in held-out sets. Never there.
-  bool strange() const { return strange_; }
-  void set_strange() { strange_ = !held_out(); }
+  bool domain_randomized() const { return domain_randomized_; }
+  void set_domain_randomized() { domain_randomized_ = !held_out(); }
 
-  /// Dice for a part of what is made: its draws don't move when another part draws more.
-  Dice of(std::uint64_t part) const {
-    Dice dice(simulator::hash(key_, part), held_out());
-    dice.strange_ = strange_;
-    return dice;
+  /// RandomStream for a part of what is made: its draws don't move when another part draws more.
+  RandomStream substream(std::uint64_t part) const {
+    RandomStream rng(simulator::hash(key_, part), held_out());
+    rng.domain_randomized_ = domain_randomized_;
+    return rng;
   }
 
   /// Uniform over this set's share of [0, 1).
-  float unit() {
+  float uniform() {
     const std::uint64_t bits = next();
     return share(static_cast<float>(bits & (kBlocks - 1)), static_cast<float>(bits >> 40) * 0x1p-24f);
   }
-  float in(float low, float high) { return low + (high - low) * unit(); }
+  float uniform(float low, float high) { return low + (high - low) * uniform(); }
   /// Bell-shaped, mean 0, deviation 1, within +-3.5: the sum of four uniform numbers, less the mean of this set's.
   float normal() {
     const float mean = share(0.5f * (kBlocks - 1), 0.5f);
-    const float sum = unit() + unit() + unit() + unit();
+    const float sum = uniform() + uniform() + uniform() + uniform();
     return (sum - 4 * mean) * 1.7320508f;
   }
-  glm::vec3 in3(float low, float high) {
-    const float x = in(low, high), y = in(low, high);
-    return {x, y, in(low, high)};
+  glm::vec3 uniform3(float low, float high) {
+    const float x = uniform(low, high), y = uniform(low, high);
+    return {x, y, uniform(low, high)};
   }
   /// What both sets share: whether, and which of n.
   bool chance(float p) { return static_cast<float>(next() >> 40) * 0x1p-24f < p; }
@@ -64,7 +64,7 @@ class Dice {
   std::uint64_t next() { return simulator::hash(key_, count_++); }
   std::uint64_t key_;
   std::uint64_t count_ = 0;
-  bool strange_ = false;
+  bool domain_randomized_ = false;
 };
 
 }  // namespace dualpixel::scenes

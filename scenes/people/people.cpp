@@ -24,10 +24,10 @@ struct Size {
   int width, height;
 };
 
-Size any_size(Dice& dice) {
+Size any_size(RandomStream& rng) {
   constexpr Size kSizes[] = {{192, 256}, {192, 256}, {192, 256}, {192, 256}, {205, 256},
                              {256, 192}, {256, 192}, {256, 256}, {256, 256}, {144, 256}};
-  return kSizes[dice.below(10)];
+  return kSizes[rng.below(10)];
 }
 
 /// Of a hundred pictures: how many are framed so close or closer, and how many show at most one or two people. Training
@@ -45,19 +45,19 @@ struct Sitter {
 
 /// What a rendered picture still is before it is developed.
 struct Sitting {
-  Exposure exposure;
+  Rendering exposure;
   std::vector<Sitter> sitters;
   bool clear = true;  ///< nothing stands before the people, and no seat is left without its sitter: they can be cut out
-  bool strange = false;  ///< Dice::strange
+  bool strange = false;  ///< RandomStream::strange
   std::vector<std::string> tags;
 };
 
 /// Whether the first thing on the way to a joint is that person, and about where the joint is.
-bool sees(const World& world, vec3 eye, vec3 joint, int person, float within_m) {
+bool sees(const RayTracer& tracer, vec3 eye, vec3 joint, int person, float within_m) {
   const vec3 d = joint - eye;
   const float distance = glm::length(d);
-  const auto hit = world.intersector().intersect({eye, d / distance});
-  return hit && world.stage().pieces[hit->mesh].person == person && hit->t > distance - within_m;
+  const auto hit = tracer.intersector().intersect({eye, d / distance});
+  return hit && tracer.scene().objects[hit->mesh].person == person && hit->t > distance - within_m;
 }
 
 /// How far before a joint the surface of its own part of the body lies, clothes and all: what is met nearer to the
@@ -91,30 +91,33 @@ bool is_frontal_and_seen(const Figure& figure, const simulator::CameraView& came
   return shown > 0.6f * static_cast<float>(side * side);
 }
 
-/// Gives something that a person wears the colours of something behind: edges without contrast.
-void match_background(Stage& stage, Dice& dice) {
+/// Gives something that a person wears the colors of something behind: edges without contrast.
+void match_background(SceneModel& scene, RandomStream& rng) {
   std::vector<int> worn, behind;
-  for (const Piece& piece : stage.pieces) {
-    const Look::Kind kind = stage.looks[static_cast<std::size_t>(piece.look)].kind;
-    if (piece.person < 0) {
-      behind.push_back(piece.look);
-    } else if (kind < Look::Kind::skin || kind == Look::Kind::hair) {
-      worn.push_back(piece.look);
+  for (const SceneObject& object : scene.objects) {
+    const Material::Kind kind = scene.materials[static_cast<std::size_t>(object.material)].kind;
+    if (object.person < 0) {
+      behind.push_back(object.material);
+    } else if (kind < Material::Kind::skin || kind == Material::Kind::hair) {
+      worn.push_back(object.material);
     }
   }
   if (worn.empty() || behind.empty()) return;
-  const Look& from = stage.looks[static_cast<std::size_t>(behind[dice.below(static_cast<int>(behind.size()))])];
+  const Material& from = scene.materials[static_cast<std::size_t>(behind[rng.below(static_cast<int>(behind.size()))])];
   for (int i = 0; i < 2; ++i) {
-    Look& to = stage.looks[static_cast<std::size_t>(worn[dice.below(static_cast<int>(worn.size()))])];
+    Material& to = scene.materials[static_cast<std::size_t>(worn[rng.below(static_cast<int>(worn.size()))])];
     to.a = from.a, to.b = from.b, to.c = from.c;
   }
 }
 
-bool is_makehuman(const Dice& dice, const MakeHumanAssets* makehuman) { return makehuman && dice.of(99).chance(0.5f); }
+bool is_makehuman(const RandomStream& rng, const MakeHumanAssets* makehuman) {
+  return makehuman && rng.substream(99).chance(0.5f);
+}
 
-Figure add_any_figure(Stage& stage, const Dice& dice, const FigureOptions& options, const MakeHumanAssets* makehuman) {
-  return is_makehuman(dice, makehuman) ? add_makehuman_figure(stage, *makehuman, dice, options)
-                                       : add_figure(stage, dice, options);
+Figure add_any_figure(SceneModel& scene, const RandomStream& rng, const FigureOptions& options,
+                      const MakeHumanAssets* makehuman) {
+  return is_makehuman(rng, makehuman) ? add_makehuman_figure(scene, *makehuman, rng, options)
+                                      : add_figure(scene, rng, options);
 }
 
 /// What the camera aims at: the head, or of several the middle.
@@ -127,40 +130,40 @@ vec3 middle_of(const std::vector<Figure>& figures) {
 }
 
 /// The share of training pictures in which most is of no particular kind.
-constexpr float kStrangeShare = 0.45f;
+constexpr float kDomainRandomizedShare = 0.45f;
 
-Sitting take_sitting(Dice dice, const MakeHumanAssets* makehuman) {
-  if (dice.of(8).chance(kStrangeShare)) dice.set_strange();
+Sitting take_sitting(RandomStream rng, const MakeHumanAssets* makehuman) {
+  if (rng.substream(8).chance(kDomainRandomizedShare)) rng.set_domain_randomized();
   Sitting sitting;
-  sitting.strange = dice.strange();
-  Dice plan = dice.of(1);
+  sitting.strange = rng.domain_randomized();
+  RandomStream plan = rng.substream(1);
   const Size size = any_size(plan);
   // head's share of the picture's height: close, portrait, half body, full body
   const Shares shares = plan.held_out() ? kHeldOutShares : kTrainingShares;
   const int framing = plan.below(100);
-  const float share = framing < shares.close      ? plan.in(0.36f, 0.58f)
-                      : framing < shares.portrait ? plan.in(0.22f, 0.36f)
-                      : framing < shares.half     ? plan.in(0.14f, 0.22f)
-                                                  : plan.in(0.09f, 0.13f);
+  const float share = framing < shares.close      ? plan.uniform(0.36f, 0.58f)
+                      : framing < shares.portrait ? plan.uniform(0.22f, 0.36f)
+                      : framing < shares.half     ? plan.uniform(0.14f, 0.22f)
+                                                  : plan.uniform(0.09f, 0.13f);
   const int crowd = plan.below(100);
   const int people = crowd < shares.one || share > 0.45f ? 1 : crowd < shares.two ? 2 : 3 + plan.below(kMostPeople - 2);
   const float aspect = static_cast<float>(size.width) / static_cast<float>(size.height);
   float height_m = 0.235f / share;
   if (people > 1) height_m = std::max(height_m, 0.5f * static_cast<float>(people) / aspect);
-  const float distance = std::max(height_m * plan.in(0.85f, 2.6f), 0.42f);
-  const float head_x = people > 1 ? plan.in(0.42f, 0.58f) : 0.5f + 0.1f * plan.normal();
+  const float distance = std::max(height_m * plan.uniform(0.85f, 2.6f), 0.42f);
+  const float head_x = people > 1 ? plan.uniform(0.42f, 0.58f) : 0.5f + 0.1f * plan.normal();
   const float head_y = std::clamp(0.16f + 0.8f * share + 0.07f * plan.normal(), 0.5f * share + 0.02f, 0.62f);
 
-  Stage stage;
-  sitting.tags.push_back(set_light(stage, dice.of(2)));
+  SceneModel scene;
+  sitting.tags.push_back(set_lighting(scene, rng.substream(2)));
   // the camera stands before the people, a little aside, at about the height of their eyes
   const float rise = std::clamp(0.13f * plan.normal(), -0.35f, 0.45f), aside = 0.06f * plan.normal();
   const float roll = 0.035f * plan.normal(), focus_error_m = 0.02f * plan.normal();
   // from a phone's pupil of 2 mm to a portrait lens's of 50 mm
   const float aperture_m =
-      plan.chance(0.55f) ? plan.in(0.001f, 0.004f) : plan.in(0.006f, 0.05f) * std::min(distance, 1.0f);
+      plan.chance(0.55f) ? plan.uniform(0.001f, 0.004f) : plan.uniform(0.006f, 0.05f) * std::min(distance, 1.0f);
   const auto camera_before = [&](vec3 head) {
-    CameraPlan camera;
+    CameraSetup camera;
     camera.eye =
         head + distance * vec3(std::sin(aside) * std::cos(rise), std::sin(rise), std::cos(aside) * std::cos(rise));
     camera.eye.y = std::max(camera.eye.y, 0.15f);
@@ -177,70 +180,71 @@ Sitting take_sitting(Dice dice, const MakeHumanAssets* makehuman) {
   std::vector<FigureOptions> planned;
   std::vector<Figure> figures;  // their poses at first
   bool any_makehuman = false;
-  const float spacing = plan.in(0.4f, 0.62f);
+  const float spacing = plan.uniform(0.4f, 0.62f);
   for (int i = 0; i < people; ++i) {
     FigureOptions& options = planned.emplace_back();
-    options.metres_per_px = height_m / static_cast<float>(size.height);
+    options.meters_per_px = height_m / static_cast<float>(size.height);
     options.person = i;
     const float x = (static_cast<float>(i) - 0.5f * static_cast<float>(people - 1)) * spacing;
     options.place = vec3(x, 0, people > 1 ? 0.12f * plan.normal() : 0);
     options.yaw = people > 1 ? -0.5f * x + 0.25f * plan.normal() : 0.35f * plan.normal();
     options.head_yaw = -0.75f * options.yaw + 0.16f * plan.normal();
-    Dice gesture = dice.of(10 + i);
-    options.gesture = any_gesture(gesture);
-    figures.push_back(pose_figure(dice.of(20 + i), options));
-    any_makehuman = any_makehuman || is_makehuman(dice.of(20 + i), makehuman);
+    RandomStream gesture = rng.substream(10 + i);
+    options.gesture = random_gesture(gesture);
+    figures.push_back(pose_figure(rng.substream(20 + i), options));
+    any_makehuman = any_makehuman || is_makehuman(rng.substream(20 + i), makehuman);
   }
   // what lies below the picture is not made; how tall MakeHuman's people are is known only when they are whole
   constexpr float kPeopleReach_m = 0.6f, kBlur_m = 0.05f;
   const simulator::CameraView before = make_camera(camera_before(middle_of(figures)));
-  const float lowest_m = any_makehuman ? -1 : lowest_seen_m(before, kPeopleReach_m) - kBlur_m;
+  const float lowest_m = any_makehuman ? -1 : lowest_visible_m(before, kPeopleReach_m) - kBlur_m;
   for (int i = 0; i < people; ++i) {
     planned[i].lowest_m = lowest_m;
-    figures[i] = add_any_figure(stage, dice.of(20 + i), planned[i], makehuman);
+    figures[i] = add_any_figure(scene, rng.substream(20 + i), planned[i], makehuman);
   }
   const vec3 head = middle_of(figures);
-  const CameraPlan camera_plan = camera_before(head);
+  const CameraSetup camera_plan = camera_before(head);
 
-  const float back = plan.chance(0.3f) ? plan.in(0.8f, 1.6f) : plan.in(1.5f, 6);
-  sitting.tags.push_back(add_surroundings(stage, dice.of(3), back));
-  Dice extras = dice.of(4);
-  if (extras.chance(0.15f)) match_background(stage, extras);
+  const float back = plan.chance(0.3f) ? plan.uniform(0.8f, 1.6f) : plan.uniform(1.5f, 6);
+  sitting.tags.push_back(add_environment(scene, rng.substream(3), back));
+  RandomStream extras = rng.substream(4);
+  if (extras.chance(0.15f)) match_background(scene, extras);
   constexpr float kNearestBystander_m = 0.8f;
   const float room = back - 0.4f;  // most places have a wall at `back`
   if (extras.chance(0.25f) && room > kNearestBystander_m) {
     const int bystanders = 1 + extras.below(3);
     for (int i = 0; i < bystanders; ++i) {
       FigureOptions other;
-      const float behind = extras.in(kNearestBystander_m, room);
-      other.place = {extras.sign() * extras.in(0.15f, 0.45f) * (behind + distance) * height_m / distance, 0, -behind};
-      other.yaw = 6.2831853f * extras.unit();
-      other.metres_per_px = planned[0].metres_per_px * (behind + distance) / distance;
+      const float behind = extras.uniform(kNearestBystander_m, room);
+      other.place = {extras.sign() * extras.uniform(0.15f, 0.45f) * (behind + distance) * height_m / distance, 0,
+                     -behind};
+      other.yaw = 6.2831853f * extras.uniform();
+      other.meters_per_px = planned[0].meters_per_px * (behind + distance) / distance;
       other.person = kBystander;
-      other.gesture = any_gesture(extras);
-      add_any_figure(stage, extras.of(i), other, makehuman);
+      other.gesture = random_gesture(extras);
+      add_any_figure(scene, extras.substream(i), other, makehuman);
     }
   }
   if (extras.chance(0.12f)) {
     const float bottom = head.y - (1 - head_y) * height_m;
-    add_clutter(stage, dice.of(5), camera_plan.eye, bottom + extras.in(0.05f, 0.3f) * height_m);
+    add_foreground(scene, rng.substream(5), camera_plan.eye, bottom + extras.uniform(0.05f, 0.3f) * height_m);
     sitting.tags.emplace_back("clutter");
   }
-  const World world(stage);
+  const RayTracer tracer(scene);
   const simulator::CameraView camera = make_camera(camera_plan);
-  const Survey way = survey(world, camera);
+  const Visibility way = visibility_of(tracer, camera);
   if (way.bystanders) sitting.tags.emplace_back("bystanders");
   constexpr float kMostCovered = 0.002f;  // soles may lie in a floor
-  sitting.clear = way.covered < kMostCovered;
+  sitting.clear = way.occluded < kMostCovered;
   for (const Figure& figure : figures) {
     const bool seat_seen = figure.pose.sitting && project(camera, figure.skeleton.pelvis.origin).y < size.height;
     sitting.clear = sitting.clear && !seat_seen;
   }
-  Dice grain = dice.of(6);
-  sitting.exposure = shoot(world, camera, people, grain.seed());
+  RandomStream grain = rng.substream(6);
+  sitting.exposure = render(tracer, camera, people, grain.seed());
   float largest = 0;
   for (const Figure& figure : figures) {
-    PeopleSample truth = truth_of(world, camera, figure, sitting.exposure);
+    PeopleSample truth = truth_of(tracer, camera, figure, sitting.exposure);
     if (!is_frontal_and_seen(figure, camera, truth, sitting.exposure.coverage)) continue;
     truth.people = people;
     largest = std::max(largest, truth.face.z * truth.face.w);
@@ -251,35 +255,35 @@ Sitting take_sitting(Dice dice, const MakeHumanAssets* makehuman) {
 }
 
 /// A place with nobody in it, square, linear.
-Image take_background(Dice dice) {
-  Stage stage;
-  set_light(stage, dice.of(2));
-  Dice plan = dice.of(1);
-  add_surroundings(stage, dice.of(3), plan.in(0.5f, 5));
-  CameraPlan camera;
-  camera.eye = {plan.in(-0.3f, 0.3f), plan.in(1.0f, 1.8f), plan.in(0.5f, 2.5f)};
-  camera.target = {plan.in(-0.3f, 0.3f), camera.eye.y + plan.in(-0.5f, 0.3f), 0};
-  camera.height_m = glm::distance(camera.eye, camera.target) * plan.in(0.4f, 1.2f);
+Image take_background(RandomStream rng) {
+  SceneModel scene;
+  set_lighting(scene, rng.substream(2));
+  RandomStream plan = rng.substream(1);
+  add_environment(scene, rng.substream(3), plan.uniform(0.5f, 5));
+  CameraSetup camera;
+  camera.eye = {plan.uniform(-0.3f, 0.3f), plan.uniform(1.0f, 1.8f), plan.uniform(0.5f, 2.5f)};
+  camera.target = {plan.uniform(-0.3f, 0.3f), camera.eye.y + plan.uniform(-0.5f, 0.3f), 0};
+  camera.height_m = glm::distance(camera.eye, camera.target) * plan.uniform(0.4f, 1.2f);
   camera.width_px = camera.height_px = kPictureSide_px;
-  camera.focus_m = plan.in(0.4f, 3);
-  camera.aperture_m = plan.chance(0.5f) ? plan.in(0.001f, 0.004f) : plan.in(0.006f, 0.05f);
+  camera.focus_m = plan.uniform(0.4f, 3);
+  camera.aperture_m = plan.chance(0.5f) ? plan.uniform(0.001f, 0.004f) : plan.uniform(0.006f, 0.05f);
   camera.roll = 0.04f * plan.normal();
-  const World world(stage);
-  return shoot(world, make_camera(camera), 0, plan.seed()).light;
+  const RayTracer tracer(scene);
+  return render(tracer, make_camera(camera), 0, plan.seed()).light;
 }
 
 /// People of `exposure` over a part of the background, linear.
-Image composite_of(const Exposure& exposure, Image background, Dice dice) {
+Image composite_of(const Rendering& exposure, Image background, RandomStream rng) {
   const Image& people = exposure.people_light;
   Image out = people;
-  expose_to(out, exposure.coverage, dice.in(0.7f, 1.4f));
-  expose_to(background, {}, dice.in(0.4f, 1.6f));
-  const float zoom = dice.in(0.5f, 0.99f);
-  const bool flip = dice.chance(0.5f);
+  set_mean_luminance(out, exposure.coverage, rng.uniform(0.7f, 1.4f));
+  set_mean_luminance(background, {}, rng.uniform(0.4f, 1.6f));
+  const float zoom = rng.uniform(0.5f, 0.99f);
+  const bool flip = rng.chance(0.5f);
   const float room_x = static_cast<float>(background.width) - zoom * static_cast<float>(out.width) - 1;
   const float room_y = static_cast<float>(background.height) - zoom * static_cast<float>(out.height) - 1;
-  const float left = std::max(room_x, 0.0f) * dice.unit(), top = std::max(room_y, 0.0f) * dice.unit();
-  const vec3 tint = 1.0f + 0.12f * vec3(dice.normal(), dice.normal(), dice.normal());
+  const float left = std::max(room_x, 0.0f) * rng.uniform(), top = std::max(room_y, 0.0f) * rng.uniform();
+  const vec3 tint = 1.0f + 0.12f * vec3(rng.normal(), rng.normal(), rng.normal());
   for (int y = 0; y < out.height; ++y) {
     for (int x = 0; x < out.width; ++x) {
       float alpha = 0;
@@ -301,8 +305,8 @@ Image composite_of(const Exposure& exposure, Image background, Dice dice) {
   return out;
 }
 
-/// Develops a picture, centres it in the square and gives each of `people` a sample.
-void finish(const Sitting& sitting, const std::vector<Sitter>& people, Image light, Dice dice,
+/// Develops a picture, centers it in the square and gives each of `people` a sample.
+void finish(const Sitting& sitting, const std::vector<Sitter>& people, Image light, RandomStream rng,
             std::vector<PeopleSample>& out) {
   const Image& coverage = sitting.exposure.coverage;
   // as much for the people as for the whole picture, with an automatic exposure's errors
@@ -312,8 +316,8 @@ void finish(const Sitting& sitting, const std::vector<Sitter>& people, Image lig
     for (int p = 0; p < coverage.channels; ++p) shown += coverage.data[i * coverage.channels + p];
     weight.data[i] = shown;
   }
-  expose_to(light, weight, 0.19f * std::exp2(0.6f * dice.normal()));
-  const std::vector<std::uint8_t> photograph = develop(std::move(light), dice.of(1));
+  set_mean_luminance(light, weight, 0.19f * std::exp2(0.6f * rng.normal()));
+  const std::vector<std::uint8_t> photograph = process_photo(std::move(light), rng.substream(1));
   const int left = (kPictureSide_px - coverage.width) / 2, top = (kPictureSide_px - coverage.height) / 2;
   for (const auto& [truth, person] : people) {
     PeopleSample sample = truth;
@@ -337,14 +341,14 @@ void finish(const Sitting& sitting, const std::vector<Sitter>& people, Image lig
 /// there are. Training's odd ones are strange, for people who are.
 class Backgrounds {
  public:
-  explicit Backgrounds(const Dice& dice) : dice_(dice) {}
+  explicit Backgrounds(const RandomStream& rng) : rng_(rng) {}
 
-  const Image& any(Dice& dice, bool strange) {
-    auto i = static_cast<std::size_t>(dice.below(kCount));
-    if (!dice.held_out()) i = i / 2 * 2 + (strange ? 1 : 0);
+  const Image& any(RandomStream& rng, bool strange) {
+    auto i = static_cast<std::size_t>(rng.below(kCount));
+    if (!rng.held_out()) i = i / 2 * 2 + (strange ? 1 : 0);
     std::call_once(made_[i], [&] {
-      Dice own = dice_.of(1'000'000 + i);
-      if (strange) own.set_strange();
+      RandomStream own = rng_.substream(1'000'000 + i);
+      if (strange) own.set_domain_randomized();
       // isolated, so that Embree's own tasks cannot make this thread wait for the flag that it holds
       tbb::this_task_arena::isolate([&] { images_[i] = take_background(own); });
     });
@@ -353,15 +357,15 @@ class Backgrounds {
 
  private:
   static constexpr int kCount = 32;
-  Dice dice_;
+  RandomStream rng_;
   std::array<std::once_flag, kCount> made_;
   std::array<Image, kCount> images_;
 };
 
 }  // namespace
 
-PeopleSample truth_of(const World& world, const simulator::CameraView& camera, const Figure& figure,
-                      const Exposure& exposure) {
+PeopleSample truth_of(const RayTracer& tracer, const simulator::CameraView& camera, const Figure& figure,
+                      const Rendering& exposure) {
   PeopleSample sample;
   const vec3 eye(camera.world_from_camera[3]);
   const auto joints = keypoints_of(figure);
@@ -370,7 +374,7 @@ PeopleSample truth_of(const World& world, const simulator::CameraView& camera, c
     const vec3 at = project(camera, joints[i]);
     const bool inside = at.z > 0.05f && at.x >= 0 && at.y >= 0 && at.x < static_cast<float>(coverage.width) &&
                         at.y < static_cast<float>(coverage.height);
-    const bool seen = inside && sees(world, eye, joints[i], figure.person, joint_depth_m(figure, i)) &&
+    const bool seen = inside && sees(tracer, eye, joints[i], figure.person, joint_depth_m(figure, i)) &&
                       coverage.at(static_cast<int>(at.x), static_cast<int>(at.y), figure.person) > 0.5f;
     sample.keypoints[i] = {at.x, at.y, inside ? (seen ? 2.0f : 1.0f) : 0.0f};
   }
@@ -404,8 +408,8 @@ glm::vec4 face_box(const Figure& figure, const simulator::CameraView& camera) {
 
 std::vector<PeopleSample> make_people_shard(const PeopleOptions& options, int shard, int count,
                                             const std::function<void(double)>& progress) {
-  const Dice dice = Dice(options.seed, options.held_out).of(static_cast<std::uint64_t>(shard));
-  Backgrounds backgrounds(dice);
+  const RandomStream rng = RandomStream(options.seed, options.held_out).substream(static_cast<std::uint64_t>(shard));
+  Backgrounds backgrounds(rng);
   std::atomic<int> done = 0;
   const int in_all = std::max(count / (1 + options.composites), 1);
   std::vector<PeopleSample> samples;
@@ -416,24 +420,24 @@ std::vector<PeopleSample> make_people_shard(const PeopleOptions& options, int sh
     std::vector<std::vector<PeopleSample>> made(round);
     tbb::parallel_for(0, round, [&](int i) {
       const int index = first + i;
-      const Dice picture = dice.of(static_cast<std::uint64_t>(index));
+      const RandomStream picture = rng.substream(static_cast<std::uint64_t>(index));
       const Sitting sitting = take_sitting(picture, options.makehuman.get());
       if (progress) progress(std::min(0.99, static_cast<double>(++done) / in_all));
       if (sitting.sitters.empty()) return;
       std::vector<PeopleSample>& out = made[i];
-      finish(sitting, sitting.sitters, sitting.exposure.light, picture.of(50), out);
+      finish(sitting, sitting.sitters, sitting.exposure.light, picture.substream(50), out);
       const int whole = static_cast<int>(out.size());
       for (int k = 0; k < options.composites && sitting.clear; ++k) {
-        Dice mix = picture.of(100 + k);
+        RandomStream mix = picture.substream(100 + k);
         const Image& background = backgrounds.any(mix, sitting.strange);
         // of several people one: the others are in the next
         const Sitter& one = sitting.sitters[static_cast<std::size_t>(k) % sitting.sitters.size()];
-        finish(sitting, {one}, composite_of(sitting.exposure, background, mix.of(1)), mix.of(2), out);
+        finish(sitting, {one}, composite_of(sitting.exposure, background, mix.substream(1)), mix.substream(2), out);
       }
       for (std::size_t k = 0; k < out.size(); ++k) {
         out[k].composite = static_cast<int>(k) >= whole;
         out[k].picture_index = index * (1 + options.composites) + std::max(static_cast<int>(k) - whole + 1, 0);
-        Dice own = picture.of(7);
+        RandomStream own = picture.substream(7);
         out[k].seed = own.seed();
         if (!out[k].composite) out[k].tags.insert(out[k].tags.end(), sitting.tags.begin(), sitting.tags.end());
         if (sitting.strange) out[k].tags.emplace_back("strange");

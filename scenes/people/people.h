@@ -25,7 +25,7 @@ class MakeHumanAssets;
 struct PeopleOptions {
   int count = kShardSamples;  ///< samples in all
   std::uint64_t seed = 1;
-  bool held_out = false;  ///< from pools and uniform numbers that training never draws: see dice.h
+  bool held_out = false;  ///< from pools and uniform numbers that training never draws: see random_stream.h
   int composites = 4;     ///< of each rendered picture over other backgrounds
   /// Set: half of the people are made from these; see makehuman.h. A set's bytes then depend on them, too.
   std::shared_ptr<const MakeHumanAssets> makehuman;
@@ -33,7 +33,7 @@ struct PeopleOptions {
 
 /// One picture and one of its people.
 struct PeopleSample {
-  std::vector<std::uint8_t> picture;            ///< 256 x 256 x 3, sRGB; the photograph centred, 0 around it
+  std::vector<std::uint8_t> picture;            ///< 256 x 256 x 3, sRGB; the photograph centerd, 0 around it
   std::vector<std::uint8_t> mask;               ///< 256 x 256: 255 times the share of the pixel that shows this person
   std::array<glm::vec3, kKeypoints> keypoints;  ///< COCO's order; x, y, 0 out of the picture | 1 hidden | 2 seen
   glm::vec4 face{0};                            ///< x, y, width, height: brow to chin, square
@@ -48,12 +48,12 @@ struct PeopleSample {
 std::vector<PeopleSample> make_people_shard(const PeopleOptions& options, int shard, int count,
                                             const std::function<void(double)>& progress = {});
 
-/// The 17 keypoints in the world, metres.
+/// The 17 keypoints in the world, meters.
 std::array<vec3, kKeypoints> keypoints_of(const Figure& figure);
 /// Keypoints, face box and tags of one in the picture, in the camera's pixels. A keypoint is seen where the first thing
 /// on the way to it is its own part of the person; else it is hidden.
-PeopleSample truth_of(const World& world, const simulator::CameraView& camera, const Figure& figure,
-                      const Exposure& exposure);
+PeopleSample truth_of(const RayTracer& tracer, const simulator::CameraView& camera, const Figure& figure,
+                      const Rendering& exposure);
 /// The square that a frontal face detector would draw, in the camera's pixels: x, y, width, height.
 glm::vec4 face_box(const Figure& figure, const simulator::CameraView& camera);
 

@@ -98,23 +98,24 @@ std::vector<Cone> torso_cones(const Figure& figure, float offset_m) {
   const float waist = (0.077f - 0.012f * woman) * (1 + 0.35f * girth);
   const float chest = 0.089f - 0.008f * woman;
   const float hips = 0.066f + 0.006f * woman;
-  add(k.pelvis.out({0.035f * h, -0.015f * h, 0}), k.pelvis.out({-0.035f * h, -0.015f * h, 0}), hips * heavy,
+  add(k.pelvis.to_world({0.035f * h, -0.015f * h, 0}), k.pelvis.to_world({-0.035f * h, -0.015f * h, 0}), hips * heavy,
       hips * heavy, 0.03f, pelvis_z, 1.15f);
-  add(k.pelvis.out({0, 0, 0}), k.chest.out({0, 0.03f * h, 0}), waist * 1.1f, waist, 0.035f, z, 1.35f);
-  add(k.chest.out({0, 0.03f * h, 0}), k.chest.out({0, 0.15f * h, 0}), waist * 1.05f, chest * heavy, 0.035f, z, 1.4f);
+  add(k.pelvis.to_world({0, 0, 0}), k.chest.to_world({0, 0.03f * h, 0}), waist * 1.1f, waist, 0.035f, z, 1.35f);
+  add(k.chest.to_world({0, 0.03f * h, 0}), k.chest.to_world({0, 0.15f * h, 0}), waist * 1.05f, chest * heavy, 0.035f, z,
+      1.4f);
   const float shoulder = 0.031f * (1 + 0.15f * girth) * (1 - 0.1f * woman);
   for (int side = 0; side < 2; ++side) {
     const float x = side == 0 ? 1.0f : -1.0f;
-    add(k.chest.out({0, 0.178f * h, -0.01f * h}), k.shoulder[side], shoulder * 1.2f, shoulder, 0.04f, z, 1);
+    add(k.chest.to_world({0, 0.178f * h, -0.01f * h}), k.shoulder[side], shoulder * 1.2f, shoulder, 0.04f, z, 1);
     // the slope from neck to shoulder
     add(k.neck_base + 0.022f * h * k.chest.axes[1], glm::mix(k.neck_base, k.shoulder[side], 0.75f), 0.022f, 0.02f,
         0.03f, z, 1);
-    const vec3 breast = k.chest.out({0.043f * h * x, 0.118f * h, (0.03f + 0.016f * woman) * h});
+    const vec3 breast = k.chest.to_world({0.043f * h * x, 0.118f * h, (0.03f + 0.016f * woman) * h});
     const float bust = 0.026f + 0.016f * woman * (1 + 0.3f * girth);
     add(breast, breast, bust, bust, 0.03f, z, 1);
   }
   if (girth > 0) {
-    const vec3 belly = k.pelvis.out({0, 0.04f * h, (0.012f + 0.03f * girth) * h});
+    const vec3 belly = k.pelvis.to_world({0, 0.04f * h, (0.012f + 0.03f * girth) * h});
     add(belly, belly, 0.055f + 0.03f * girth, 0.055f + 0.03f * girth, 0.05f, z, 1);
   }
   return cones;
@@ -124,7 +125,7 @@ std::vector<Cone> neck_cones(const Figure& figure, float offset_m) {
   const Skeleton& k = figure.skeleton;
   const float radius = 0.056f - 0.008f * figure.body.woman + 0.008f * figure.body.girth;
   const float scale = figure.body.child ? 0.82f : 1.0f, s = figure.body.head_scale;
-  const vec3 top = k.head.out(s * vec3(0, -0.035f, -0.018f));
+  const vec3 top = k.head.to_world(s * vec3(0, -0.035f, -0.018f));
   const float r = radius * scale + offset_m;
   return {{k.neck_base - 0.02f * figure.body.stature_m * k.chest.axes[1], top, r * 1.06f, r, 0.02f}};
 }
@@ -203,21 +204,21 @@ float HeadShape::operator()(vec3 p) const {
   return blend(d, ear, 0.008f);
 }
 
-void place_on_head(const Figure& figure, Piece& piece) {
+void move_to_head(const Figure& figure, SceneObject& object) {
   const Frame& head = figure.skeleton.head;
-  for (vec3& p : piece.positions) p = head.out(figure.body.head_scale * p);
-  for (vec3& n : piece.normals) n = head.axes * n;
+  for (vec3& p : object.positions) p = head.to_world(figure.body.head_scale * p);
+  for (vec3& n : object.normals) n = head.axes * n;
 }
 
-void add_piece(Stage& stage, const Figure& figure, Piece piece, const Look& look) {
-  if (piece.triangles.empty()) return;
-  piece.person = figure.person;
-  piece.look = stage.add(look);
-  stage.pieces.push_back(std::move(piece));
+void add_object(SceneModel& scene, const Figure& figure, SceneObject object, const Material& material) {
+  if (object.triangles.empty()) return;
+  object.person = figure.person;
+  object.material = scene.add(material);
+  scene.objects.push_back(std::move(object));
 }
 
-Piece cloth_piece(const Figure& figure, const Shape& shape, float folds_m, std::uint32_t seed,
-                  const std::vector<Cone>& carved, float carve_fillet_m) {
+SceneObject cloth_object(const Figure& figure, const Shape& shape, float folds_m, std::uint32_t seed,
+                         const std::vector<Cone>& carved, float carve_fillet_m) {
   vec3 low(1e9f), high(-1e9f);
   for (const Cone& cone : shape.cones) {
     const float r = std::max(cone.radius_a, cone.radius_b) + 0.02f;
@@ -229,7 +230,7 @@ Piece cloth_piece(const Figure& figure, const Shape& shape, float folds_m, std::
   const PreparedShape prepared(shape);
   std::vector<std::pair<Cone, PreparedCone>> carved_cones;
   for (const Cone& cone : carved) carved_cones.emplace_back(cone, PreparedCone(cone));
-  Piece piece = mesh_of(
+  SceneObject object = polygonize(
       [&](vec3 p) {
         float d = prepared(p);
         for (const auto& cone : carved_cones) d = carve(d, cone_distance(cone.first, cone.second, p), carve_fillet_m);
@@ -237,21 +238,21 @@ Piece cloth_piece(const Figure& figure, const Shape& shape, float folds_m, std::
       },
       low, high, figure.body_cell_m);
   const float chest_m = 0.72f * figure.body.stature_m;
-  for (std::size_t i = 0; i < piece.positions.size(); ++i) {
-    vec3 rest = figure.skeleton.rest_of(piece.positions[i]);
+  for (std::size_t i = 0; i < object.positions.size(); ++i) {
+    vec3 rest = figure.skeleton.rest_position_of(object.positions[i]);
     rest.y -= chest_m;
-    piece.rest[i] = rest;
+    object.rest[i] = rest;
     if (folds_m <= 0) continue;
     const vec3 bent = rest + 0.06f * noise(seed + 1, rest * 9.0f);
     const float fold = fractal(seed, bent * vec3(15, 9, 13), 2) - 0.45f;
     const float crease = std::abs(noise(seed + 2, bent * vec3(11, 17, 11)) - 0.5f);  // sharp at its bottom
-    piece.positions[i] += piece.normals[i] * (folds_m * (fold + crease - 0.15f));
+    object.positions[i] += object.normals[i] * (folds_m * (fold + crease - 0.15f));
   }
-  if (folds_m > 0) smooth_normals(piece);
-  return piece;
+  if (folds_m > 0) smooth_normals(object);
+  return object;
 }
 
-void add_body(Stage& stage, Figure& figure) {
+void add_body(SceneModel& scene, Figure& figure) {
   const Skeleton& k = figure.skeleton;
   figure.bare.cones = torso_cones(figure, 0);
   for (const Cone& cone : neck_cones(figure, 0)) figure.bare.cones.push_back(cone);
@@ -261,7 +262,7 @@ void add_body(Stage& stage, Figure& figure) {
     if (k.knee[side].y < figure.lowest_m - 0.1f && k.hip[side].y < figure.lowest_m - 0.1f) continue;
     for (const Cone& cone : leg_cones(figure, side, 0)) skin.cones.push_back(cone);
   }
-  add_piece(stage, figure, cloth_piece(figure, skin, 0, 0), figure.skin);
+  add_object(scene, figure, cloth_object(figure, skin, 0, 0), figure.skin);
   const float hand_scale = 0.108f * figure.body.stature_m / 0.184f * (1 - 0.06f * figure.body.woman);
   for (int side = 0; side < 2; ++side) {
     const Frame& hand = k.hand[side];
@@ -269,17 +270,17 @@ void add_body(Stage& stage, Figure& figure) {
     const float curl = figure.pose.arm[side].curl;
     const float mirror = side == 0 ? -1.0f : 1.0f;  // of hand_shape, a right hand
     const float cell = std::max(figure.head_cell_m / hand_scale, 0.004f);
-    Piece piece = mesh_of([&](vec3 p) { return hand_shape(mirrored(p, mirror), curl); }, {-0.09f, -0.1f, -0.04f},
-                          {0.09f, 0.13f, 0.09f}, cell);
-    for (vec3& p : piece.positions) p = hand.out(hand_scale * p);
-    for (vec3& n : piece.normals) n = hand.axes * n;
-    add_piece(stage, figure, std::move(piece), figure.skin);
+    SceneObject object = polygonize([&](vec3 p) { return hand_shape(mirrored(p, mirror), curl); },
+                                    {-0.09f, -0.1f, -0.04f}, {0.09f, 0.13f, 0.09f}, cell);
+    for (vec3& p : object.positions) p = hand.to_world(hand_scale * p);
+    for (vec3& n : object.normals) n = hand.axes * n;
+    add_object(scene, figure, std::move(object), figure.skin);
   }
 }
 
-void add_head(Stage& stage, Figure& figure, Dice dice) {
+void add_head(SceneModel& scene, Figure& figure, RandomStream rng) {
   const Body& body = figure.body;
-  const auto on_head = [&](vec3 p) { return figure.skeleton.head.out(body.head_scale * p); };
+  const auto on_head = [&](vec3 p) { return figure.skeleton.head.to_world(body.head_scale * p); };
   figure.face_points = {on_head({0, -0.018f, 0.1f}), on_head({0.031f, 0.0148f, 0.083f}),
                         on_head({-0.031f, 0.0148f, 0.083f}), on_head({0.084f, 0.002f, -0.008f}),
                         on_head({-0.084f, 0.002f, -0.008f})};
@@ -289,113 +290,116 @@ void add_head(Stage& stage, Figure& figure, Dice dice) {
   }
   HeadShape shape;
   const float child = body.child ? 1.0f : 0.0f;
-  shape.jaw = 1.03f - 0.08f * body.woman + 0.05f * body.girth + 0.04f * dice.normal();
-  shape.cheeks = 1 + 0.12f * child + 0.08f * body.girth + 0.06f * dice.normal();
-  shape.nose = (1 - 0.12f * body.woman - 0.15f * child) * (1.05f + 0.14f * dice.normal());
-  shape.nose_length = (1 - 0.2f * child) * (1 + 0.12f * dice.normal());
-  shape.lips = 1 + 0.2f * body.woman + 0.2f * dice.normal();
-  shape.brow = 1.03f - 0.06f * body.woman + 0.06f * dice.normal();
-  shape.chin = 1 - 0.06f * body.woman - 0.1f * child + 0.08f * dice.normal();
-  shape.long_face = 1 + 0.05f * dice.normal() - 0.08f * child;
-  shape.lids = std::clamp(1 + 0.3f * dice.normal(), 0.2f, 2.5f);
-  shape.ears = 1 + 0.1f * dice.normal();
+  shape.jaw = 1.03f - 0.08f * body.woman + 0.05f * body.girth + 0.04f * rng.normal();
+  shape.cheeks = 1 + 0.12f * child + 0.08f * body.girth + 0.06f * rng.normal();
+  shape.nose = (1 - 0.12f * body.woman - 0.15f * child) * (1.05f + 0.14f * rng.normal());
+  shape.nose_length = (1 - 0.2f * child) * (1 + 0.12f * rng.normal());
+  shape.lips = 1 + 0.2f * body.woman + 0.2f * rng.normal();
+  shape.brow = 1.03f - 0.06f * body.woman + 0.06f * rng.normal();
+  shape.chin = 1 - 0.06f * body.woman - 0.1f * child + 0.08f * rng.normal();
+  shape.long_face = 1 + 0.05f * rng.normal() - 0.08f * child;
+  shape.lids = std::clamp(1 + 0.3f * rng.normal(), 0.2f, 2.5f);
+  shape.ears = 1 + 0.1f * rng.normal();
   const float s = body.head_scale;
   const float cell = figure.head_cell_m / s;
-  Piece head = mesh_of(shape, {-0.1f, -0.135f, -0.125f}, {0.1f, 0.15f, 0.125f}, cell);
-  place_on_head(figure, head);
-  add_piece(stage, figure, std::move(head), figure.face);
-  Look eye;
-  eye.kind = Look::Kind::eye;
+  SceneObject head = polygonize(shape, {-0.1f, -0.135f, -0.125f}, {0.1f, 0.15f, 0.125f}, cell);
+  move_to_head(figure, head);
+  add_object(scene, figure, std::move(head), figure.face);
+  Material eye;
+  eye.kind = Material::Kind::eye;
   constexpr vec3 kIris[] = {
       {0.05f, 0.025f, 0.012f}, {0.1f, 0.055f, 0.025f}, {0.12f, 0.18f, 0.26f}, {0.12f, 0.16f, 0.09f}};
-  eye.a = kIris[std::min(dice.below(7), 3)] * dice.in(0.7f, 1.4f);
-  eye.seed = dice.seed();
+  eye.a = kIris[std::min(rng.below(7), 3)] * rng.uniform(0.7f, 1.4f);
+  eye.seed = rng.seed();
   eye.gloss = 0.4f;
   eye.gloss_power = 200;
-  Piece eyes;
-  const vec3 gaze(0.18f * dice.normal() - 0.6f * figure.pose.head_yaw, -0.06f + 0.1f * dice.normal(), 1);
+  SceneObject eyes;
+  const vec3 gaze(0.18f * rng.normal() - 0.6f * figure.pose.head_yaw, -0.06f + 0.1f * rng.normal(), 1);
   for (const float x : {-1.0f, 1.0f}) {
-    add_ball(eyes, vec3(0.031f * x, 0.0148f, 0.0715f), vec3(0.0121f),
-             axes_along({0, 1, 0.05f}, gaze + vec3(-0.03f * x, 0, 0)), 10);
+    add_ellipsoid(eyes, vec3(0.031f * x, 0.0148f, 0.0715f), vec3(0.0121f),
+                  axes_along({0, 1, 0.05f}, gaze + vec3(-0.03f * x, 0, 0)), 10);
   }
-  place_on_head(figure, eyes);
-  add_piece(stage, figure, std::move(eyes), eye);
+  move_to_head(figure, eyes);
+  add_object(scene, figure, std::move(eyes), eye);
 }
 
-void add_seat(Stage& stage, const Figure& figure, Dice dice) {
+void add_seat(SceneModel& scene, const Figure& figure, RandomStream rng) {
   const Frame& pelvis = figure.skeleton.pelvis;
-  const float h = figure.body.stature_m, half_width = dice.in(0.2f, 0.7f);
-  const float top = pelvis.origin.y - (0.07f + 0.012f * figure.body.girth) * h, back = dice.in(0.0f, 0.7f);
-  Piece seat;
-  add_box(seat, pelvis.out({0, 0, 0.03f * h}) - vec3(0, pelvis.origin.y - top + 0.04f, 0), pelvis.axes,
+  const float h = figure.body.stature_m, half_width = rng.uniform(0.2f, 0.7f);
+  const float top = pelvis.origin.y - (0.07f + 0.012f * figure.body.girth) * h, back = rng.uniform(0.0f, 0.7f);
+  SceneObject seat;
+  add_box(seat, pelvis.to_world({0, 0, 0.03f * h}) - vec3(0, pelvis.origin.y - top + 0.04f, 0), pelvis.axes,
           {half_width, 0.04f, 0.25f});
-  if (dice.chance(0.5f))
+  if (rng.chance(0.5f))
     add_box(seat, vec3(pelvis.origin.x, 0.5f * top, pelvis.origin.z), pelvis.axes,
             {0.8f * half_width, 0.5f * top, 0.2f});
-  if (dice.chance(0.7f))
-    add_box(seat, pelvis.out({0, 0.5f * back, -0.14f * h - 0.05f}), pelvis.axes,
+  if (rng.chance(0.7f))
+    add_box(seat, pelvis.to_world({0, 0.5f * back, -0.14f * h - 0.05f}), pelvis.axes,
             {half_width, 0.5f * back + 0.05f, 0.03f});
-  seat.look = stage.add(cloth_look(dice));
-  stage.pieces.push_back(std::move(seat));
+  seat.material = scene.add(cloth_material(rng));
+  scene.objects.push_back(std::move(seat));
 }
 
-Figure pose_figure(Dice dice, const FigureOptions& options) {
+Figure pose_figure(RandomStream rng, const FigureOptions& options) {
   Figure figure;
-  Dice of_body = dice.of(1), of_pose = dice.of(2);
-  figure.body = make_body(of_body);
-  figure.pose = make_pose(of_pose, figure.body, options.gesture);
+  RandomStream body_rng = rng.substream(1), pose_rng = rng.substream(2);
+  figure.body = make_body(body_rng);
+  figure.pose = make_pose(pose_rng, figure.body, options.gesture);
   figure.pose.head_yaw = std::clamp(figure.pose.head_yaw + options.head_yaw, -1.25f, 1.25f);
   figure.skeleton = make_skeleton(figure.body, figure.pose, options.place, options.yaw, proportions_of(figure.body));
   figure.person = options.person;
-  figure.head_cell_m = std::clamp(1.1f * options.metres_per_px, 0.0038f, 0.014f);
-  figure.body_cell_m = std::clamp(2.4f * options.metres_per_px, 0.009f, 0.024f);
+  figure.head_cell_m = std::clamp(1.1f * options.meters_per_px, 0.0038f, 0.014f);
+  figure.body_cell_m = std::clamp(2.4f * options.meters_per_px, 0.009f, 0.024f);
   figure.lowest_m = options.lowest_m;
   return figure;
 }
 
-Figure add_figure(Stage& stage, Dice dice, const FigureOptions& options) {
-  Figure figure = pose_figure(dice, options);
-  Dice of_looks = dice.of(3);
+Figure add_figure(SceneModel& scene, RandomStream rng, const FigureOptions& options) {
+  Figure figure = pose_figure(rng, options);
+  RandomStream material_rng = rng.substream(3);
   if (figure.body.child) figure.tags.emplace_back("child");
 
-  Look& skin = figure.skin;
-  skin.kind = Look::Kind::skin;
-  skin.a = skin_color(of_looks);
-  skin.seed = of_looks.seed();
-  skin.softness = of_looks.in(0.15f, 0.45f);
-  skin.gloss = of_looks.in(0.05f, 0.3f);
-  skin.gloss_power = of_looks.in(8, 30);
-  Look& hair = figure.hair;
-  hair.kind = Look::Kind::hair;
+  Material& skin = figure.skin;
+  skin.kind = Material::Kind::skin;
+  skin.a = skin_color(material_rng);
+  skin.seed = material_rng.seed();
+  skin.softness = material_rng.uniform(0.15f, 0.45f);
+  skin.gloss = material_rng.uniform(0.05f, 0.3f);
+  skin.gloss_power = material_rng.uniform(8, 30);
+  Material& hair = figure.hair;
+  hair.kind = Material::Kind::hair;
   const float pallor = skin.a.y;
-  hair.a = hair_color(of_looks, figure.body.old);
-  if (pallor < 0.15f && !figure.body.old && of_looks.chance(0.9f))
-    hair.a = vec3(0.012f, 0.01f, 0.009f) * of_looks.in(0.5f, 2.5f);
-  hair.b = hair.a * of_looks.in(1.0f, 2.2f);
-  hair.seed = of_looks.seed();
-  hair.gloss = of_looks.in(0.03f, 0.3f);
-  hair.gloss_power = of_looks.in(5, 20);
+  hair.a = hair_color(material_rng, figure.body.old);
+  if (pallor < 0.15f && !figure.body.old && material_rng.chance(0.9f))
+    hair.a = vec3(0.012f, 0.01f, 0.009f) * material_rng.uniform(0.5f, 2.5f);
+  hair.b = hair.a * material_rng.uniform(1.0f, 2.2f);
+  hair.seed = material_rng.seed();
+  hair.gloss = material_rng.uniform(0.03f, 0.3f);
+  hair.gloss_power = material_rng.uniform(5, 20);
   hair.softness = 0.2f;
-  Look& face = figure.face;
+  Material& face = figure.face;
   face = skin;
-  face.kind = Look::Kind::face;
-  const bool made_up = figure.body.woman > 0.5f && of_looks.chance(0.5f);
+  face.kind = Material::Kind::face;
+  const bool made_up = figure.body.woman > 0.5f && material_rng.chance(0.5f);
   face.b = skin.a * vec3(0.86f, 0.52f, 0.53f);
-  if (made_up) face.b = glm::mix(face.b, vec3(0.4f, 0.04f, 0.07f) * of_looks.in(0.6f, 1.4f), of_looks.in(0.3f, 1));
+  if (made_up)
+    face.b =
+        glm::mix(face.b, vec3(0.4f, 0.04f, 0.07f) * material_rng.uniform(0.6f, 1.4f), material_rng.uniform(0.3f, 1));
   face.c = figure.body.old ? glm::mix(hair.a, vec3(0.2f), 0.5f) : glm::min(hair.a, vec3(0.12f));
-  face.v[kStubble] = figure.body.woman < 0.5f && !figure.body.child && of_looks.chance(0.6f) ? of_looks.in(0, 0.7f) : 0;
-  face.v[kBrowThickness] = 1.05f - 0.3f * figure.body.woman + 0.25f * of_looks.normal();
-  face.v[kMouthOpen] = of_looks.chance(0.35f) ? of_looks.in(0.35f, 1) : of_looks.in(0, 0.25f);
-  face.v[kBlush] = of_looks.in(0.2f, 1);
-  face.v[kEyeLine] = made_up ? of_looks.in(0.3f, 1) : of_looks.in(0, 0.3f);
+  face.v[kStubble] =
+      figure.body.woman < 0.5f && !figure.body.child && material_rng.chance(0.6f) ? material_rng.uniform(0, 0.7f) : 0;
+  face.v[kBrowThickness] = 1.05f - 0.3f * figure.body.woman + 0.25f * material_rng.normal();
+  face.v[kMouthOpen] = material_rng.chance(0.35f) ? material_rng.uniform(0.35f, 1) : material_rng.uniform(0, 0.25f);
+  face.v[kBlush] = material_rng.uniform(0.2f, 1);
+  face.v[kEyeLine] = made_up ? material_rng.uniform(0.3f, 1) : material_rng.uniform(0, 0.3f);
   face.v[kScalpHair] = 0.6f;
 
-  add_body(stage, figure);
-  add_clothes(stage, figure, dice.of(5));
-  add_hair_and_hat(stage, figure, dice.of(6));
-  add_head(stage, figure, dice.of(7));
-  add_held_thing(stage, figure, dice.of(8));
-  if (figure.pose.sitting) add_seat(stage, figure, dice.of(9));
+  add_body(scene, figure);
+  add_clothes(scene, figure, rng.substream(5));
+  add_hair_and_hat(scene, figure, rng.substream(6));
+  add_head(scene, figure, rng.substream(7));
+  add_held_thing(scene, figure, rng.substream(8));
+  if (figure.pose.sitting) add_seat(scene, figure, rng.substream(9));
   return figure;
 }
 

@@ -72,14 +72,14 @@ struct HairShape {
 };
 
 /// Hair below the chin hangs from the body, not from the head; and it lies on the shoulders, not in them.
-void let_hang(const Figure& figure, Piece& piece) {
+void let_hang(const Figure& figure, SceneObject& object) {
   const Frame& head = figure.skeleton.head;
   const float s = figure.body.head_scale;
   const vec3 forward = glm::normalize(vec3(head.axes[2].x, 0, head.axes[2].z) * 0.5f + figure.skeleton.chest.axes[2]);
   const Frame hanging{head.origin, axes_along({0, 1, 0}, forward)};
-  for (vec3& p : piece.positions) {
+  for (vec3& p : object.positions) {
     const float t = std::clamp((-0.03f - p.y) / 0.1f, 0.0f, 1.0f);
-    p = glm::mix(head.out(s * p), hanging.out(s * p), t);
+    p = glm::mix(head.to_world(s * p), hanging.to_world(s * p), t);
     for (int step = 0; step < 2 && t > 0.5f; ++step) {
       const float room = 0.028f - figure.bare(p);
       if (room <= 0) break;
@@ -93,27 +93,27 @@ void let_hang(const Figure& figure, Piece& piece) {
       if (glm::length(gradient) > 0) p += std::min(room, 0.06f) * glm::normalize(gradient);
     }
   }
-  smooth_normals(piece);
+  smooth_normals(object);
 }
 
 /// Thin ribbons that leave the surface: the soft edge of real hair.
-Piece strands(const Figure& figure, const Piece& hair, Dice& dice, int count, float length_m, float lift, float width_m,
-              float curl) {
-  Piece out;
+SceneObject strands(const Figure& figure, const SceneObject& hair, RandomStream& rng, int count, float length_m,
+                    float lift, float width_m, float curl) {
+  SceneObject out;
   if (hair.triangles.empty()) return out;
   const vec3 middle = figure.skeleton.head.origin;
   for (int i = 0; i < count; ++i) {
-    const glm::uvec3& t = hair.triangles[static_cast<std::size_t>(dice.below(static_cast<int>(hair.triangles.size())))];
+    const glm::uvec3& t = hair.triangles[static_cast<std::size_t>(rng.below(static_cast<int>(hair.triangles.size())))];
     const vec3 n = hair.normals[t.x];
     vec3 p = hair.positions[t.x] - 0.003f * n;
-    const vec3 random = dice.in3(-1, 1);
+    const vec3 random = rng.uniform3(-1, 1);
     const vec3 down = vec3(0, -1, 0) - n * glm::dot(vec3(0, -1, 0), n);
     vec3 direction = glm::normalize(down + lift * n + 0.5f * random + 0.02f * glm::normalize(p - middle));
-    const float length = length_m * dice.in(0.3f, 1.2f);
-    const float width = width_m * dice.in(0.5f, 1.3f);
+    const float length = length_m * rng.uniform(0.3f, 1.2f);
+    const float width = width_m * rng.uniform(0.5f, 1.3f);
     constexpr int kSteps = 4;
     const auto first = static_cast<unsigned>(out.positions.size());
-    const vec3 bend = curl * dice.in3(-1, 1) + vec3(0, -0.15f, 0);
+    const vec3 bend = curl * rng.uniform3(-1, 1) + vec3(0, -0.15f, 0);
     for (int k = 0; k <= kSteps; ++k) {
       const vec3 side = glm::cross(direction, n) + 0.001f;
       const vec3 across = glm::normalize(side) * width * (1 - 0.85f * static_cast<float>(k) / kSteps);
@@ -128,21 +128,21 @@ Piece strands(const Figure& figure, const Piece& hair, Dice& dice, int count, fl
         out.triangles.emplace_back(a, a + 3, a + 2);
       }
       p += direction * (length / kSteps);
-      direction = glm::normalize(direction + bend + 0.25f * dice.in3(-1, 1));
+      direction = glm::normalize(direction + bend + 0.25f * rng.uniform3(-1, 1));
     }
   }
   return out;
 }
 
-Piece on_head(const Figure& figure, Piece piece) {
-  place_on_head(figure, piece);
-  return piece;
+SceneObject on_head(const Figure& figure, SceneObject object) {
+  move_to_head(figure, object);
+  return object;
 }
 
-void add_beard(Stage& stage, Figure& figure, Dice& dice) {
-  const float full = dice.in(0.004f, 0.02f), length = dice.chance(0.3f) ? dice.in(0.01f, 0.06f) : 0;
-  const bool whiskers = dice.chance(0.6f), chin_only = dice.chance(0.3f);
-  const auto seed = dice.seed();
+void add_beard(SceneModel& scene, Figure& figure, RandomStream& rng) {
+  const float full = rng.uniform(0.004f, 0.02f), length = rng.chance(0.3f) ? rng.uniform(0.01f, 0.06f) : 0;
+  const bool whiskers = rng.chance(0.6f), chin_only = rng.chance(0.3f);
+  const auto seed = rng.seed();
   const auto distance = [&](vec3 p) {
     const vec3 s(std::abs(p.x), p.y, p.z);
     float d = ellipsoid(p, {0, -0.092f - 0.4f * length, 0.06f},
@@ -157,28 +157,29 @@ void add_beard(Stage& stage, Figure& figure, Dice& dice) {
     d = carve(d, ellipsoid(p, {0, -0.056f, 0.085f}, {0.022f, 0.0115f, 0.03f}), 0.006f);
     return d - 0.007f * (noise(seed, p * 110.0f) + 0.6f * noise(seed + 1, p * 260.0f) - 0.8f);
   };
-  Piece beard =
-      mesh_of(distance, {-0.1f, -0.2f, -0.01f}, {0.1f, 0.02f, 0.13f}, figure.head_cell_m / figure.body.head_scale);
-  place_on_head(figure, beard);
-  Piece soft = strands(figure, beard, dice, 250, 0.02f, 0.6f, 0.0007f, 0.4f);
-  Look look = figure.hair;
-  look.a *= dice.in(0.7f, 1.3f);
-  look.gloss *= 0.3f;
-  add_piece(stage, figure, std::move(beard), look);
-  add_piece(stage, figure, std::move(soft), look);
-  figure.face.v[kStubble] = std::max(figure.face.v[kStubble], dice.in(0.6f, 1.1f));
+  SceneObject beard =
+      polygonize(distance, {-0.1f, -0.2f, -0.01f}, {0.1f, 0.02f, 0.13f}, figure.head_cell_m / figure.body.head_scale);
+  move_to_head(figure, beard);
+  SceneObject soft = strands(figure, beard, rng, 250, 0.02f, 0.6f, 0.0007f, 0.4f);
+  Material material = figure.hair;
+  material.a *= rng.uniform(0.7f, 1.3f);
+  material.gloss *= 0.3f;
+  add_object(scene, figure, std::move(beard), material);
+  add_object(scene, figure, std::move(soft), material);
+  figure.face.v[kStubble] = std::max(figure.face.v[kStubble], rng.uniform(0.6f, 1.1f));
   figure.tags.emplace_back("beard");
 }
 
-void add_glasses(Stage& stage, Figure& figure, Dice& dice) {
-  const bool sun = dice.chance(0.4f);
-  Look frame;
-  frame.a = dice.chance(0.6f) ? vec3(0.02f) : any_color(dice);
+void add_glasses(SceneModel& scene, Figure& figure, RandomStream& rng) {
+  const bool sun = rng.chance(0.4f);
+  Material frame;
+  frame.a = rng.chance(0.6f) ? vec3(0.02f) : random_color(rng);
   frame.gloss = 0.5f;
   frame.gloss_power = 60;
-  const float wide = dice.in(0.02f, 0.026f), tall = dice.in(0.014f, 0.024f), thick = dice.in(0.0009f, 0.0022f);
-  const float z = 0.1f, y = 0.01f, square = dice.in(2, 4);
-  Piece rims, lenses;
+  const float wide = rng.uniform(0.02f, 0.026f), tall = rng.uniform(0.014f, 0.024f),
+              thick = rng.uniform(0.0009f, 0.0022f);
+  const float z = 0.1f, y = 0.01f, square = rng.uniform(2, 4);
+  SceneObject rims, lenses;
   for (const float x : {-1.0f, 1.0f}) {
     std::vector<vec3> path;
     for (int i = 0; i <= 16; ++i) {
@@ -193,39 +194,39 @@ void add_glasses(Stage& stage, Figure& figure, Dice& dice) {
     add_tube(rims,
              {{outer, y + 0.004f, z - 0.008f}, {x * 0.079f, y + 0.006f, 0.03f}, {x * 0.083f, y + 0.004f, -0.012f}},
              std::vector<float>(3, thick * 1.2f), 5);
-    if (sun) add_ball(lenses, {x * 0.0315f, y, z - 0.004f}, {wide * 1.02f, tall * 1.02f, 0.002f}, mat3(1), 8);
+    if (sun) add_ellipsoid(lenses, {x * 0.0315f, y, z - 0.004f}, {wide * 1.02f, tall * 1.02f, 0.002f}, mat3(1), 8);
   }
   add_tube(rims,
            {{-0.0315f + wide, y + 0.003f, z - 0.002f},
             {0, y + 0.006f, z + 0.003f},
             {0.0315f - wide, y + 0.003f, z - 0.002f}},
            std::vector<float>(3, thick), 5);
-  add_piece(stage, figure, on_head(figure, std::move(rims)), frame);
+  add_object(scene, figure, on_head(figure, std::move(rims)), frame);
   if (sun) {
-    Look dark;
-    dark.a = glm::mix(vec3(0.015f), any_color(dice), 0.1f);
+    Material dark;
+    dark.a = glm::mix(vec3(0.015f), random_color(rng), 0.1f);
     dark.gloss = 0.8f;
     dark.gloss_power = 90;
-    add_piece(stage, figure, on_head(figure, std::move(lenses)), dark);
+    add_object(scene, figure, on_head(figure, std::move(lenses)), dark);
   }
   figure.tags.emplace_back(sun ? "sunglasses" : "glasses");
 }
 
 /// Returns whether hair above the hat's edge must go.
-bool add_hat(Stage& stage, Figure& figure, Dice& dice, HairShape& hair) {
+bool add_hat(SceneModel& scene, Figure& figure, RandomStream& rng, HairShape& hair) {
   constexpr const char* kNames[] = {"cap", "beanie", "brimmed hat", "hood", "headscarf", "helmet", "headphones"};
-  const int kind = dice.below(7);
+  const int kind = rng.below(7);
   figure.tags.push_back(std::string("hat:") + kNames[kind]);
-  Look look = cloth_look(dice);
+  Material material = cloth_material(rng);
   const float cell = figure.head_cell_m / figure.body.head_scale;
-  const auto seed = dice.seed();
-  const float tilt = dice.in(-0.25f, 0.15f), edge = dice.in(0.042f, 0.066f);
-  const float visor_x = 0.075f, turned = dice.chance(0.15f) ? -1.0f : 1.0f;
-  const float brim = dice.in(0.13f, 0.2f), crown = dice.in(0.02f, 0.06f), loose = dice.in(0.012f, 0.03f);
+  const auto seed = rng.seed();
+  const float tilt = rng.uniform(-0.25f, 0.15f), edge = rng.uniform(0.042f, 0.066f);
+  const float visor_x = 0.075f, turned = rng.chance(0.15f) ? -1.0f : 1.0f;
+  const float brim = rng.uniform(0.13f, 0.2f), crown = rng.uniform(0.02f, 0.06f), loose = rng.uniform(0.012f, 0.03f);
   const auto mesh = [&](const auto& distance, vec3 low, vec3 high) {
-    Piece piece = mesh_of(distance, low, high, cell * 1.2f);
-    place_on_head(figure, piece);
-    add_piece(stage, figure, std::move(piece), look);
+    SceneObject object = polygonize(distance, low, high, cell * 1.2f);
+    move_to_head(figure, object);
+    add_object(scene, figure, std::move(object), material);
   };
   switch (kind) {
     case 0:
@@ -240,8 +241,8 @@ bool add_hat(Stage& stage, Figure& figure, Dice& dice, HairShape& hair) {
           {-0.12f, 0.0f, -0.22f}, {0.12f, 0.18f, 0.22f});
       break;
     case 1: {
-      if (dice.chance(0.7f)) look.kind = Look::Kind::knit, look.scale_m = dice.in(0.015f, 0.035f);
-      const float pompom = dice.chance(0.3f) ? 0.035f : 0;
+      if (rng.chance(0.7f)) material.kind = Material::Kind::knit, material.scale_m = rng.uniform(0.015f, 0.035f);
+      const float pompom = rng.chance(0.3f) ? 0.035f : 0;
       mesh(
           [&](vec3 p) {
             float d = ellipsoid(p, {0, 0.045f, -0.016f}, vec3(0.084f, 0.105f + crown, 0.104f) + 0.6f * loose);
@@ -258,7 +259,7 @@ bool add_hat(Stage& stage, Figure& figure, Dice& dice, HairShape& hair) {
       break;
     }
     case 2:
-      if (dice.chance(0.5f)) look.kind = Look::Kind::heather;
+      if (rng.chance(0.5f)) material.kind = Material::Kind::heather;
       mesh(
           [&](vec3 p) {
             float d =
@@ -271,9 +272,9 @@ bool add_hat(Stage& stage, Figure& figure, Dice& dice, HairShape& hair) {
       break;
     case 3:
     case 4: {
-      const float open = kind == 3 ? dice.in(0.075f, 0.09f) : dice.in(0.064f, 0.074f);
+      const float open = kind == 3 ? rng.uniform(0.075f, 0.09f) : rng.uniform(0.064f, 0.074f);
       const float room = kind == 3 ? loose + 0.012f : 0.012f;
-      Piece piece = mesh_of(
+      SceneObject object = polygonize(
           [&](vec3 p) {
             float d = ellipsoid(p, {0, 0.025f, -0.02f}, vec3(0.082f, 0.115f, 0.105f) + room);
             d = blend(
@@ -284,12 +285,12 @@ bool add_hat(Stage& stage, Figure& figure, Dice& dice, HairShape& hair) {
             return d - 0.006f * (noise(seed, p * 28.0f) - 0.5f);
           },
           {-0.16f, -0.27f, -0.18f}, {0.16f, 0.2f, 0.13f}, cell * 1.3f);
-      let_hang(figure, piece);
-      add_piece(stage, figure, std::move(piece), look);
+      let_hang(figure, object);
+      add_object(scene, figure, std::move(object), material);
       break;
     }
     case 5:
-      look.gloss = 0.5f;
+      material.gloss = 0.5f;
       mesh(
           [&](vec3 p) {
             float d = ellipsoid(p, {0, 0.045f, -0.014f}, {0.105f, 0.115f, 0.135f});
@@ -298,19 +299,19 @@ bool add_hat(Stage& stage, Figure& figure, Dice& dice, HairShape& hair) {
           {-0.13f, -0.02f, -0.18f}, {0.13f, 0.19f, 0.16f});
       break;
     default: {
-      Look plastic;
-      plastic.a = any_color(dice);
+      Material plastic;
+      plastic.a = random_color(rng);
       plastic.gloss = 0.4f;
-      Piece piece;
+      SceneObject object;
       std::vector<vec3> path;
       for (int i = 0; i <= 12; ++i) {
         const float turn = std::numbers::pi_v<float> * static_cast<float>(i) / 12;
         path.emplace_back(0.096f * std::cos(turn), 0.01f + (0.138f + hair.thick_m) * std::sin(turn), -0.01f);
       }
-      add_tube(piece, path, std::vector<float>(path.size(), 0.008f), 6);
+      add_tube(object, path, std::vector<float>(path.size(), 0.008f), 6);
       for (const float x : {-1.0f, 1.0f})
-        add_ball(piece, {0.097f * x, 0.0f, -0.008f}, {0.018f, 0.036f, 0.032f}, mat3(1), 8);
-      add_piece(stage, figure, on_head(figure, std::move(piece)), plastic);
+        add_ellipsoid(object, {0.097f * x, 0.0f, -0.008f}, {0.018f, 0.036f, 0.032f}, mat3(1), 8);
+      add_object(scene, figure, on_head(figure, std::move(object)), plastic);
       return false;
     }
   }
@@ -323,106 +324,106 @@ bool add_hat(Stage& stage, Figure& figure, Dice& dice, HairShape& hair) {
 
 }  // namespace
 
-void add_hair_and_hat(Stage& stage, Figure& figure, Dice dice) {
+void add_hair_and_hat(SceneModel& scene, Figure& figure, RandomStream rng) {
   const Body& body = figure.body;
   const bool man = body.woman < 0.5f;
   // men wear short hair four times in five, women long hair as often
   constexpr int kShortStyles = 6;
-  const bool is_short = dice.chance(man ? 0.82f : 0.16f);
-  int kind = is_short ? dice.below(kShortStyles) : kShortStyles + dice.below(kStyles - kShortStyles);
+  const bool is_short = rng.chance(man ? 0.82f : 0.16f);
+  int kind = is_short ? rng.below(kShortStyles) : kShortStyles + rng.below(kStyles - kShortStyles);
   if (kind == 0 && (!man || body.child)) kind = 2;
   const auto style = static_cast<Style>(kind);
   figure.tags.push_back(std::string("hair:") + kStyleNames[kind]);
   HairShape shape;
-  shape.seed = dice.seed();
-  shape.thick_m = dice.in(0.008f, 0.022f);
-  shape.hairline_m = dice.in(0.066f, 0.092f);
-  shape.part_x = dice.in(-0.03f, 0.03f);
-  shape.rough_m = dice.in(0.004f, 0.012f);
-  shape.rough_per_m = dice.in(35, 80);
-  const bool fringe = dice.chance(is_short ? 0.2f : 0.35f);
-  if (fringe) shape.hairline_m = dice.in(0.036f, 0.055f);
+  shape.seed = rng.seed();
+  shape.thick_m = rng.uniform(0.008f, 0.022f);
+  shape.hairline_m = rng.uniform(0.066f, 0.092f);
+  shape.part_x = rng.uniform(-0.03f, 0.03f);
+  shape.rough_m = rng.uniform(0.004f, 0.012f);
+  shape.rough_per_m = rng.uniform(35, 80);
+  const bool fringe = rng.chance(is_short ? 0.2f : 0.35f);
+  if (fringe) shape.hairline_m = rng.uniform(0.036f, 0.055f);
   int ribbons = 500;
   float ribbon_m = 0.03f, lift = 0.25f, curl = 0.1f;
   switch (style) {
     case Style::bald:
       break;
     case Style::cropped:
-      shape.thick_m = dice.in(0.002f, 0.005f);
+      shape.thick_m = rng.uniform(0.002f, 0.005f);
       shape.rough_m = 0.001f;
-      shape.hairline_m = dice.in(0.072f, 0.1f);
+      shape.hairline_m = rng.uniform(0.072f, 0.1f);
       ribbons = 150, ribbon_m = 0.008f, lift = 1;
       break;
     case Style::short_cap:
-      shape.thick_m = dice.in(0.007f, 0.016f);
-      shape.top_m = dice.in(0, 0.03f);
-      lift = dice.in(0.2f, 1);
+      shape.thick_m = rng.uniform(0.007f, 0.016f);
+      shape.top_m = rng.uniform(0, 0.03f);
+      lift = rng.uniform(0.2f, 1);
       break;
     case Style::parted:
-      shape.part_x = dice.sign() * dice.in(0.025f, 0.045f);
-      shape.top_m = dice.in(0.01f, 0.035f);
+      shape.part_x = rng.sign() * rng.uniform(0.025f, 0.045f);
+      shape.top_m = rng.uniform(0.01f, 0.035f);
       break;
     case Style::curly:
-      shape.thick_m = dice.in(0.015f, 0.035f);
-      shape.top_m = dice.in(0, 0.03f);
-      shape.rough_m = dice.in(0.012f, 0.022f);
-      shape.rough_per_m = dice.in(50, 90);
+      shape.thick_m = rng.uniform(0.015f, 0.035f);
+      shape.top_m = rng.uniform(0, 0.03f);
+      shape.rough_m = rng.uniform(0.012f, 0.022f);
+      shape.rough_per_m = rng.uniform(50, 90);
       ribbons = 900, lift = 0.9f, curl = 0.8f, ribbon_m = 0.025f;
       break;
     case Style::afro:
-      shape.thick_m = dice.in(0.035f, 0.09f);
+      shape.thick_m = rng.uniform(0.035f, 0.09f);
       shape.rough_m = 0.014f;
       shape.nape_m = -0.09f;
       ribbons = 1200, lift = 2, curl = 0.9f, ribbon_m = 0.02f;
       break;
     case Style::bob:
-      shape.fall_m = dice.in(-0.04f, 0.03f) + 0.06f;
-      shape.fall_front = dice.in(0.3f, 0.8f);
+      shape.fall_m = rng.uniform(-0.04f, 0.03f) + 0.06f;
+      shape.fall_front = rng.uniform(0.3f, 0.8f);
       shape.ear_cut = 0;
       shape.nape_m = -0.15f;
-      shape.fall_thick = dice.in(0.025f, 0.05f);
+      shape.fall_thick = rng.uniform(0.025f, 0.05f);
       break;
     case Style::long_straight:
     case Style::long_wavy:
-      shape.fall_m = dice.in(0.08f, 0.32f);
-      shape.fall_front = dice.in(0, 1);
-      shape.ear_cut = dice.chance(0.4f) ? 1.0f : 0.0f;
+      shape.fall_m = rng.uniform(0.08f, 0.32f);
+      shape.fall_front = rng.uniform(0, 1);
+      shape.ear_cut = rng.chance(0.4f) ? 1.0f : 0.0f;
       shape.nape_m = -0.2f;
-      shape.fall_thick = dice.in(0.022f, 0.05f);
+      shape.fall_thick = rng.uniform(0.022f, 0.05f);
       if (style == Style::long_wavy)
-        shape.rough_m = dice.in(0.014f, 0.026f), shape.rough_per_m = dice.in(30, 60), curl = 0.5f;
+        shape.rough_m = rng.uniform(0.014f, 0.026f), shape.rough_per_m = rng.uniform(30, 60), curl = 0.5f;
       ribbons = 900, ribbon_m = 0.06f;
       break;
     case Style::bun:
       shape.bun = true;
-      shape.bun_at = dice.chance(0.5f) ? vec3(0, 0.155f, -0.05f) : vec3(0, 0.06f, -0.135f);
-      shape.bun_m = dice.in(0.028f, 0.05f);
+      shape.bun_at = rng.chance(0.5f) ? vec3(0, 0.155f, -0.05f) : vec3(0, 0.06f, -0.135f);
+      shape.bun_m = rng.uniform(0.028f, 0.05f);
       break;
     case Style::ponytail:
       shape.tail = true;
-      shape.tail_m = dice.in(0.12f, 0.35f);
+      shape.tail_m = rng.uniform(0.12f, 0.35f);
       break;
     case Style::braids:
       shape.braids = true;
-      shape.fall_thick = dice.in(0.02f, 0.05f);
+      shape.fall_thick = rng.uniform(0.02f, 0.05f);
       break;
   }
-  const bool hat = dice.chance(0.17f);
-  const bool hidden = hat && add_hat(stage, figure, dice, shape);
-  if (style == Style::bald) figure.face.v[kScalpHair] = dice.in(0, 0.35f);
+  const bool hat = rng.chance(0.17f);
+  const bool hidden = hat && add_hat(scene, figure, rng, shape);
+  if (style == Style::bald) figure.face.v[kScalpHair] = rng.uniform(0, 0.35f);
   if (style != Style::bald && !hidden) {
     const float low = -0.16f - shape.fall_m - (shape.tail ? shape.tail_m : 0) - (shape.braids ? 0.25f : 0);
     const float r = 0.14f + shape.thick_m + shape.fall_thick;
     const float cell = std::max(figure.head_cell_m * 1.25f, 0.005f) / body.head_scale;
-    Piece hair = mesh_of(shape, {-r, low, -r - 0.06f}, {r, 0.2f + shape.thick_m + shape.top_m, r}, cell);
+    SceneObject hair = polygonize(shape, {-r, low, -r - 0.06f}, {r, 0.2f + shape.thick_m + shape.top_m, r}, cell);
     let_hang(figure, hair);
-    const float width = 0.00075f + 0.00012f * static_cast<float>(dice.below(6));
-    Piece soft = strands(figure, hair, dice, ribbons, ribbon_m, lift, width, curl);
-    add_piece(stage, figure, std::move(hair), figure.hair);
-    if (figure.head_cell_m < 0.009f) add_piece(stage, figure, std::move(soft), figure.hair);
+    const float width = 0.00075f + 0.00012f * static_cast<float>(rng.below(6));
+    SceneObject soft = strands(figure, hair, rng, ribbons, ribbon_m, lift, width, curl);
+    add_object(scene, figure, std::move(hair), figure.hair);
+    if (figure.head_cell_m < 0.009f) add_object(scene, figure, std::move(soft), figure.hair);
   }
-  if (man && !body.child && dice.chance(0.3f)) add_beard(stage, figure, dice);
-  if (dice.chance(0.22f)) add_glasses(stage, figure, dice);
+  if (man && !body.child && rng.chance(0.3f)) add_beard(scene, figure, rng);
+  if (rng.chance(0.22f)) add_glasses(scene, figure, rng);
 }
 
 }  // namespace dualpixel::scenes

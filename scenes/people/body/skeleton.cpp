@@ -69,48 +69,48 @@ mat3 axes_along(vec3 along, vec3 towards) {
   return {glm::cross(y, z), y, z};
 }
 
-Body make_body(Dice& dice) {
+Body make_body(RandomStream& rng) {
   Body body;
-  body.child = dice.chance(0.12f);
-  body.old = !body.child && dice.chance(0.15f);
-  body.woman = dice.chance(0.5f) ? dice.in(0.7f, 1) : dice.in(0, 0.2f);
-  body.girth = std::clamp(0.45f * dice.normal(), -1.0f, 1.2f);
+  body.child = rng.chance(0.12f);
+  body.old = !body.child && rng.chance(0.15f);
+  body.woman = rng.chance(0.5f) ? rng.uniform(0.7f, 1) : rng.uniform(0, 0.2f);
+  body.girth = std::clamp(0.45f * rng.normal(), -1.0f, 1.2f);
   if (body.child) {
-    body.stature_m = dice.in(0.95f, 1.5f);
-    body.head_scale = 0.84f + 0.1f * (body.stature_m - 0.95f) / 0.55f + 0.02f * dice.normal();
+    body.stature_m = rng.uniform(0.95f, 1.5f);
+    body.head_scale = 0.84f + 0.1f * (body.stature_m - 0.95f) / 0.55f + 0.02f * rng.normal();
     body.woman *= 0.3f;
     body.girth *= 0.5f;
   } else {
-    body.stature_m = 1.765f - 0.13f * body.woman + 0.065f * dice.normal();
-    body.head_scale = 1.02f - 0.05f * body.woman + 0.025f * dice.normal();
+    body.stature_m = 1.765f - 0.13f * body.woman + 0.065f * rng.normal();
+    body.head_scale = 1.02f - 0.05f * body.woman + 0.025f * rng.normal();
   }
-  body.shoulder_half_m = body.stature_m * (0.109f - 0.008f * body.woman + 0.006f * body.girth) + 0.006f * dice.normal();
+  body.shoulder_half_m = body.stature_m * (0.109f - 0.008f * body.woman + 0.006f * body.girth) + 0.006f * rng.normal();
   body.hip_half_m = body.stature_m * (0.05f + 0.004f * body.woman);
   return body;
 }
 
-Gesture any_gesture(Dice& dice) {
-  if (!dice.held_out() && dice.chance(dice.strange() ? 0.6f : 0.2f))
-    return dice.chance(0.6f) ? Gesture::anywhere : Gesture::with_thing;
-  return static_cast<Gesture>(dice.choose(kGestures, kReservedGestures));
+Gesture random_gesture(RandomStream& rng) {
+  if (!rng.held_out() && rng.chance(rng.domain_randomized() ? 0.6f : 0.2f))
+    return rng.chance(0.6f) ? Gesture::anywhere : Gesture::with_thing;
+  return static_cast<Gesture>(rng.choose(kGestures, kReservedGestures));
 }
 
-Pose make_pose(Dice& dice, const Body& body, Gesture gesture) {
+Pose make_pose(RandomStream& rng, const Body& body, Gesture gesture) {
   Pose pose;
-  pose.lean = 0.06f + 0.09f * dice.normal();
-  pose.side = 0.05f * dice.normal();
-  pose.twist = 0.12f * dice.normal();
-  pose.head_yaw = 0.25f * dice.normal();
-  pose.head_pitch = 0.02f + 0.1f * dice.normal();
-  pose.head_roll = 0.1f * dice.normal();
-  for (float& shrug : pose.shrug) shrug = 0.006f * dice.normal();
-  pose.sitting = dice.chance(0.2f);
-  for (vec3& foot : pose.foot) foot = {dice.in(0.03f, 0.11f), 0, dice.in(-0.06f, 0.08f)};
-  const int side = dice.below(2);
+  pose.lean = 0.06f + 0.09f * rng.normal();
+  pose.side = 0.05f * rng.normal();
+  pose.twist = 0.12f * rng.normal();
+  pose.head_yaw = 0.25f * rng.normal();
+  pose.head_pitch = 0.02f + 0.1f * rng.normal();
+  pose.head_roll = 0.1f * rng.normal();
+  for (float& shrug : pose.shrug) shrug = 0.006f * rng.normal();
+  pose.sitting = rng.chance(0.2f);
+  for (vec3& foot : pose.foot) foot = {rng.uniform(0.03f, 0.11f), 0, rng.uniform(-0.06f, 0.08f)};
+  const int side = rng.below(2);
   ArmPose& one = pose.arm[side];
   ArmPose& other = pose.arm[1 - side];
   one = other = kHanging;
-  if (dice.chance(0.3f)) other = kBent;
+  if (rng.chance(0.3f)) other = kBent;
   pose.held_side = side;
   switch (gesture) {
     case Gesture::hanging:
@@ -120,29 +120,29 @@ Pose make_pose(Dice& dice, const Body& body, Gesture gesture) {
       break;
     case Gesture::on_hip:
       one = kOnHip;
-      if (dice.chance(0.35f)) other = kOnHip;
+      if (rng.chance(0.35f)) other = kOnHip;
       break;
     case Gesture::crossed:
       one = kCrossedOver, other = kCrossedUnder;
       break;
     case Gesture::in_pockets:
       one = kPocket;
-      if (dice.chance(0.6f)) other = kPocket;
+      if (rng.chance(0.6f)) other = kPocket;
       break;
     case Gesture::holding: {
       one = kHold;
-      one.wrist += vec3(dice.in(-0.03f, 0.05f), dice.in(-0.06f, 0.1f), dice.in(-0.03f, 0.05f));
+      one.wrist += vec3(rng.uniform(-0.03f, 0.05f), rng.uniform(-0.06f, 0.1f), rng.uniform(-0.03f, 0.05f));
       constexpr Held kOneHand[] = {Held::phone,   Held::cup,        Held::bottle,
                                    Held::bouquet, Held::microphone, Held::umbrella};
-      pose.held = kOneHand[dice.below(6)];
+      pose.held = kOneHand[rng.below(6)];
       break;
     }
     case Gesture::holding_both: {
       one = other = kHold;
-      const vec3 shift(dice.in(-0.01f, 0.02f), dice.in(-0.08f, 0.06f), dice.in(-0.02f, 0.04f));
+      const vec3 shift(rng.uniform(-0.01f, 0.02f), rng.uniform(-0.08f, 0.06f), rng.uniform(-0.02f, 0.04f));
       one.wrist += shift, other.wrist += shift;
       constexpr Held kTwoHands[] = {Held::book, Held::ball, Held::animal, Held::tablet, Held::bouquet, Held::phone};
-      pose.held = kTwoHands[dice.below(6)];
+      pose.held = kTwoHands[rng.below(6)];
       pose.both_hands = true;
       break;
     }
@@ -169,19 +169,19 @@ Pose make_pose(Dice& dice, const Body& body, Gesture gesture) {
       break;
     case Gesture::anywhere:
       for (ArmPose& a : pose.arm) {
-        if (&a == &other && dice.chance(0.4f)) continue;
-        a.wrist = {dice.in(-0.06f, 0.25f), dice.in(-0.1f, 0.42f), dice.in(0.06f, 0.32f)};
-        a.elbow = vec3(0.8f, -0.6f, -0.3f) + vec3(0.7f, 0.8f, 0.8f) * dice.in3(-1, 1);
-        a.fingers = 1.2f * fore_arm(a) + 0.7f * dice.in3(-1, 1);
-        a.palm = vec3(-0.4f, 0, 0) + dice.in3(-1, 1);
-        a.curl = dice.unit();
+        if (&a == &other && rng.chance(0.4f)) continue;
+        a.wrist = {rng.uniform(-0.06f, 0.25f), rng.uniform(-0.1f, 0.42f), rng.uniform(0.06f, 0.32f)};
+        a.elbow = vec3(0.8f, -0.6f, -0.3f) + vec3(0.7f, 0.8f, 0.8f) * rng.uniform3(-1, 1);
+        a.fingers = 1.2f * fore_arm(a) + 0.7f * rng.uniform3(-1, 1);
+        a.palm = vec3(-0.4f, 0, 0) + rng.uniform3(-1, 1);
+        a.curl = rng.uniform();
       }
-      if (dice.chance(0.4f)) pose.held = Held::thing;
+      if (rng.chance(0.4f)) pose.held = Held::thing;
       break;
     case Gesture::with_thing:
       one = other = kHold;
-      one.wrist += vec3(dice.in(-0.02f, 0.06f), dice.in(-0.14f, 0.1f), dice.in(-0.04f, 0.06f));
-      other.wrist = one.wrist + vec3(0, dice.in(-0.03f, 0.03f), dice.in(-0.03f, 0.03f));
+      one.wrist += vec3(rng.uniform(-0.02f, 0.06f), rng.uniform(-0.14f, 0.1f), rng.uniform(-0.04f, 0.06f));
+      other.wrist = one.wrist + vec3(0, rng.uniform(-0.03f, 0.03f), rng.uniform(-0.03f, 0.03f));
       pose.held = Held::thing;
       pose.both_hands = true;
       break;
@@ -196,32 +196,32 @@ Pose make_pose(Dice& dice, const Body& body, Gesture gesture) {
       break;
     case Gesture::toasting:
       one = kToast;
-      one.wrist += vec3(dice.in(-0.03f, 0.04f), dice.in(-0.05f, 0.05f), dice.in(-0.03f, 0.03f));
+      one.wrist += vec3(rng.uniform(-0.03f, 0.04f), rng.uniform(-0.05f, 0.05f), rng.uniform(-0.03f, 0.03f));
       pose.held = Held::glass;
       break;
     case Gesture::carrying: {
       one = other = kCarry;
-      const float higher = dice.in(-0.03f, 0.07f);
+      const float higher = rng.uniform(-0.03f, 0.07f);
       one.wrist.y += higher, other.wrist.y += higher;
       pose.held = Held::parcel;
       pose.both_hands = true;
       break;
     }
   }
-  if (pose.held == Held::nothing && dice.chance(0.12f)) pose.held = Held::bag;  // over a shoulder
+  if (pose.held == Held::nothing && rng.chance(0.12f)) pose.held = Held::bag;  // over a shoulder
   const float spread = gesture == Gesture::crossed || pose.both_hands ? 0.006f : 0.014f;
   for (ArmPose& a : pose.arm) {
-    a.wrist += spread * vec3(dice.normal(), dice.normal(), dice.normal());
-    a.elbow += 0.15f * vec3(dice.normal(), dice.normal(), dice.normal());
-    a.fingers = glm::normalize(glm::normalize(a.fingers) + 0.12f * vec3(dice.normal(), dice.normal(), dice.normal()));
-    a.curl = std::clamp(a.curl + 0.12f * dice.normal(), 0.0f, 1.0f);
+    a.wrist += spread * vec3(rng.normal(), rng.normal(), rng.normal());
+    a.elbow += 0.15f * vec3(rng.normal(), rng.normal(), rng.normal());
+    a.fingers = glm::normalize(glm::normalize(a.fingers) + 0.12f * vec3(rng.normal(), rng.normal(), rng.normal()));
+    a.curl = std::clamp(a.curl + 0.12f * rng.normal(), 0.0f, 1.0f);
     a.wrist.x += std::max(body.girth, 0.0f) * 0.02f;
     a.wrist.z += std::max(body.girth, 0.0f) * 0.015f;
   }
   return pose;
 }
 
-vec3 Skeleton::rest_of(vec3 p) const {
+vec3 Skeleton::rest_position_of(vec3 p) const {
   vec3 sum(0);
   float total = 0;
   for (const Bone& bone : bones) {
@@ -260,8 +260,8 @@ Skeleton make_skeleton(const Body& body, const Pose& pose, vec3 place, float yaw
   k.pelvis.axes = turn(yaw, {0, 1, 0});
   k.pelvis.origin = place + vec3(0, pose.sitting ? proportions.sitting_pelvis_m : proportions.pelvis_m, 0);
   k.chest.axes = k.pelvis.axes * turn(pose.twist, {0, 1, 0}) * turn(pose.lean, {1, 0, 0}) * turn(-pose.side, {0, 0, 1});
-  k.chest.origin = k.pelvis.out(proportions.chest) + 0.06f * h * vec3(k.chest.axes[1] - vec3(0, 1, 0));
-  k.neck_base = k.chest.out(proportions.neck_base);
+  k.chest.origin = k.pelvis.to_world(proportions.chest) + 0.06f * h * vec3(k.chest.axes[1] - vec3(0, 1, 0));
+  k.neck_base = k.chest.to_world(proportions.neck_base);
   const mat3 neck_axes = k.chest.axes * turn(0.45f * pose.head_yaw, {0, 1, 0}) *
                          turn(0.12f + 0.5f * pose.head_pitch, {1, 0, 0}) * turn(-0.5f * pose.head_roll, {0, 0, 1});
   k.head.axes = k.chest.axes * turn(pose.head_yaw, {0, 1, 0}) * turn(pose.head_pitch - 0.6f * pose.lean, {1, 0, 0}) *
@@ -271,10 +271,10 @@ Skeleton make_skeleton(const Body& body, const Pose& pose, vec3 place, float yaw
   const auto add_bone = [&](vec3 a, vec3 b, const mat3& axes, vec3 rest_a, float radius) {
     k.bones.push_back({a, b, axes, rest_a, radius});
   };
-  add_bone(k.pelvis.origin, k.pelvis.out({0, 0.03f * h, 0}), k.pelvis.axes, {0, 0.535f * h, 0}, 0.09f * h);
-  add_bone(k.chest.out({0, 0.05f * h, 0}), k.chest.out({0, 0.2f * h, 0}), k.chest.axes,
-           rest_chest.out({0, 0.05f * h, 0}), 0.09f * h);
-  add_bone(k.neck_base, k.head.origin, neck_axes, rest_chest.out(proportions.neck_base), 0.035f * h);
+  add_bone(k.pelvis.origin, k.pelvis.to_world({0, 0.03f * h, 0}), k.pelvis.axes, {0, 0.535f * h, 0}, 0.09f * h);
+  add_bone(k.chest.to_world({0, 0.05f * h, 0}), k.chest.to_world({0, 0.2f * h, 0}), k.chest.axes,
+           rest_chest.to_world({0, 0.05f * h, 0}), 0.09f * h);
+  add_bone(k.neck_base, k.head.origin, neck_axes, rest_chest.to_world(proportions.neck_base), 0.035f * h);
   for (int side = 0; side < 2; ++side) {
     const float x = side == 0 ? 1.0f : -1.0f;
     const ArmPose& arm_pose = pose.arm[side];
@@ -282,9 +282,9 @@ Skeleton make_skeleton(const Body& body, const Pose& pose, vec3 place, float yaw
     const auto to_world = [&](vec3 v) { return k.chest.axes * mirrored(v); };
     const float lift = 0.25f * std::max(arm_pose.wrist.y - 0.2f, 0.0f) + pose.shrug[side];
     const vec3 shoulder_rest = mirrored(proportions.shoulder);
-    k.shoulder[side] = k.chest.out(shoulder_rest + vec3(-0.3f * x * lift * h, lift * h, 0));
+    k.shoulder[side] = k.chest.to_world(shoulder_rest + vec3(-0.3f * x * lift * h, lift * h, 0));
     const float upper = proportions.upper_arm_m, fore = proportions.fore_arm_m;
-    k.wrist[side] = k.chest.out(h * mirrored(arm_pose.wrist));
+    k.wrist[side] = k.chest.to_world(h * mirrored(arm_pose.wrist));
     k.elbow[side] = bend(k.shoulder[side], k.wrist[side], upper, fore, to_world(arm_pose.elbow));
     const mat3 hand_axes = axes_along(to_world(arm_pose.fingers), to_world(arm_pose.palm));
     const float hand_m = 0.108f * h;
@@ -296,11 +296,11 @@ Skeleton make_skeleton(const Body& body, const Pose& pose, vec3 place, float yaw
     };
     const mat3 upper_axes = limb_axes(k.shoulder[side], k.elbow[side], k.chest.axes, rest_down);
     const mat3 fore_axes = limb_axes(k.elbow[side], k.wrist[side], upper_axes, rest_down);
-    const vec3 rest_shoulder = rest_chest.out(shoulder_rest), rest_elbow = rest_shoulder + rest_down * upper;
+    const vec3 rest_shoulder = rest_chest.to_world(shoulder_rest), rest_elbow = rest_shoulder + rest_down * upper;
     add_bone(k.shoulder[side], k.elbow[side], upper_axes, rest_shoulder, 0.034f * h);
     add_bone(k.elbow[side], k.wrist[side], fore_axes, rest_elbow, 0.028f * h);
 
-    k.hip[side] = k.pelvis.out(mirrored(proportions.hip));
+    k.hip[side] = k.pelvis.to_world(mirrored(proportions.hip));
     const vec3 foot = pose.foot[side];
     k.ankle[side] = place + k.pelvis.axes * vec3(x * foot.x * h, 0.045f * h, (foot.z + (pose.sitting ? 0.22f : 0)) * h);
     k.knee[side] = bend(k.hip[side], k.ankle[side], proportions.thigh_m, proportions.shank_m,

@@ -18,7 +18,7 @@ struct Body {
   float shoulder_half_m = 0.18f;  ///< from the spine to the joint
   float hip_half_m = 0.085f;
 };
-Body make_body(Dice& dice);
+Body make_body(RandomStream& rng);
 
 /// What the hands do.
 enum class Held : std::uint8_t {
@@ -90,14 +90,14 @@ enum class Gesture : std::uint8_t {
 inline constexpr int kGestures = 20, kReservedGestures = 5;
 static_assert(static_cast<int>(Gesture::carrying) == kGestures - 1);
 
-Pose make_pose(Dice& dice, const Body& body, Gesture gesture);
-Gesture any_gesture(Dice& dice);
+Pose make_pose(RandomStream& rng, const Body& body, Gesture gesture);
+Gesture random_gesture(RandomStream& rng);
 
 struct Frame {
   vec3 origin{0};
   mat3 axes{1};  ///< columns: x left, y up, z forward
-  vec3 out(vec3 local) const { return origin + axes * local; }
-  vec3 in(vec3 world) const { return (world - origin) * axes; }
+  vec3 to_world(vec3 local) const { return origin + axes * local; }
+  vec3 to_local(vec3 world) const { return (world - origin) * axes; }
 };
 
 /// A stick of the body, posed and at rest; `axes` turn rest directions into posed ones.
@@ -117,10 +117,10 @@ struct Skeleton {
   static constexpr std::size_t kNeckBone = 2;
 
   /// Where a place on the posed body lies on the body at rest.
-  vec3 rest_of(vec3 p) const;
+  vec3 rest_position_of(vec3 p) const;
 };
 
-/// Lengths of the sticks, metres; places in the frame of the part that they hang from, of the left side.
+/// Lengths of the sticks, meters; places in the frame of the part that they hang from, of the left side.
 struct Proportions {
   float pelvis_m = 0.9f, sitting_pelvis_m = 0.5f;  ///< over the floor
   vec3 chest{0}, neck_base{0}, neck{0}, shoulder{0}, hip{0};

@@ -12,7 +12,7 @@
 namespace dualpixel::scenes {
 
 /// One picture and the person in it whose face is the seed; pointers into the mapped files. Pixels are those of the
-/// 256 x 256 picture, centres at .5.
+/// 256 x 256 picture, centers at .5.
 struct PersonSample {
   const std::uint8_t* picture;    ///< 256 x 256 x 3, sRGB, padded with 0
   const std::uint8_t* mask;       ///< 256 x 256, coverage 0..255
@@ -64,7 +64,7 @@ class PeopleSet {
  public:
   /// Every shard of every folder. Throws InputError for what is no people set of version 1 and 256 px, for folders
   /// that disagree with people.json about their count, for keypoints or faces that are not finite, and where a folder
-  /// is not held out though `held_out` says so, or the other way round: what is learnt from must not be judged with.
+  /// is not held out though `held_out` says so, or the other way round: what is learned from must not be judged with.
   PeopleSet(const std::vector<std::string>& folders, bool held_out);
 
   std::size_t size() const { return samples_.size(); }

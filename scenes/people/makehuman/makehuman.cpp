@@ -344,7 +344,7 @@ mat3 between(vec3 a, vec3 b) {
   return mat3(glm::rotate(glm::mat4(1), std::atan2(sine, glm::dot(a, b)), axis / sine));
 }
 
-/// A morphed body: places at rest in metres, the floor at 0, and its joints.
+/// A morphed body: places at rest in meters, the floor at 0, and its joints.
 struct Morphed {
   std::vector<vec3> rest;
   const MakeHumanAssets* assets;
@@ -532,33 +532,33 @@ vec3 moved(const std::vector<PartMotion>& motion, const Weights& weights, vec3 p
 }
 
 /// A mesh with posed vertices as a piece; normals are smooth across texture seams. `visible`: which vertices stay.
-Piece piece_of(const TexturedMesh& mesh, const std::vector<vec3>& posed, const std::vector<vec3>& rest, bool textured,
-               const std::vector<bool>& hidden, float lowest_m) {
-  Piece whole;
+SceneObject object_of(const TexturedMesh& mesh, const std::vector<vec3>& posed, const std::vector<vec3>& rest,
+                      bool textured, const std::vector<bool>& hidden, float lowest_m) {
+  SceneObject whole;
   whole.positions = posed;
   for (const glm::uvec3& t : mesh.triangles)
     whole.triangles.emplace_back(mesh.vertex[t.x], mesh.vertex[t.y], mesh.vertex[t.z]);
   smooth_normals(whole);
-  Piece piece;
+  SceneObject object;
   for (std::size_t i = 0; i < mesh.vertex.size(); ++i) {
     const auto v = static_cast<std::size_t>(mesh.vertex[i]);
-    piece.positions.push_back(posed[v]);
-    piece.normals.push_back(whole.normals[v]);
-    piece.rest.push_back(textured ? vec3(mesh.uv[i], 0) : rest[v]);
+    object.positions.push_back(posed[v]);
+    object.normals.push_back(whole.normals[v]);
+    object.rest.push_back(textured ? vec3(mesh.uv[i], 0) : rest[v]);
   }
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const glm::uvec3& t = whole.triangles[i];
     if (!hidden.empty() && (hidden[t.x] || hidden[t.y] || hidden[t.z])) continue;
     if (std::max({posed[t.x].y, posed[t.y].y, posed[t.z].y}) < lowest_m) continue;
-    piece.triangles.push_back(mesh.triangles[i]);
+    object.triangles.push_back(mesh.triangles[i]);
   }
-  return piece;
+  return object;
 }
 
 /// One of a kind of asset, of the group that is wanted where this set has any of it (see makehuman.h); null where there
 /// is none of the kind.
 template <typename T, typename GroupOf>
-const T* one_of(Dice& dice, const std::vector<T>& kind, GroupOf group_of, int wanted) {
+const T* one_of(RandomStream& rng, const std::vector<T>& kind, GroupOf group_of, int wanted) {
   std::map<int, int> sizes, before;
   for (const T& asset : kind) ++sizes[group_of(asset)];
   std::vector<const T*> any, own, fitting;
@@ -566,24 +566,24 @@ const T* one_of(Dice& dice, const std::vector<T>& kind, GroupOf group_of, int wa
     const int group = group_of(asset), n = sizes[group];
     const bool held_out = n > 1 && before[group]++ >= n - std::max(n / 5, 1);
     any.push_back(&asset);
-    if (held_out != dice.held_out()) continue;
+    if (held_out != rng.held_out()) continue;
     own.push_back(&asset);
     if (group == wanted) fitting.push_back(&asset);
   }
   const std::vector<const T*>& from = !fitting.empty() ? fitting : !own.empty() ? own : any;
-  return from.empty() ? nullptr : from[static_cast<std::size_t>(dice.below(static_cast<int>(from.size())))];
+  return from.empty() ? nullptr : from[static_cast<std::size_t>(rng.below(static_cast<int>(from.size())))];
 }
 template <typename T>
-const T* one_of(Dice& dice, const std::vector<T>& kind) {
+const T* one_of(RandomStream& rng, const std::vector<T>& kind) {
   return one_of(
-      dice, kind, [](const T&) { return 0; }, 0);
+      rng, kind, [](const T&) { return 0; }, 0);
 }
 
 bool is_for_women(const std::string& name) { return name.find("female") != std::string::npos; }
 
 /// A figure under way.
 struct Dressing {
-  Stage& stage;
+  SceneModel& scene;
   Figure& figure;
   const Morphed& morphed;
   const std::vector<PartMotion>& motion;
@@ -591,7 +591,7 @@ struct Dressing {
   std::vector<bool> hidden;  ///< of its vertices: beneath clothes
 };
 
-void add_fitted(Dressing& dressing, const FittedAsset& asset, const Look& look, float grow_m = 0) {
+void add_fitted(Dressing& dressing, const FittedAsset& asset, const Material& material, float grow_m = 0) {
   const auto& rest = dressing.morphed.rest;
   vec3 scale(1);
   for (int axis = 0; axis < 3; ++axis) {
@@ -612,29 +612,30 @@ void add_fitted(Dressing& dressing, const FittedAsset& asset, const Look& look, 
     at_rest.push_back(p - vec3(0, 0.72f * dressing.figure.body.stature_m, 0));
     posed.push_back(q);
   }
-  Piece piece =
-      piece_of(asset.mesh, posed, at_rest, look.kind == Look::Kind::textured, {}, dressing.figure.lowest_m - 0.05f);
+  SceneObject object = object_of(asset.mesh, posed, at_rest, material.kind == Material::Kind::textured, {},
+                                 dressing.figure.lowest_m - 0.05f);
   if (grow_m > 0) {
-    for (std::size_t i = 0; i < piece.positions.size(); ++i) piece.positions[i] += grow_m * piece.normals[i];
+    for (std::size_t i = 0; i < object.positions.size(); ++i) object.positions[i] += grow_m * object.normals[i];
   }
-  add_piece(dressing.stage, dressing.figure, std::move(piece), look);
+  add_object(dressing.scene, dressing.figure, std::move(object), material);
 }
 
 /// The asset's texture, dyed: its mean becomes `color`; plain where it has none.
-Look dyed(const FittedAsset& asset, vec3 color, bool cut_out) {
-  Look look;
-  look.a = color;
-  if (!asset.texture) return look;
-  look.kind = Look::Kind::textured;
-  look.texture = asset.texture;
-  look.a = color / glm::max(asset.mean_color, vec3(0.02f));
-  look.cut_out = cut_out;
-  return look;
+Material dyed(const FittedAsset& asset, vec3 color, bool cut_out) {
+  Material material;
+  material.a = color;
+  if (!asset.texture) return material;
+  material.kind = Material::Kind::textured;
+  material.texture = asset.texture;
+  material.a = color / glm::max(asset.mean_color, vec3(0.02f));
+  material.cut_out = cut_out;
+  return material;
 }
 
 /// Cloth that follows the body at a little distance, over what `covers(rest place, weights)` says.
 template <typename Covers>
-void add_shell(Dressing& dressing, const Covers& covers, float room_m, float folds_m, const Look& look, Dice& dice) {
+void add_shell(Dressing& dressing, const Covers& covers, float room_m, float folds_m, const Material& material,
+               RandomStream& rng) {
   const MakeHumanAssets& assets = *dressing.morphed.assets;
   const auto& rest = dressing.morphed.rest;
   const float chest_m = 0.72f * dressing.figure.body.stature_m;
@@ -644,16 +645,16 @@ void add_shell(Dressing& dressing, const Covers& covers, float room_m, float fol
     bare[v] = v >= assets.weights.of_vertex.size() || !covers(rest[v], assets.weights.of_vertex[v]);
     at_rest[v] = rest[v] - vec3(0, chest_m, 0);
   }
-  Piece piece = piece_of(assets.body, dressing.posed, at_rest, false, bare, dressing.figure.lowest_m - 0.05f);
-  const auto seed = dice.seed();
-  for (std::size_t i = 0; i < piece.positions.size(); ++i) {
-    const vec3 bent = piece.rest[i] + 0.06f * noise(seed + 1, piece.rest[i] * 9.0f);
+  SceneObject object = object_of(assets.body, dressing.posed, at_rest, false, bare, dressing.figure.lowest_m - 0.05f);
+  const auto seed = rng.seed();
+  for (std::size_t i = 0; i < object.positions.size(); ++i) {
+    const vec3 bent = object.rest[i] + 0.06f * noise(seed + 1, object.rest[i] * 9.0f);
     const float fold =
         fractal(seed, bent * vec3(15, 9, 13), 2) + std::abs(noise(seed + 2, bent * vec3(11, 17, 11)) - 0.5f);
-    piece.positions[i] += piece.normals[i] * (room_m + folds_m * fold);
+    object.positions[i] += object.normals[i] * (room_m + folds_m * fold);
   }
-  smooth_normals(piece);
-  add_piece(dressing.stage, dressing.figure, std::move(piece), look);
+  smooth_normals(object);
+  add_object(dressing.scene, dressing.figure, std::move(object), material);
 }
 
 float weight_of(const Weights& weights, std::initializer_list<int> parts) {
@@ -664,18 +665,18 @@ float weight_of(const Weights& weights, std::initializer_list<int> parts) {
   return sum;
 }
 
-void add_shell_clothes(Dressing& dressing, Dice& dice) {
+void add_shell_clothes(Dressing& dressing, RandomStream& rng) {
   const Morphed& m = dressing.morphed;
   const float h = dressing.figure.body.stature_m;
   const std::array<vec3, 2> shoulder{m.joint(0, "shoulder"), m.joint(1, "shoulder")},
       wrist{m.joint(0, "hand"), m.joint(1, "hand")};
   const vec3 neck = m.joint("neck");
   const float hip = m.joint(0, "upper-leg").y;
-  const float sleeve = dice.chance(0.4f) ? dice.in(0.25f, 0.5f) : dice.chance(0.8f) ? 0.97f : 0.05f;
-  const float hem = hip - dice.in(-0.02f, 0.1f) * h, neckline = dice.in(-0.01f, 0.05f) * h,
-              vee = dice.chance(0.35f) ? dice.in(0.5f, 2) : 0;
-  const float leg = dice.chance(0.25f) ? dice.in(0.25f, 0.5f) : 0.97f, knee_to_hip = hip * leg;
-  const Look lower = cloth_look(dice);
+  const float sleeve = rng.chance(0.4f) ? rng.uniform(0.25f, 0.5f) : rng.chance(0.8f) ? 0.97f : 0.05f;
+  const float hem = hip - rng.uniform(-0.02f, 0.1f) * h, neckline = rng.uniform(-0.01f, 0.05f) * h,
+              vee = rng.chance(0.35f) ? rng.uniform(0.5f, 2) : 0;
+  const float leg = rng.chance(0.25f) ? rng.uniform(0.25f, 0.5f) : 0.97f, knee_to_hip = hip * leg;
+  const Material lower = cloth_material(rng);
   add_shell(
       dressing,
       [&](vec3 p, const Weights& w) {
@@ -683,9 +684,9 @@ void add_shell_clothes(Dressing& dressing, Dice& dice) {
             weight_of(w, {part_of(0, kThigh), part_of(1, kThigh), part_of(0, kShin), part_of(1, kShin), kPelvis});
         return legs > 0.5f && p.y > hip - knee_to_hip && p.y < std::min(hip + 0.09f * h, hem + 0.03f * h);
       },
-      dice.in(0.006f, 0.014f), dice.in(0.004f, 0.015f), lower, dice);
-  Look upper = cloth_look(dice);
-  if (dice.chance(0.4f)) upper.v[kPlacket] = dice.in(0.2f, 1);
+      rng.uniform(0.006f, 0.014f), rng.uniform(0.004f, 0.015f), lower, rng);
+  Material upper = cloth_material(rng);
+  if (rng.chance(0.4f)) upper.v[kPlacket] = rng.uniform(0.2f, 1);
   const auto covers_top = [&](vec3 p, const Weights& w) {
     for (int side = 0; side < 2; ++side) {
       const float arm = weight_of(w, {part_of(side, kUpperArm), part_of(side, kForeArm), part_of(side, kTwist)});
@@ -700,12 +701,12 @@ void add_shell_clothes(Dressing& dressing, Dice& dice) {
         (p.z > neck.z ? 0.3f * (p.z - neck.z) + 0.2f * h * std::max(vee * 0.06f - std::abs(p.x) / h, 0.0f) * 4 : 0.0f);
     return p.y > hem && (p.y < opening || std::abs(p.x) > 0.055f * h) && weight_of(w, {kNeck}) < 0.6f;
   };
-  add_shell(dressing, covers_top, dice.in(0.009f, 0.022f), dice.in(0.006f, 0.024f), upper, dice);
-  if (dice.chance(0.25f)) {  // a second layer, open in front
-    const float open = dice.in(0.03f, 0.08f) * h;
+  add_shell(dressing, covers_top, rng.uniform(0.009f, 0.022f), rng.uniform(0.006f, 0.024f), upper, rng);
+  if (rng.chance(0.25f)) {  // a second layer, open in front
+    const float open = rng.uniform(0.03f, 0.08f) * h;
     add_shell(
         dressing, [&](vec3 p, const Weights& w) { return covers_top(p, w) && !(p.z > neck.z && std::abs(p.x) < open); },
-        0.03f, dice.in(0.006f, 0.02f), cloth_look(dice), dice);
+        0.03f, rng.uniform(0.006f, 0.02f), cloth_material(rng), rng);
   }
 }
 
@@ -787,16 +788,17 @@ const MorphTarget& MakeHumanAssets::target(const std::string& name) const {
   return *slot;
 }
 
-Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice dice, const FigureOptions& options) {
+Figure add_makehuman_figure(SceneModel& scene, const MakeHumanAssets& assets, RandomStream rng,
+                            const FigureOptions& options) {
   Figure figure;
   figure.tags.emplace_back("makehuman");
-  Dice of_body = dice.of(1), of_pose = dice.of(2), of_looks = dice.of(3);
-  figure.body = make_body(of_body);
-  figure.pose = make_pose(of_pose, figure.body, options.gesture);
+  RandomStream body_rng = rng.substream(1), pose_rng = rng.substream(2), material_rng = rng.substream(3);
+  figure.body = make_body(body_rng);
+  figure.pose = make_pose(pose_rng, figure.body, options.gesture);
   figure.pose.head_yaw = std::clamp(figure.pose.head_yaw + options.head_yaw, -1.25f, 1.25f);
   figure.person = options.person;
-  figure.head_cell_m = std::clamp(1.1f * options.metres_per_px, 0.0038f, 0.014f);
-  figure.body_cell_m = std::clamp(2.4f * options.metres_per_px, 0.009f, 0.024f);
+  figure.head_cell_m = std::clamp(1.1f * options.meters_per_px, 0.0038f, 0.014f);
+  figure.body_cell_m = std::clamp(2.4f * options.meters_per_px, 0.009f, 0.024f);
 
   // shape: mixtures of the macro targets, then details of the face
   const bool man = figure.body.woman < 0.5f;
@@ -811,20 +813,20 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
   constexpr const char* kOrigins[] = {"african", "asian", "caucasian"};
   const auto sex_and_age = [](bool woman, bool old) { return (woman ? 1 : 0) + (old ? 2 : 0); };
   const MakeHumanAssets::Skin* skin = one_of(
-      of_looks, assets.skins,
+      material_rng, assets.skins,
       [&](const MakeHumanAssets::Skin& one) {
         return sex_and_age(is_for_women(one.name), one.name.starts_with("old"));
       },
       sex_and_age(!man, figure.body.old));
-  int origin = of_body.below(3);
+  int origin = body_rng.below(3);
   for (int i = 0; i < 3; ++i) {
     if (skin && skin->name.find(kOrigins[i]) != std::string::npos) origin = i;
   }
-  const int second = of_body.below(3);
-  const float mixed = of_body.in(0, 0.4f);
-  const float older = figure.body.old ? of_body.in(0.4f, 0.9f) : of_body.in(0, 0.25f);
-  const float younger = figure.body.child ? of_body.in(0.4f, 1) : 0;
-  const float muscle = of_body.in(-0.6f, 0.8f), heavy = std::clamp(figure.body.girth, -1.0f, 1.0f);
+  const int second = body_rng.below(3);
+  const float mixed = body_rng.uniform(0, 0.4f);
+  const float older = figure.body.old ? body_rng.uniform(0.4f, 0.9f) : body_rng.uniform(0, 0.25f);
+  const float younger = figure.body.child ? body_rng.uniform(0.4f, 1) : 0;
+  const float muscle = body_rng.uniform(-0.6f, 0.8f), heavy = std::clamp(figure.body.girth, -1.0f, 1.0f);
   const std::pair<const char*, float> ages[] = {
       {"young", (1 - older) * (1 - younger)}, {"old", older * (1 - younger)}, {"child", younger}};
   const std::pair<const char*, float> muscles[] = {{"averagemuscle", 1 - std::abs(muscle)},
@@ -840,11 +842,11 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
     }
   }
   for (const std::string& detail : assets.details) {
-    const float amount = 0.28f * of_body.normal();
+    const float amount = 0.28f * body_rng.normal();
     apply(detail + (amount > 0 ? "-incr" : "-decr"), std::abs(amount));
   }
-  if (of_body.chance(0.45f))
-    apply(fmt::format("expression/units/{}/mouth-corner-puller", kOrigins[origin]), of_body.in(0.2f, 0.9f));
+  if (body_rng.chance(0.45f))
+    apply(fmt::format("expression/units/{}/mouth-corner-puller", kOrigins[origin]), body_rng.uniform(0.2f, 0.9f));
 
   const std::string whose = printable(assets.folder) + "/targets: of a morphed body";
   require_human_sizes(morphed, whose);
@@ -908,86 +910,87 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
     figure.face_outline.push_back(on_head(p));
   }
 
-  Dressing dressing{stage, figure, morphed, motion, {}, std::vector<bool>(morphed.rest.size(), false)};
+  Dressing dressing{scene, figure, morphed, motion, {}, std::vector<bool>(morphed.rest.size(), false)};
   for (std::size_t v = 0; v < morphed.rest.size(); ++v)
     dressing.posed.push_back(moved(motion, assets.weights.of_vertex[v], morphed.rest[v]));
 
   // looks
-  Look& hair_look = figure.hair;
-  hair_look.kind = Look::Kind::hair;
-  hair_look.a = hair_color(of_looks, figure.body.old);
-  if (origin != 2 && !figure.body.old && of_looks.chance(0.8f))
-    hair_look.a = vec3(0.012f, 0.01f, 0.009f) * of_looks.in(0.5f, 2.5f);
-  hair_look.b = hair_look.a * of_looks.in(1.0f, 2.2f);
-  hair_look.seed = of_looks.seed();
-  hair_look.gloss = of_looks.in(0.03f, 0.2f);
-  hair_look.gloss_power = of_looks.in(5, 20);
-  figure.skin.kind = Look::Kind::skin;
-  figure.skin.a = skin_color(of_looks);
-  figure.skin.softness = of_looks.in(0.15f, 0.45f);
-  figure.skin.gloss = of_looks.in(0.05f, 0.25f);
-  figure.skin.gloss_power = of_looks.in(8, 30);
+  Material& hair_material = figure.hair;
+  hair_material.kind = Material::Kind::hair;
+  hair_material.a = hair_color(material_rng, figure.body.old);
+  if (origin != 2 && !figure.body.old && material_rng.chance(0.8f))
+    hair_material.a = vec3(0.012f, 0.01f, 0.009f) * material_rng.uniform(0.5f, 2.5f);
+  hair_material.b = hair_material.a * material_rng.uniform(1.0f, 2.2f);
+  hair_material.seed = material_rng.seed();
+  hair_material.gloss = material_rng.uniform(0.03f, 0.2f);
+  hair_material.gloss_power = material_rng.uniform(5, 20);
+  figure.skin.kind = Material::Kind::skin;
+  figure.skin.a = skin_color(material_rng);
+  figure.skin.softness = material_rng.uniform(0.15f, 0.45f);
+  figure.skin.gloss = material_rng.uniform(0.05f, 0.25f);
+  figure.skin.gloss_power = material_rng.uniform(8, 30);
   figure.face = figure.skin;
   if (skin) {
-    figure.skin.kind = Look::Kind::textured;
+    figure.skin.kind = Material::Kind::textured;
     figure.skin.texture = skin->texture;
-    figure.skin.a =
-        vec3(of_looks.in(0.7f, 1.25f)) * (1.0f + 0.06f * vec3(of_looks.normal(), of_looks.normal(), of_looks.normal()));
+    figure.skin.a = vec3(material_rng.uniform(0.7f, 1.25f)) *
+                    (1.0f + 0.06f * vec3(material_rng.normal(), material_rng.normal(), material_rng.normal()));
   }
 
   // clothes, and the body where they do not hide it
-  Dice of_clothes = dice.of(5);
-  if (!assets.clothes.empty() && of_clothes.chance(0.5f)) {
+  RandomStream clothes_rng = rng.substream(5);
+  if (!assets.clothes.empty() && clothes_rng.chance(0.5f)) {
     const FittedAsset& suit = *one_of(
-        of_clothes, assets.clothes, [](const FittedAsset& one) { return is_for_women(one.name) ? 1 : 0; }, man ? 0 : 1);
-    Look look = dyed(suit, any_color(of_clothes), false);
-    if (suit.texture && of_clothes.chance(0.5f)) look.a = vec3(of_clothes.in(0.6f, 1.3f));
-    if (!suit.texture) look = cloth_look(of_clothes);
-    add_fitted(dressing, suit, look);
+        clothes_rng, assets.clothes, [](const FittedAsset& one) { return is_for_women(one.name) ? 1 : 0; },
+        man ? 0 : 1);
+    Material material = dyed(suit, random_color(clothes_rng), false);
+    if (suit.texture && clothes_rng.chance(0.5f)) material.a = vec3(clothes_rng.uniform(0.6f, 1.3f));
+    if (!suit.texture) material = cloth_material(clothes_rng);
+    add_fitted(dressing, suit, material);
     dressing.hidden = suit.hides;
     figure.tags.push_back("top:" + suit.name);
   } else {
-    add_shell_clothes(dressing, of_clothes);
+    add_shell_clothes(dressing, clothes_rng);
     figure.tags.emplace_back("top:shell");
   }
   if (!assets.shoes.empty() && figure.skeleton.ankle[0].y > figure.lowest_m) {
-    const FittedAsset& shoes = *one_of(of_clothes, assets.shoes);
-    add_fitted(dressing, shoes, dyed(shoes, any_color(of_clothes), false));
+    const FittedAsset& shoes = *one_of(clothes_rng, assets.shoes);
+    add_fitted(dressing, shoes, dyed(shoes, random_color(clothes_rng), false));
   }
-  add_piece(
-      stage, figure,
-      piece_of(assets.body, dressing.posed, morphed.rest, skin != nullptr, dressing.hidden, figure.lowest_m - 0.05f),
+  add_object(
+      scene, figure,
+      object_of(assets.body, dressing.posed, morphed.rest, skin != nullptr, dressing.hidden, figure.lowest_m - 0.05f),
       figure.skin);
 
   // eyes, brows, lashes
-  Dice of_head = dice.of(6);
-  if (const FittedAsset* eye = one_of(of_head, assets.eyes)) {
-    Look look;
-    look.a = vec3(0.9f);
-    look.gloss = 0.4f;
-    look.gloss_power = 200;
+  RandomStream head_rng = rng.substream(6);
+  if (const FittedAsset* eye = one_of(head_rng, assets.eyes)) {
+    Material material;
+    material.a = vec3(0.9f);
+    material.gloss = 0.4f;
+    material.gloss_power = 200;
     if (!assets.irises.empty()) {
-      look.kind = Look::Kind::textured;
-      look.texture = *one_of(of_head, assets.irises);
+      material.kind = Material::Kind::textured;
+      material.texture = *one_of(head_rng, assets.irises);
     }
-    add_fitted(dressing, *eye, look);
+    add_fitted(dressing, *eye, material);
   }
-  if (const FittedAsset* brow = one_of(of_head, assets.brows))
-    add_fitted(dressing, *brow, dyed(*brow, glm::min(hair_look.a, vec3(0.15f)), true));
-  if (const FittedAsset* lash = one_of(of_head, assets.lashes))
+  if (const FittedAsset* brow = one_of(head_rng, assets.brows))
+    add_fitted(dressing, *brow, dyed(*brow, glm::min(hair_material.a, vec3(0.15f)), true));
+  if (const FittedAsset* lash = one_of(head_rng, assets.lashes))
     add_fitted(dressing, *lash, dyed(*lash, vec3(0.02f), true));
 
   // hair: a fitted one, or ours, as large as the skull under it
-  const FittedAsset* cut = one_of(of_head, assets.hair);
-  if (cut && of_head.chance(0.55f) && (!man || cut->name.rfind("short", 0) == 0 || of_head.chance(0.15f))) {
-    Look look = dyed(*cut, hair_look.a, true);
-    look.gloss = hair_look.gloss;
-    look.gloss_power = hair_look.gloss_power;
-    add_fitted(dressing, *cut, look);
+  const FittedAsset* cut = one_of(head_rng, assets.hair);
+  if (cut && head_rng.chance(0.55f) && (!man || cut->name.rfind("short", 0) == 0 || head_rng.chance(0.15f))) {
+    Material material = dyed(*cut, hair_material.a, true);
+    material.gloss = hair_material.gloss;
+    material.gloss_power = hair_material.gloss_power;
+    add_fitted(dressing, *cut, material);
     figure.tags.push_back("hair:" + cut->name);
-    if (of_head.chance(0.12f)) {
-      if (const FittedAsset* hat = one_of(of_head, assets.hats)) {
-        add_fitted(dressing, *hat, cloth_look(of_head), 0.004f);
+    if (head_rng.chance(0.12f)) {
+      if (const FittedAsset* hat = one_of(head_rng, assets.hats)) {
+        add_fitted(dressing, *hat, cloth_material(head_rng), 0.004f);
         figure.tags.push_back("hat:" + hat->name);
       }
     }
@@ -1000,11 +1003,11 @@ Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice di
     }
     // whatever a morph made of it
     figure.body.head_scale = std::clamp(std::max({reach.x, reach.y, reach.z}), 0.7f * s, 1.5f * s);
-    add_hair_and_hat(stage, figure, dice.of(7));
+    add_hair_and_hat(scene, figure, rng.substream(7));
     figure.body.head_scale = s;
   }
-  add_held_thing(stage, figure, dice.of(8));
-  if (figure.pose.sitting) add_seat(stage, figure, dice.of(9));
+  add_held_thing(scene, figure, rng.substream(8));
+  if (figure.pose.sitting) add_seat(scene, figure, rng.substream(9));
   return figure;
 }
 

@@ -70,7 +70,7 @@ class MakeHumanAssets {
     std::shared_ptr<const simulator::Texture> texture;
   };
 
-  std::vector<vec3> base;  ///< metres
+  std::vector<vec3> base;  ///< meters
   TexturedMesh body;
   std::map<std::string, std::vector<int>> joints;  ///< vertices whose mean is the joint
   PartWeights weights;
@@ -85,6 +85,7 @@ class MakeHumanAssets {
 };
 
 /// Draws a person and adds it to the stage, like add_figure().
-Figure add_makehuman_figure(Stage& stage, const MakeHumanAssets& assets, Dice dice, const FigureOptions& options);
+Figure add_makehuman_figure(SceneModel& scene, const MakeHumanAssets& assets, RandomStream rng,
+                            const FigureOptions& options);
 
 }  // namespace dualpixel::scenes

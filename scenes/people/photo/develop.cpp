@@ -38,7 +38,7 @@ void sharpen(Image& image, float amount) {
 
 }  // namespace
 
-void expose_to(Image& light, const Image& weight, float mean) {
+void set_mean_luminance(Image& light, const Image& weight, float mean) {
   double sum = 0, total = 0;
   for (std::size_t i = 0; i < light.pixel_count(); ++i) {
     double w = 1;
@@ -55,19 +55,19 @@ void expose_to(Image& light, const Image& weight, float mean) {
   for (float& value : light.data) value *= gain;
 }
 
-std::vector<std::uint8_t> develop(Image light, Dice dice) {
-  const float warm = 0.2f * dice.normal(), green = 0.05f * dice.normal();
+std::vector<std::uint8_t> process_photo(Image light, RandomStream rng) {
+  const float warm = 0.2f * rng.normal(), green = 0.05f * rng.normal();
   const float gain[3] = {std::exp2(warm), std::exp2(green), std::exp2(-warm)};
-  const float saturation = std::clamp(1 + 0.18f * dice.normal(), 0.4f, 1.6f);
-  const bool grey = dice.chance(0.03f);
-  const float contrast = std::clamp(0.25f + 0.25f * dice.normal(), -0.3f, 0.9f),
-              lift = dice.chance(0.15f) ? dice.in(0, 0.06f) : 0;
+  const float saturation = std::clamp(1 + 0.18f * rng.normal(), 0.4f, 1.6f);
+  const bool gray = rng.chance(0.03f);
+  const float contrast = std::clamp(0.25f + 0.25f * rng.normal(), -0.3f, 0.9f),
+              lift = rng.chance(0.15f) ? rng.uniform(0, 0.06f) : 0;
   // electrons of a white pixel of the small picture: a phone's 6000 over ISO, times the photosites it is the mean of
-  const float white_e = 6000 / std::exp2(dice.in(0, 5)) * dice.in(4, 60);
+  const float white_e = 6000 / std::exp2(rng.uniform(0, 5)) * rng.uniform(4, 60);
   const float read_e = 2.5f;
-  const float vignette = dice.chance(0.4f) ? dice.in(0, 0.4f) : 0;
-  const float sharp = dice.chance(0.5f) ? dice.in(0, 0.8f) : -dice.in(0, 1);
-  const std::uint64_t seed = dice.seed();
+  const float vignette = rng.chance(0.4f) ? rng.uniform(0, 0.4f) : 0;
+  const float sharp = rng.chance(0.5f) ? rng.uniform(0, 0.8f) : -rng.uniform(0, 1);
+  const std::uint64_t seed = rng.seed();
   for (int y = 0; y < light.height; ++y) {
     for (int x = 0; x < light.width; ++x) {
       float* rgb = &light.at(x, y, 0);
@@ -81,7 +81,7 @@ std::vector<std::uint8_t> develop(Image light, Dice dice) {
       }
       const float grey_level = luminance(rgb);
       for (int c = 0; c < 3; ++c) {
-        const float value = grey ? grey_level : grey_level + saturation * (rgb[c] - grey_level);
+        const float value = gray ? grey_level : grey_level + saturation * (rgb[c] - grey_level);
         const float code = srgb_from_linear(value);
         const float curved = code + contrast * (code * code * (3 - 2 * code) - code);
         rgb[c] = lift + (1 - lift) * curved;

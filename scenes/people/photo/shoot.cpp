@@ -16,20 +16,20 @@ using simulator::kPacket;
 constexpr float kDomeReach_m = 0.7f;  ///< what is nearer darkens
 constexpr float kKeyReach_m = 4;      ///< what is nearer throws a shadow; walls further off let windows' light in
 
-vec3 dome_radiance(const Dome& dome, vec3 d) {
+vec3 dome_radiance(const DomeLight& dome, vec3 d) {
   const float height = std::sqrt(std::abs(d.y));
   const vec3 gradient = glm::mix(dome.horizon, d.y > 0 ? dome.up : dome.down, height);
   return gradient + dome.lobe * std::exp(dome.lobe_sharpness * (glm::dot(d, dome.lobe_direction) - 1));
 }
 
 /// Its mean over the half sphere about a normal, weighed by the cosine; near enough.
-vec3 dome_irradiance(const Dome& dome, vec3 n) {
+vec3 dome_irradiance(const DomeLight& dome, vec3 n) {
   const vec3 gradient = 0.5f * dome.horizon + (0.25f + 0.25f * n.y) * dome.up + (0.25f - 0.25f * n.y) * dome.down;
   const float facing = std::max((glm::dot(n, dome.lobe_direction) + 0.4f) / 1.4f, 0.0f);
   return gradient + dome.lobe * (1.6f / dome.lobe_sharpness * facing);
 }
 
-vec3 seen_sky(const Dome& dome, vec3 d) {
+vec3 seen_sky(const DomeLight& dome, vec3 d) {
   vec3 color = dome_radiance(dome, d);
   if (!dome.sky || d.y < 0) return color;
   const float clouds = fractal(dome.seed, d * (2.2f / (0.25f + d.y)), 4);
@@ -57,28 +57,29 @@ struct Lit {
   vec3 seen{0}, hidden{0};  ///< added when the way is free, when it is not
 };
 
-Lit light_at(const Stage& stage, const Piece& piece, const glm::uvec3& t, float b1, float b2, vec3 eye_direction,
-             bool key, float u, float v) {
+Lit light_at(const SceneModel& scene, const SceneObject& object, const glm::uvec3& t, float b1, float b2,
+             vec3 eye_direction, bool key, float u, float v) {
   const float b0 = 1 - b1 - b2;
   const auto at = [&](const std::vector<vec3>& values) {
     return b0 * values[t.x] + b1 * values[t.y] + b2 * values[t.z];
   };
-  const Look& look = stage.looks[static_cast<std::size_t>(piece.look)];
-  const vec3 color = reflectance(look, at(piece.rest));
-  vec3 geometric = glm::cross(piece.positions[t.y] - piece.positions[t.x], piece.positions[t.z] - piece.positions[t.x]);
+  const Material& material = scene.materials[static_cast<std::size_t>(object.material)];
+  const vec3 color = reflectance(material, at(object.rest));
+  vec3 geometric =
+      glm::cross(object.positions[t.y] - object.positions[t.x], object.positions[t.z] - object.positions[t.x]);
   const float area = glm::length(geometric);
   geometric = area > 0 ? geometric / area : vec3(0, 1, 0);
   if (glm::dot(geometric, eye_direction) > 0) geometric = -geometric;
-  vec3 n = at(piece.normals);
+  vec3 n = at(object.normals);
   const float length = glm::length(n);
   n = length > 1e-6f ? n / length : geometric;
   if (glm::dot(n, geometric) < 0) n = -n;
   Lit lit;
-  lit.origin = at(piece.positions) + 0.0015f * geometric;
-  lit.seen = lit.hidden = color * look.emission;
+  lit.origin = at(object.positions) + 0.0015f * geometric;
+  lit.seen = lit.hidden = color * material.emission;
   constexpr float kShare = 2;  // each kind of light is asked for by half of the samples, which are a net of their own
   if (key) {
-    const KeyLight& light = stage.key;
+    const KeyLight& light = scene.key;
     vec3 x, y;
     across(light.direction, x, y);
     const float r = light.spread * std::sqrt(u), phi = 2 * std::numbers::pi_v<float> * v;
@@ -86,13 +87,14 @@ Lit light_at(const Stage& stage, const Piece& piece, const glm::uvec3& t, float 
     lit.reach_m = kKeyReach_m;
     const float cosine = glm::dot(n, light.direction);
     // light wraps around under skin and through leaves, red furthest
-    const vec3 wrap = look.softness * vec3(1, 0.55f, 0.45f);
+    const vec3 wrap = material.softness * vec3(1, 0.55f, 0.45f);
     const vec3 diffuse = glm::max((vec3(cosine) + wrap) / (1.0f + wrap), vec3(0));
     vec3 arriving = color * diffuse;
-    if (look.gloss > 0 && cosine > 0) {
+    if (material.gloss > 0 && cosine > 0) {
       const vec3 half = glm::normalize(light.direction - eye_direction);
-      arriving += look.gloss * 0.06f * (look.gloss_power + 2) * cosine *
-                  std::pow(std::max(glm::dot(n, half), 0.0f), look.gloss_power) * glm::mix(vec3(1), color * 2.0f, 0.4f);
+      arriving += material.gloss * 0.06f * (material.gloss_power + 2) * cosine *
+                  std::pow(std::max(glm::dot(n, half), 0.0f), material.gloss_power) *
+                  glm::mix(vec3(1), color * 2.0f, 0.4f);
     }
     lit.seen += kShare * arriving * light.irradiance;
     if (diffuse == vec3(0)) lit.reach_m = 0;
@@ -101,7 +103,7 @@ Lit light_at(const Stage& stage, const Piece& piece, const glm::uvec3& t, float 
   lit.towards = cosine_direction(n, u, v);
   lit.reach_m = glm::dot(lit.towards, geometric) > 0 ? kDomeReach_m : 0;
   // the whole dome's light times what share of it is free: less grain than the radiance of single directions
-  const vec3 ambient = dome_irradiance(stage.dome, n);
+  const vec3 ambient = dome_irradiance(scene.dome, n);
   lit.seen += kShare * color * ambient;
   lit.hidden += kShare * 0.35f * color * ambient * glm::mix(vec3(1), color, 0.5f);  // what the neighbour gives back
   return lit;
@@ -109,28 +111,28 @@ Lit light_at(const Stage& stage, const Piece& piece, const glm::uvec3& t, float 
 
 }  // namespace
 
-World::World(const Stage& stage) : stage_(stage) {
+RayTracer::RayTracer(const SceneModel& scene) : scene_(scene) {
   simulator::Material opaque;
-  scene_.materials.push_back(opaque);
-  for (const Piece& piece : stage.pieces) {
-    simulator::Mesh& mesh = scene_.meshes.emplace_back();
-    mesh.positions = piece.positions;
-    mesh.triangles = piece.triangles;
-    const Look& look = stage.looks[static_cast<std::size_t>(piece.look)];
-    if (!look.cut_out) continue;
-    mesh.material = static_cast<int>(scene_.materials.size());
-    simulator::Material& leaf = scene_.materials.emplace_back();
+  geometry_.materials.push_back(opaque);
+  for (const SceneObject& object : scene.objects) {
+    simulator::Mesh& mesh = geometry_.meshes.emplace_back();
+    mesh.positions = object.positions;
+    mesh.triangles = object.triangles;
+    const Material& material = scene.materials[static_cast<std::size_t>(object.material)];
+    if (!material.cut_out) continue;
+    mesh.material = static_cast<int>(geometry_.materials.size());
+    simulator::Material& leaf = geometry_.materials.emplace_back();
     leaf.alpha_cutoff = 0.5f;
-    leaf.base_color_texture.texture = static_cast<int>(scene_.textures.size());
-    simulator::Texture& texture = scene_.textures.emplace_back();
-    texture.width = look.texture->width, texture.height = look.texture->height;
-    texture.rgba = look.texture->rgba;
-    mesh.uv0.assign(piece.rest.begin(), piece.rest.end());
+    leaf.base_color_texture.texture = static_cast<int>(geometry_.textures.size());
+    simulator::Texture& texture = geometry_.textures.emplace_back();
+    texture.width = material.texture->width, texture.height = material.texture->height;
+    texture.rgba = material.texture->rgba;
+    mesh.uv0.assign(object.rest.begin(), object.rest.end());
   }
-  intersector_.emplace(scene_);
+  intersector_.emplace(geometry_);
 }
 
-simulator::CameraView make_camera(const CameraPlan& plan) {
+simulator::CameraView make_camera(const CameraSetup& plan) {
   const vec3 forward = glm::normalize(plan.target - plan.eye);
   const vec3 level = glm::normalize(glm::cross(forward, vec3(0, 1, 0)));
   const vec3 level_down = glm::cross(forward, level);
@@ -167,7 +169,7 @@ vec3 direction_of(const simulator::CameraView& camera, vec2 at) {
   return glm::normalize(mat3(camera.world_from_camera) * vec3(scale * (at - middle), 1));
 }
 
-float lowest_seen_m(const simulator::CameraView& camera, float reach_m) {
+float lowest_visible_m(const simulator::CameraView& camera, float reach_m) {
   const auto& sensor = camera.lens.sensor();
   const vec3 eye(camera.world_from_camera[3]);
   float lowest = eye.y;
@@ -181,37 +183,37 @@ float lowest_seen_m(const simulator::CameraView& camera, float reach_m) {
   return lowest;
 }
 
-Survey survey(const World& world, const simulator::CameraView& camera) {
+Visibility visibility_of(const RayTracer& tracer, const simulator::CameraView& camera) {
   constexpr int kStep_px = 4, kMostLayers = 32;
   const auto& sensor = camera.lens.sensor();
-  Survey found;
-  int towards_people = 0, covered = 0;
+  Visibility found;
+  int towards_people = 0, occluded = 0;
   for (int y = kStep_px / 2; y < sensor.height_px; y += kStep_px) {
     for (int x = kStep_px / 2; x < sensor.width_px; x += kStep_px) {
       vec3 from(camera.world_from_camera[3]);
       const vec3 d = direction_of(camera, vec2(x, y));
       for (int layer = 0; layer < kMostLayers; ++layer) {
-        const auto hit = world.intersector().intersect({from, d});
+        const auto hit = tracer.intersector().intersect({from, d});
         if (!hit) break;
-        const int person = world.stage().pieces[hit->mesh].person;
+        const int person = tracer.scene().objects[hit->mesh].person;
         if (layer == 0 && person == kBystander) found.bystanders = true;
         if (person >= 0) {
           ++towards_people;
-          covered += layer > 0 ? 1 : 0;
+          occluded += layer > 0 ? 1 : 0;
           break;
         }
         from += (static_cast<float>(hit->t) + 1e-3f) * d;
       }
     }
   }
-  if (towards_people > 0) found.covered = static_cast<float>(covered) / static_cast<float>(towards_people);
+  if (towards_people > 0) found.occluded = static_cast<float>(occluded) / static_cast<float>(towards_people);
   return found;
 }
 
-Exposure shoot(const World& world, const simulator::CameraView& camera, int people, std::uint64_t seed) {
-  const Stage& stage = world.stage();
+Rendering render(const RayTracer& tracer, const simulator::CameraView& camera, int people, std::uint64_t seed) {
+  const SceneModel& scene = tracer.scene();
   const int width = camera.lens.sensor().width_px, height = camera.lens.sensor().height_px;
-  Exposure out{Image(width, height, 3), Image(width, height, 3), Image(width, height, std::max(people, 1))};
+  Rendering out{Image(width, height, 3), Image(width, height, 3), Image(width, height, std::max(people, 1))};
   alignas(64) float samples[4][kPacket];
   alignas(64) float u[kPacket], v[kPacket];
   simulator::LensPacket packet;
@@ -227,17 +229,17 @@ Exposure shoot(const World& world, const simulator::CameraView& camera, int peop
       camera.lens.sample_ideal(x, y, samples, 1, packet);
       simulator::to_world(packet, camera.world_from_camera, rays);
       std::fill_n(active, kPacket, -1);
-      world.intersector().intersect(active, rays, true);
+      tracer.intersector().intersect(active, rays, true);
       for (int i = 0; i < kPacket; ++i) {
         active[i] = 0;
         const vec3 direction = glm::normalize(vec3(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]));
         if (rays.mesh[i] == simulator::kNoMesh) {
-          lit[i].seen = seen_sky(stage.dome, direction);
+          lit[i].seen = seen_sky(scene.dome, direction);
           continue;
         }
-        const Piece& piece = stage.pieces[rays.mesh[i]];
-        lit[i] = light_at(stage, piece, piece.triangles[rays.triangle[i]], rays.u[i], rays.v[i], direction, i % 2 == 0,
-                          u[i], v[i]);
+        const SceneObject& object = scene.objects[rays.mesh[i]];
+        lit[i] = light_at(scene, object, object.triangles[rays.triangle[i]], rays.u[i], rays.v[i], direction,
+                          i % 2 == 0, u[i], v[i]);
         if (lit[i].reach_m <= 0) continue;
         active[i] = -1;
         shadow.origin_x[i] = lit[i].origin.x, shadow.origin_y[i] = lit[i].origin.y,
@@ -246,12 +248,12 @@ Exposure shoot(const World& world, const simulator::CameraView& camera, int peop
         shadow.direction_z[i] = lit[i].towards.z;
         shadow.far[i] = lit[i].reach_m;
       }
-      world.intersector().occluded(active, shadow, false, hidden);
+      tracer.intersector().occluded(active, shadow, false, hidden);
       vec3 all(0), of_people(0);
       for (int i = 0; i < kPacket; ++i) {
         const vec3 light = (active[i] && hidden[i] ? lit[i].hidden : lit[i].seen) / static_cast<float>(kPacket);
         all += light;
-        const int person = rays.mesh[i] == simulator::kNoMesh ? -1 : stage.pieces[rays.mesh[i]].person;
+        const int person = rays.mesh[i] == simulator::kNoMesh ? -1 : scene.objects[rays.mesh[i]].person;
         if (person < 0) continue;
         of_people += light;
         out.coverage.at(x, y, person) += 1.0f / kPacket;

@@ -7,7 +7,7 @@
 namespace dualpixel::scenes {
 
 /// The last `kReservedPlaces` and `kReservedLights` are drawn for held-out sets only.
-enum class Place : std::uint8_t {
+enum class EnvironmentKind : std::uint8_t {
   studio,
   room,
   wall,
@@ -23,8 +23,8 @@ enum class Place : std::uint8_t {
   market,
   library
 };
-inline constexpr int kPlaces = 13, kReservedPlaces = 2;
-enum class Light : std::uint8_t {
+inline constexpr int kEnvironmentKinds = 13, kReservedEnvironmentKinds = 2;
+enum class LightingKind : std::uint8_t {
   overcast,
   sun_side,
   sun_behind,
@@ -37,17 +37,17 @@ enum class Light : std::uint8_t {
   golden,
   skylight
 };
-inline constexpr int kLights = 11, kReservedLights = 2;
+inline constexpr int kLightingKinds = 11, kReservedLightingKinds = 2;
 
 /// Adds walls, ground, things behind and beside; what closes the place off stands about `back_m` behind the people.
 /// Returns the place's tag.
-std::string add_surroundings(Stage& stage, Dice dice, float back_m);
+std::string add_environment(SceneModel& scene, RandomStream rng, float back_m);
 
 /// Sets dome and key light; a lamp's strength is such that a white wall is about 1.
-std::string set_light(Stage& stage, Dice dice);
+std::string set_lighting(SceneModel& scene, RandomStream rng);
 
 /// Something between the camera and the people: a table's edge, leaves, a rail. `camera`: where from; `top_m`: up to
 /// this height.
-void add_clutter(Stage& stage, Dice dice, vec3 camera, float top_m);
+void add_foreground(SceneModel& scene, RandomStream rng, vec3 camera, float top_m);
 
 }  // namespace dualpixel::scenes

@@ -7,11 +7,11 @@
 #include "scenes/people/dice.h"
 #include "simulator/scene/scene.h"
 
-/// Solid textures: the colour of a surface as a function of where a point lies on it at rest, in metres. No texture
+/// Solid textures: the color of a surface as a function of where a point lies on it at rest, in meters. No texture
 /// memory, no seams, and every one different.
 namespace dualpixel::scenes {
 
-struct Look {
+struct Material {
   enum class Kind : std::uint8_t {
     // of cloth and of anything
     plain,
@@ -69,24 +69,24 @@ enum FaceDetail : std::uint8_t { kStubble, kBrowThickness, kMouthOpen, kBlush, k
 inline constexpr int kPlacket = 0;
 
 /// Reflectance, about 0 .. 1, at a rest place.
-glm::vec3 reflectance(const Look& look, glm::vec3 rest);
+glm::vec3 reflectance(const Material& material, glm::vec3 rest);
 
-/// A colour of cloth or paint: dark, pale, grey, muted or bright, over the whole gamut.
-glm::vec3 any_color(Dice& dice);
+/// A color of cloth or paint: dark, pale, gray, muted or bright, over the whole gamut.
+glm::vec3 random_color(RandomStream& rng);
 /// Reflectance of skin from the darkest to the palest: a path through measured means (Fitzpatrick VI to I) with spread
 /// in redness.
-glm::vec3 skin_color(Dice& dice);
-/// Black, brown, red, blond, grey, white and, rarely, dyed.
-glm::vec3 hair_color(Dice& dice, bool old);
+glm::vec3 skin_color(RandomStream& rng);
+/// Black, brown, red, blond, gray, white and, rarely, dyed.
+glm::vec3 hair_color(RandomStream& rng, bool old);
 
 /// Kinds that cloth and walls may have; the last `reserved` entries are drawn for held-out sets only.
-struct LookPool {
-  const Look::Kind* kinds;
+struct MaterialPool {
+  const Material::Kind* kinds;
   int count, reserved;
 };
-LookPool cloth_pool();
-LookPool wall_pool();
-Look cloth_look(Dice& dice);
-Look wall_look(Dice& dice);
+MaterialPool cloth_pool();
+MaterialPool wall_pool();
+Material cloth_material(RandomStream& rng);
+Material wall_material(RandomStream& rng);
 
 }  // namespace dualpixel::scenes

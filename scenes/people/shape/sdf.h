@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 
-/// Signed distances (metres, negative inside; near enough to true ones beside the surface) and smooth noise, inline:
+/// Signed distances (meters, negative inside; near enough to true ones beside the surface) and smooth noise, inline:
 /// they are called a million times for each figure.
 namespace dualpixel::scenes {
 
@@ -12,8 +12,8 @@ using glm::mat3;
 using glm::vec2;
 using glm::vec3;
 
-inline float ellipsoid(vec3 p, vec3 centre, vec3 radii) {
-  const vec3 q = (p - centre) / radii;
+inline float ellipsoid(vec3 p, vec3 center, vec3 radii) {
+  const vec3 q = (p - center) / radii;
   const float k0 = glm::length(q), k1 = glm::length(q / radii);
   return k1 > 0 ? k0 * (k0 - 1) / k1 : -std::min({radii.x, radii.y, radii.z});
 }
@@ -24,7 +24,7 @@ inline float capsule(vec3 p, vec3 a, vec3 b, float radius_a, float radius_b) {
   return glm::length(p - a - t * ab) - (radius_a + (radius_b - radius_a) * t);
 }
 
-/// Union with a fillet of about k metres.
+/// Union with a fillet of about k meters.
 inline float blend(float a, float b, float k) {
   const float h = std::max(k - std::abs(a - b), 0.0f) / k;
   return std::min(a, b) - h * h * k * 0.25f;

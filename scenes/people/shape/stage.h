@@ -4,27 +4,27 @@
 #include "scenes/people/shape/look.h"
 #include "scenes/people/shape/sdf.h"
 
-/// What stands before the camera: triangles with solid textures. World axes: metres, y up, the floor is y = 0; people
+/// What stands before the camera: triangles with solid textures. World axes: meters, y up, the floor is y = 0; people
 /// stand about the origin and face +z, where the camera is.
 namespace dualpixel::scenes {
 
 /// Piece::person of the surroundings, and of people who are in nobody's mask.
-inline constexpr int kNobody = -1, kBystander = -2;
+inline constexpr int kNoPerson = -1, kBystander = -2;
 
-/// One thing of one look. `rest` is where each vertex lies in its texture's own space, metres: for a body, unposed;
+/// One thing of one look. `rest` is where each vertex lies in its texture's own space, meters: for a body, unposed;
 /// for a wall, along it; for a head, relative to the middle between the ears.
-struct Piece {
+struct SceneObject {
   std::vector<vec3> positions;
   std::vector<vec3> rest;
   std::vector<vec3> normals;  ///< unit
   std::vector<glm::uvec3> triangles;
-  int look = 0;          ///< index into Stage::looks
-  int person = kNobody;  ///< who wears, holds or is it
+  int material = 0;        ///< index into Stage::looks
+  int person = kNoPerson;  ///< who wears, holds or is it
 };
 
 /// Light that comes from all around, by direction: a gradient from the ground over the horizon to straight up, and a
-/// broad lobe (a window, a bright wall, a glow). Radiance in units of the picture's mid grey, about.
-struct Dome {
+/// broad lobe (a window, a bright wall, a glow). Radiance in units of the picture's mid gray, about.
+struct DomeLight {
   vec3 up{1}, horizon{1}, down{0.4f};
   vec3 lobe_direction{0, 0, 1}, lobe{0};
   float lobe_sharpness = 4;
@@ -39,34 +39,34 @@ struct KeyLight {
   float spread = 0.05f;  ///< radius of its disc over its distance
 };
 
-struct Stage {
-  std::vector<Look> looks;
-  std::vector<Piece> pieces;
-  Dome dome;
+struct SceneModel {
+  std::vector<Material> materials;
+  std::vector<SceneObject> objects;
+  DomeLight dome;
   KeyLight key;
 
-  int add(const Look& look) {
-    looks.push_back(look);
-    return static_cast<int>(looks.size()) - 1;
+  int add(const Material& material) {
+    materials.push_back(material);
+    return static_cast<int>(materials.size()) - 1;
   }
 };
 
 /// Normals from the triangles about each vertex, weighed by area.
-void smooth_normals(Piece& piece);
+void smooth_normals(SceneObject& object);
 
-/// The six sides of a box with half sizes `half` in the frame `axes` about `centre`; rest runs along each side.
-void add_box(Piece& piece, vec3 centre, const mat3& axes, vec3 half, vec3 rest_shift = vec3(0));
+/// The six sides of a box with half sizes `half` in the frame `axes` about `center`; rest runs along each side.
+void add_box(SceneObject& object, vec3 center, const mat3& axes, vec3 half, vec3 rest_shift = vec3(0));
 /// A rectangle with the corners corner, corner + a, corner + a + b, corner + b; rest is (along a, along b, 0).
-void add_quad(Piece& piece, vec3 corner, vec3 a, vec3 b, vec3 rest_shift = vec3(0));
+void add_quad(SceneObject& object, vec3 corner, vec3 a, vec3 b, vec3 rest_shift = vec3(0));
 /// A tube along a path; `rest` is (around, along, 0). Open at its ends where their radius is not 0.
-void add_tube(Piece& piece, const std::vector<vec3>& path, const std::vector<float>& radii, int sides = 8);
+void add_tube(SceneObject& object, const std::vector<vec3>& path, const std::vector<float>& radii, int sides = 8);
 /// A ball; rest is the unit direction in the frame `axes`.
-void add_ball(Piece& piece, vec3 centre, vec3 radii, const mat3& axes, int rows = 10);
+void add_ellipsoid(SceneObject& object, vec3 center, vec3 radii, const mat3& axes, int rows = 10);
 
 /// The zero surface of `distance(p)` inside the box by surface nets (Gibson 1998) on cells of `cell_m`; blocks that the
 /// surface cannot cross are looked at once. rest = position.
 template <typename Distance>
-Piece mesh_of(const Distance& distance, vec3 low, vec3 high, float cell_m) {
+SceneObject polygonize(const Distance& distance, vec3 low, vec3 high, float cell_m) {
   constexpr int kBlock = 6;
   const glm::ivec3 n = (glm::ivec3(glm::ceil((high - low) / cell_m)) / kBlock + 1) * kBlock;  // grid points
   const auto index = [&](int x, int y, int z) { return (static_cast<std::size_t>(z) * n.y + y) * n.x + x; };
@@ -88,7 +88,7 @@ Piece mesh_of(const Distance& distance, vec3 low, vec3 high, float cell_m) {
       }
     }
   }
-  Piece piece;
+  SceneObject object;
   std::vector<int> vertex(value.size(), -1);  // of the cell whose low corner is that grid point
   const std::size_t step[3] = {1, static_cast<std::size_t>(n.x), static_cast<std::size_t>(n.x) * n.y};
   const auto for_cells = [&](const auto& visit) {
@@ -123,8 +123,8 @@ Piece mesh_of(const Distance& distance, vec3 low, vec3 high, float cell_m) {
         ++crossings;
       }
     }
-    vertex[corner] = static_cast<int>(piece.positions.size());
-    piece.positions.push_back(point(x, y, z) + cell_m * sum / static_cast<float>(crossings));
+    vertex[corner] = static_cast<int>(object.positions.size());
+    object.positions.push_back(point(x, y, z) + cell_m * sum / static_cast<float>(crossings));
   });
   std::vector<bool> done(value.size(), false);
   for_cells([&](int x, int y, int z) {
@@ -138,13 +138,13 @@ Piece mesh_of(const Distance& distance, vec3 low, vec3 high, float cell_m) {
       const int corner[4] = {vertex[at - u - w], vertex[at - w], vertex[at], vertex[at - u]};
       if (std::min({corner[0], corner[1], corner[2], corner[3]}) < 0) continue;
       const glm::uvec4 c(corner[0], corner[inside ? 1 : 3], corner[2], corner[inside ? 3 : 1]);
-      piece.triangles.emplace_back(c.x, c.y, c.z);
-      piece.triangles.emplace_back(c.x, c.z, c.w);
+      object.triangles.emplace_back(c.x, c.y, c.z);
+      object.triangles.emplace_back(c.x, c.z, c.w);
     }
   });
-  piece.rest = piece.positions;
-  smooth_normals(piece);
-  return piece;
+  object.rest = object.positions;
+  smooth_normals(object);
+  return object;
 }
 
 }  // namespace dualpixel::scenes

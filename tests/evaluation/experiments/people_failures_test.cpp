@@ -15,22 +15,22 @@ constexpr int kWidth = 480, kHeight = 640;
 
 /// A drawn figure's head and shoulders, linear, from the front or from behind.
 Image portrait_of(std::uint64_t seed, bool from_behind) {
-  scenes::Stage stage;
+  scenes::SceneModel scene;
   scenes::FigureOptions options;
-  options.metres_per_px = 0.0015f;
+  options.meters_per_px = 0.0015f;
   options.lowest_m = 0.8f;
-  const scenes::Figure figure = scenes::add_figure(stage, scenes::Dice(seed, false), options);
-  scenes::set_light(stage, scenes::Dice(seed, false).of(7));
-  scenes::CameraPlan plan;
-  const vec3 head = figure.skeleton.head.origin;
-  plan.target = head - vec3(0, 0.1f, 0);
-  plan.eye = head + vec3(0.1f, 0, from_behind ? -2 : 2);
+  const scenes::Figure figure = scenes::add_figure(scene, scenes::RandomStream(seed, false), options);
+  scenes::set_lighting(scene, scenes::RandomStream(seed, false).substream(7));
+  scenes::CameraSetup plan;
+  const glm::vec3 head = figure.skeleton.head.origin;
+  plan.target = head - glm::vec3(0, 0.1f, 0);
+  plan.eye = head + glm::vec3(0.1f, 0, from_behind ? -2 : 2);
   plan.height_m = 0.9f;
   plan.width_px = kWidth;
   plan.height_px = kHeight;
-  const scenes::World world(stage);
-  Image light = scenes::shoot(world, scenes::make_camera(plan), 1, seed).light;
-  scenes::expose_to(light, {}, 0.2f);
+  const scenes::RayTracer tracer(scene);
+  Image light = scenes::render(tracer, scenes::make_camera(plan), 1, seed).light;
+  scenes::set_mean_luminance(light, {}, 0.2f);
   return light;
 }
 

@@ -27,20 +27,20 @@ namespace {
 
 /// Two people before a camera of 96 x 128 pixels, nothing else.
 struct Pair {
-  Stage stage;
+  SceneModel scene;
   Figure first, second;
   simulator::CameraView camera;
 
   static Pair make(std::uint64_t seed) {
-    Stage stage;
+    SceneModel scene;
     FigureOptions options;
-    options.metres_per_px = 0.009f;
+    options.meters_per_px = 0.009f;
     options.place = {0.22f, 0, 0};
-    Figure one = add_figure(stage, Dice(seed, false), options);
+    Figure one = add_figure(scene, RandomStream(seed, false), options);
     options.place = {-0.22f, 0, -0.1f};
     options.person = 1;
-    Figure two = add_figure(stage, Dice(seed + 1, false), options);
-    CameraPlan plan;
+    Figure two = add_figure(scene, RandomStream(seed + 1, false), options);
+    CameraSetup plan;
     const vec3 middle = 0.5f * (one.skeleton.head.origin + two.skeleton.head.origin);
     plan.eye = middle + vec3(0, 0, 2);
     plan.target = middle - vec3(0, 0.25f, 0);
@@ -48,7 +48,7 @@ struct Pair {
     plan.width_px = 96;
     plan.height_px = 128;
     plan.aperture_m = 1e-6f;
-    return {std::move(stage), std::move(one), std::move(two), make_camera(plan)};
+    return {std::move(scene), std::move(one), std::move(two), make_camera(plan)};
   }
 };
 
@@ -69,8 +69,8 @@ std::string all_of(const PeopleSample& s) {
 
 TEST(People, MasksAreTheShareOfEachPixelThatShowsThem) {
   const Pair pair = Pair::make(3);
-  const World world(pair.stage);
-  const Exposure exposure = shoot(world, pair.camera, 2, 5);
+  const RayTracer tracer(pair.scene);
+  const Rendering exposure = render(tracer, pair.camera, 2, 5);
   // Independently: single rays through a 4 x 4 grid in every pixel. Both count 16 points, so at a pixel that an edge
   // crosses each errs by at most sqrt(1/4 / 16) = 1/8 (unstratified), all else agrees.
   std::array<double, 2> counted{}, summed{};
@@ -85,8 +85,8 @@ TEST(People, MasksAreTheShareOfEachPixelThatShowsThem) {
         const simulator::Ray ray{
             vec3(pair.camera.world_from_camera[3]),
             mat3(pair.camera.world_from_camera) * vec3(pair.camera.lens.chief_slope(at.x, at.y), 1)};
-        const auto hit = world.intersector().intersect(ray);
-        const int person = hit ? pair.stage.pieces[hit->mesh].person : kNobody;
+        const auto hit = tracer.intersector().intersect(ray);
+        const int person = hit ? pair.scene.objects[hit->mesh].person : kNoPerson;
         if (person >= 0) ++hits[person];  // a seat is nobody's
       }
       for (int p = 0; p < 2; ++p) {
@@ -107,8 +107,8 @@ TEST(People, MasksAreTheShareOfEachPixelThatShowsThem) {
 
 TEST(People, TwoPeopleShareNoPixelBeyondItsArea) {
   const Pair pair = Pair::make(7);
-  const World world(pair.stage);
-  const Exposure exposure = shoot(world, pair.camera, 2, 5);
+  const RayTracer tracer(pair.scene);
+  const Rendering exposure = render(tracer, pair.camera, 2, 5);
   int shared = 0;
   for (std::size_t i = 0; i < exposure.coverage.pixel_count(); ++i) {
     const float a = exposure.coverage.data[2 * i], b = exposure.coverage.data[2 * i + 1];
@@ -133,7 +133,7 @@ TEST(People, FaceBoxHoldsEyesAndNoseAndLiesOnTheHead) {
       for (int corner = 0; corner < 8; ++corner) {
         const vec3 local((corner & 1) != 0 ? 0.09f : -0.09f, (corner & 2) != 0 ? 0.135f : -0.11f,
                          (corner & 4) != 0 ? 0.1f : -0.11f);
-        const vec2 at(project(pair.camera, figure->skeleton.head.out(figure->body.head_scale * local)));
+        const vec2 at(project(pair.camera, figure->skeleton.head.to_world(figure->body.head_scale * local)));
         low = glm::min(low, at);
         high = glm::max(high, at);
       }
@@ -145,22 +145,22 @@ TEST(People, FaceBoxHoldsEyesAndNoseAndLiesOnTheHead) {
   }
 }
 
-/// One who stands upright at the origin, 1.7 m tall, facing the camera four metres away, which covers 2 m by 256
+/// One who stands upright at the origin, 1.7 m tall, facing the camera four meters away, which covers 2 m by 256
 /// pixels: a pixel is 1/128 m at z = 0, and y = 1 m is in row 128.
 struct Upright {
-  Stage stage;
+  SceneModel scene;
   Figure figure;
   simulator::CameraView camera = make_camera({.eye = {0, 1, 4}, .target = {0, 1, 0}, .height_m = 2});
 
   explicit Upright(const Pose& pose) {
     figure.pose = pose;
     figure.skeleton = make_skeleton(figure.body, pose, vec3(0), 0, proportions_of(figure.body));
-    add_body(stage, figure);
-    add_head(stage, figure, Dice(1, false));
+    add_body(scene, figure);
+    add_head(scene, figure, RandomStream(1, false));
   }
   PeopleSample truth() const {
-    const World world(stage);
-    return truth_of(world, camera, figure, shoot(world, camera, 1, 5));
+    const RayTracer tracer(scene);
+    return truth_of(tracer, camera, figure, render(tracer, camera, 1, 5));
   }
 };
 enum Coco { kLeftElbow = 7, kRightElbow, kLeftWrist, kRightWrist, kLeftHip, kRightHip, kLeftAnkle = 15, kRightAnkle };
@@ -198,48 +198,48 @@ TEST(People, WhatIsHeldBeforeAnElbowHidesIt) {
   // 12 cm before an elbow of 4 cm radius
   Upright upright{Pose{}};
   EXPECT_EQ(upright.truth().keypoints[kLeftElbow].z, 2);
-  Piece board;
+  SceneObject board;
   add_box(board, upright.figure.skeleton.elbow[0] + vec3(0, 0, 0.12f), mat3(1), {0.06f, 0.06f, 0.002f});
-  add_piece(upright.stage, upright.figure, board, Look{});
+  add_object(upright.scene, upright.figure, board, Material{});
   EXPECT_EQ(upright.truth().keypoints[kLeftElbow].z, 1);
 }
 
 TEST(People, ASurveyFindsWhatStandsBeforePeopleAndBystanders) {
   Upright upright{Pose{}};
-  const auto found = [&] { return survey(World(upright.stage), upright.camera); };
-  EXPECT_EQ(found().covered, 0);
+  const auto found = [&] { return visibility_of(RayTracer(upright.scene), upright.camera); };
+  EXPECT_EQ(found().occluded, 0);
   EXPECT_FALSE(found().bystanders);
   const auto add = [&](float z, int person) {
-    Piece& board = upright.stage.pieces.emplace_back();
-    board.look = upright.stage.add({});
+    SceneObject& board = upright.scene.objects.emplace_back();
+    board.material = upright.scene.add({});
     board.person = person;
     add_box(board, {0, 0.4f, z}, mat3(1), {0.5f, 0.4f, 0.01f});
   };
-  add(-0.5f, kNobody);
-  EXPECT_EQ(found().covered, 0);  // behind
+  add(-0.5f, kNoPerson);
+  EXPECT_EQ(found().occluded, 0);  // behind
   add(-0.6f, kBystander);
   EXPECT_FALSE(found().bystanders);  // behind the wall
-  add(0.5f, kNobody);
+  add(0.5f, kNoPerson);
   // it hides legs and hips: above 0.8 m, seen from 1 m at 4 m, lies 0.77 m at the person
-  EXPECT_GT(found().covered, 0.2f);
-  EXPECT_LT(found().covered, 0.6f);
+  EXPECT_GT(found().occluded, 0.2f);
+  EXPECT_LT(found().occluded, 0.6f);
   add(0.7f, kBystander);
   EXPECT_TRUE(found().bystanders);
 }
 
 TEST(People, NothingInThePictureIsLowerThanItsLowest) {
-  Dice dice(4, false);
+  RandomStream rng(4, false);
   for (int i = 0; i < 20; ++i) {
-    CameraPlan plan;
-    plan.eye = {dice.in(-0.5f, 0.5f), dice.in(0.5f, 2), dice.in(0.8f, 3)};
-    plan.target = {0, dice.in(0.8f, 1.6f), 0};
-    plan.height_m = dice.in(0.5f, 2);
-    plan.roll = dice.in(-0.1f, 0.1f);
+    CameraSetup plan;
+    plan.eye = {rng.uniform(-0.5f, 0.5f), rng.uniform(0.5f, 2), rng.uniform(0.8f, 3)};
+    plan.target = {0, rng.uniform(0.8f, 1.6f), 0};
+    plan.height_m = rng.uniform(0.5f, 2);
+    plan.roll = rng.uniform(-0.1f, 0.1f);
     const auto camera = make_camera(plan);
-    const float lowest = lowest_seen_m(camera, 0.6f);
+    const float lowest = lowest_visible_m(camera, 0.6f);
     float seen = 9;
     for (int k = 0; k < 20000; ++k) {
-      const vec3 p(dice.in(-2, 2), dice.in(-2, 3), dice.in(-0.6f, 0.6f));
+      const vec3 p(rng.uniform(-2, 2), rng.uniform(-2, 3), rng.uniform(-0.6f, 0.6f));
       const vec3 at = project(camera, p);
       if (at.z > 0.05f && at.x > 0 && at.y > 0 && at.x < 192 && at.y < 256) seen = std::min(seen, p.y);
       const vec3 back = vec3(camera.world_from_camera[3]) + glm::distance(p, plan.eye) * direction_of(camera, vec2(at));
@@ -279,37 +279,38 @@ TEST(SlowPeople, SamplesOfOnePictureShareItAndNotTheirPeople) {
 }
 
 TEST(People, HeldOutDrawsNothingThatTrainingDraws) {
-  Dice training(5, false), held_out(5, true);
+  RandomStream training(5, false), held_out(5, true);
   const auto slot = [](float u) { return static_cast<int>(std::floor(u * 80)) % 5; };
   std::set<int> training_slots, held_out_slots;
   for (int i = 0; i < 10000; ++i) {
-    training_slots.insert(slot(training.unit()));
-    held_out_slots.insert(slot(held_out.unit()));
+    training_slots.insert(slot(training.uniform()));
+    held_out_slots.insert(slot(held_out.uniform()));
   }
   EXPECT_EQ(training_slots, (std::set<int>{0, 1, 2, 3}));
   EXPECT_EQ(held_out_slots, (std::set<int>{4}));
-  for (Dice* dice : {&training, &held_out}) {
+  for (RandomStream* rng : {&training, &held_out}) {
     constexpr int kDraws = 20000;
     double sum = 0;
-    for (int i = 0; i < kDraws; ++i) sum += dice->normal();
+    for (int i = 0; i < kDraws; ++i) sum += rng->normal();
     EXPECT_NEAR(sum / kDraws, 0, 5 / std::sqrt(kDraws));  // five deviations of the mean
   }
-  for (const auto& [n, reserved] :
-       {std::pair{kGestures, kReservedGestures}, {kPlaces, kReservedPlaces}, {kLights, kReservedLights}}) {
+  for (const auto& [n, reserved] : {std::pair{kGestures, kReservedGestures},
+                                    {kEnvironmentKinds, kReservedEnvironmentKinds},
+                                    {kLightingKinds, kReservedLightingKinds}}) {
     for (int i = 0; i < 200; ++i) {
       EXPECT_LT(training.choose(n, reserved), n - reserved);
       EXPECT_GE(held_out.choose(n, reserved), n - reserved);
     }
   }
-  for (const LookPool& pool : {cloth_pool(), wall_pool()}) {
+  for (const MaterialPool& pool : {cloth_pool(), wall_pool()}) {
     for (int i = pool.count - pool.reserved; i < pool.count; ++i) {
       EXPECT_EQ(std::count(pool.kinds, pool.kinds + pool.count - pool.reserved, pool.kinds[i]), 0);
     }
   }
   std::set<Gesture> trained;
   for (int i = 0; i < 500; ++i) {
-    trained.insert(any_gesture(training));
-    EXPECT_GE(static_cast<int>(any_gesture(held_out)), kGestures - kReservedGestures);
+    trained.insert(random_gesture(training));
+    EXPECT_GE(static_cast<int>(random_gesture(held_out)), kGestures - kReservedGestures);
   }
   EXPECT_EQ(trained.size(), static_cast<std::size_t>(kGestures - kReservedGestures));
   EXPECT_LT(static_cast<int>(*trained.rbegin()), kGestures - kReservedGestures);
@@ -318,15 +319,15 @@ TEST(People, HeldOutDrawsNothingThatTrainingDraws) {
 TEST(People, StrangePicturesAreMostlyOfNoParticularKindAndNeverHeldOut) {
   constexpr int kDraws = 400;
   // of each: cloth, wall, gesture, place
-  const auto shares = [](Dice dice) {
+  const auto shares = [](RandomStream rng) {
     std::array<double, 4> share{};
     for (int i = 0; i < kDraws; ++i) {
-      Dice part = dice.of(static_cast<std::uint64_t>(i));
-      Stage stage;
-      const std::string place = add_surroundings(stage, part.of(1), 2);
-      const Gesture gesture = any_gesture(part);
-      share[0] += cloth_look(part).kind == Look::Kind::medley;
-      share[1] += wall_look(part).kind == Look::Kind::medley;
+      RandomStream part = rng.substream(static_cast<std::uint64_t>(i));
+      SceneModel scene;
+      const std::string place = add_environment(scene, part.substream(1), 2);
+      const Gesture gesture = random_gesture(part);
+      share[0] += cloth_material(part).kind == Material::Kind::medley;
+      share[1] += wall_material(part).kind == Material::Kind::medley;
       share[2] += gesture == Gesture::anywhere || gesture == Gesture::with_thing;
       share[3] +=
           place == "place:painted" || place == "place:jumble" || place == "place:rows" || place == "place:mixed";
@@ -334,15 +335,15 @@ TEST(People, StrangePicturesAreMostlyOfNoParticularKindAndNeverHeldOut) {
     for (double& s : share) s /= kDraws;
     return share;
   };
-  Dice strange(3, false), strange_held_out(3, true);
-  strange.set_strange(), strange_held_out.set_strange();
-  const auto usual = shares(Dice(3, false)), odd = shares(strange), held_out = shares(strange_held_out);
+  RandomStream strange(3, false), strange_held_out(3, true);
+  strange.set_domain_randomized(), strange_held_out.set_domain_randomized();
+  const auto usual = shares(RandomStream(3, false)), odd = shares(strange), held_out = shares(strange_held_out);
   for (int i = 0; i < 4; ++i) {
     EXPECT_GT(odd[i], 0.6 - 4 * std::sqrt(0.6 * 0.4 / kDraws)) << i;  // .6 of them, and some of the others
     EXPECT_LT(usual[i], 0.45) << i;
     EXPECT_EQ(held_out[i], 0) << i;
   }
-  EXPECT_FALSE(strange_held_out.strange());
+  EXPECT_FALSE(strange_held_out.domain_randomized());
 }
 
 TEST(SlowPeople, ThereAreStrangePicturesInTrainingSetsAlone) {
@@ -365,15 +366,15 @@ TEST(SlowPeople, ThereAreStrangePicturesInTrainingSetsAlone) {
 }
 
 TEST(People, LooksAreReflectancesWhereverTheyLie) {
-  Dice dice(11, false);
-  for (const LookPool& pool : {cloth_pool(), wall_pool()}) {
+  RandomStream rng(11, false);
+  for (const MaterialPool& pool : {cloth_pool(), wall_pool()}) {
     for (int i = 0; i < pool.count; ++i) {
       for (int repeat = 0; repeat < 20; ++repeat) {
-        Look look = wall_look(dice);
-        look.kind = pool.kinds[i];
-        look.scale_m = dice.in(0.01f, 0.6f);
+        Material material = wall_material(rng);
+        material.kind = pool.kinds[i];
+        material.scale_m = rng.uniform(0.01f, 0.6f);
         for (const float reach_m : {0.0f, 0.3f, 60.0f}) {
-          const vec3 color = reflectance(look, reach_m * dice.in3(-1, 1));
+          const vec3 color = reflectance(material, reach_m * rng.uniform3(-1, 1));
           for (int c = 0; c < 3; ++c) EXPECT_TRUE(color[c] >= 0 && color[c] < 2) << i << " " << color[c];
         }
       }
@@ -384,19 +385,20 @@ TEST(People, LooksAreReflectancesWhereverTheyLie) {
 TEST(SlowPeople, SurroundingsDoNotStandBeforePeople) {
   for (int seed = 0; seed < 40; ++seed) {
     Upright upright({});
-    Dice dice(seed, false);
-    if (seed % 2 == 1) dice.set_strange();
-    add_surroundings(upright.stage, dice, seed % 4 < 2 ? 1.5f : 0.8f);
-    EXPECT_LT(survey(World(upright.stage), upright.camera).covered, 0.002) << seed;  // soles may lie in a floor
+    RandomStream rng(seed, false);
+    if (seed % 2 == 1) rng.set_domain_randomized();
+    add_environment(upright.scene, rng, seed % 4 < 2 ? 1.5f : 0.8f);
+    EXPECT_LT(visibility_of(RayTracer(upright.scene), upright.camera).occluded, 0.002)
+        << seed;  // soles may lie in a floor
   }
 }
 
 TEST(People, HeldOutPeopleHoldThingsThatTrainingNeverHolds) {
   std::set<Held> training, held_out;
-  Dice dice(3, false);
+  RandomStream rng(3, false);
   for (int gesture = 0; gesture < kGestures; ++gesture) {
     for (int i = 0; i < 100; ++i) {
-      const Held held = make_pose(dice, Body{}, static_cast<Gesture>(gesture)).held;
+      const Held held = make_pose(rng, Body{}, static_cast<Gesture>(gesture)).held;
       if (held == Held::nothing || held == Held::bag) continue;  // bags hang on anybody's shoulder
       (gesture < kGestures - kReservedGestures ? training : held_out).insert(held);
     }
@@ -407,12 +409,12 @@ TEST(People, HeldOutPeopleHoldThingsThatTrainingNeverHolds) {
 }
 
 /// Of a closed surface.
-bool is_inside(const Piece& piece, vec3 p) {
+bool is_inside(const SceneObject& object, vec3 p) {
   simulator::Scene scene;
   scene.materials.emplace_back();
   simulator::Mesh& mesh = scene.meshes.emplace_back();
-  mesh.positions = piece.positions;
-  mesh.triangles = piece.triangles;
+  mesh.positions = object.positions;
+  mesh.triangles = object.triangles;
   const simulator::Intersector intersector(scene);
   int crossed = 0;
   const vec3 d = glm::normalize(vec3(0.3f, 0.9f, 0.2f));
@@ -429,16 +431,16 @@ TEST(People, ThingsAreInTheHandsThatHoldThemAndTheirPartsTouch) {
   for (int seed = 0; seed < 80; ++seed) {
     FigureOptions options;
     options.gesture = seed % 2 == 0 ? Gesture::with_thing : Gesture::anywhere;
-    Figure figure = pose_figure(Dice(seed, false), options);
-    Stage stage;
-    add_held_thing(stage, figure, Dice(seed, false));
+    Figure figure = pose_figure(RandomStream(seed, false), options);
+    SceneModel scene;
+    add_held_thing(scene, figure, RandomStream(seed, false));
     if (figure.pose.held != Held::thing) continue;
     const Frame& hand = figure.skeleton.hand[figure.pose.held_side];
     if (figure.pose.both_hands) {
       const vec3 right = figure.skeleton.hand[1].origin, left = figure.skeleton.hand[0].origin;
       const float apart_m = glm::distance(left, right);
       float nearest = apart_m, farthest = 0;
-      for (const vec3& p : stage.pieces[0].positions) {
+      for (const vec3& p : scene.objects[0].positions) {
         const float along = glm::dot(p - left, right - left) / apart_m;
         nearest = std::min(nearest, along), farthest = std::max(farthest, along);
       }
@@ -447,12 +449,12 @@ TEST(People, ThingsAreInTheHandsThatHoldThemAndTheirPartsTouch) {
       EXPECT_NEAR(farthest, apart_m, kPalm_m) << seed;
     } else {
       ++in_one;
-      EXPECT_TRUE(is_inside(stage.pieces[0], hand.out({0, 0.02f, 0.035f}))) << seed;
+      EXPECT_TRUE(is_inside(scene.objects[0], hand.to_world({0, 0.02f, 0.035f}))) << seed;
     }
-    for (std::size_t i = 1; i < stage.pieces.size(); ++i, ++parts) {
+    for (std::size_t i = 1; i < scene.objects.size(); ++i, ++parts) {
       vec3 low(1e9f), high(-1e9f);
-      for (const vec3& p : stage.pieces[i].positions) low = glm::min(low, p), high = glm::max(high, p);
-      EXPECT_TRUE(is_inside(stage.pieces[i - 1], 0.5f * (low + high))) << seed << " " << i;
+      for (const vec3& p : scene.objects[i].positions) low = glm::min(low, p), high = glm::max(high, p);
+      EXPECT_TRUE(is_inside(scene.objects[i - 1], 0.5f * (low + high))) << seed << " " << i;
     }
   }
   EXPECT_GE(in_one, 8);
@@ -460,12 +462,12 @@ TEST(People, ThingsAreInTheHandsThatHoldThemAndTheirPartsTouch) {
 }
 
 TEST(People, HandsFollowTheirForeArms) {
-  Dice dice(4, false);
+  RandomStream rng(4, false);
   int bent_back = 0;
   constexpr int kHands = 400;
   for (int i = 0; i < kHands / 2; ++i) {
-    const Body body = make_body(dice);
-    const Skeleton k = make_skeleton(body, make_pose(dice, body, Gesture::anywhere), vec3(0), 0, proportions_of(body));
+    const Body body = make_body(rng);
+    const Skeleton k = make_skeleton(body, make_pose(rng, body, Gesture::anywhere), vec3(0), 0, proportions_of(body));
     for (int side = 0; side < 2; ++side) {
       const vec3 fore_arm = glm::normalize(k.wrist[side] - k.elbow[side]);
       bent_back += glm::dot(fore_arm, k.hand[side].axes[1]) < -0.1f ? 1 : 0;
@@ -477,17 +479,17 @@ TEST(People, HandsFollowTheirForeArms) {
 TEST(People, WallsStandBehindRowsAndJumbles) {
   int walls = 0;
   for (int seed = 0; seed < 200; ++seed) {
-    Stage stage;
-    const std::string place = add_surroundings(stage, Dice(seed, false), 2);
+    SceneModel scene;
+    const std::string place = add_environment(scene, RandomStream(seed, false), 2);
     if (place != "place:rows" && place != "place:jumble") continue;
-    for (const Piece& wall : stage.pieces) {
+    for (const SceneObject& wall : scene.objects) {
       const float width_m = glm::distance(wall.positions[0], wall.positions[1]);
       if (wall.positions.size() != 4 || std::abs(width_m - 40) > 0.1f) continue;
       ++walls;
       const vec3 normal = wall.normals[0] * (glm::dot(wall.normals[0], wall.positions[0]) < 0 ? 1.0f : -1.0f);
-      for (const Piece& piece : stage.pieces) {
-        if (&piece == &wall || std::abs(piece.normals[0].y) > 0.999f) continue;  // the ground
-        for (const vec3& p : piece.positions) {
+      for (const SceneObject& object : scene.objects) {
+        if (&object == &wall || std::abs(object.normals[0].y) > 0.999f) continue;  // the ground
+        for (const vec3& p : object.positions) {
           ASSERT_GT(glm::dot(p - wall.positions[0], normal), 0) << seed << " " << place;
         }
       }
@@ -499,23 +501,23 @@ TEST(People, WallsStandBehindRowsAndJumbles) {
 TEST(People, ThingsOfMixedPlacesStandBeforeTheirWalls) {
   int walls = 0;
   for (int seed = 0; seed < 400; ++seed) {
-    Stage stage;
-    Dice dice(seed, false);
-    dice.set_strange();
-    if (add_surroundings(stage, dice, 0.6f) != "place:mixed") continue;
-    const auto wall = std::find_if(stage.pieces.begin(), stage.pieces.end(), [](const Piece& piece) {
-      const float width_m = glm::distance(piece.positions[0], piece.positions[1]);
+    SceneModel scene;
+    RandomStream rng(seed, false);
+    rng.set_domain_randomized();
+    if (add_environment(scene, rng, 0.6f) != "place:mixed") continue;
+    const auto wall = std::find_if(scene.objects.begin(), scene.objects.end(), [](const SceneObject& object) {
+      const float width_m = glm::distance(object.positions[0], object.positions[1]);
       const bool studio = std::abs(width_m - 30) < 0.1f, painted = std::abs(width_m - 24) < 0.1f;
-      return piece.positions.size() == 4 && (studio || painted) && std::abs(piece.normals[0].y) < 0.5f;
+      return object.positions.size() == 4 && (studio || painted) && std::abs(object.normals[0].y) < 0.5f;
     });
-    if (wall == stage.pieces.end()) continue;
+    if (wall == scene.objects.end()) continue;
     ++walls;
     const vec3 at = wall->positions[0],
                inwards = wall->normals[0] * (glm::dot(wall->normals[0], at) < 0 ? 1.0f : -1.0f);
-    for (const Piece& piece : stage.pieces) {
-      if (&piece == &*wall) continue;
+    for (const SceneObject& object : scene.objects) {
+      if (&object == &*wall) continue;
       float nearest_m = -1;
-      for (const vec3& p : piece.positions) nearest_m = std::max(nearest_m, glm::dot(p - at, inwards));
+      for (const vec3& p : object.positions) nearest_m = std::max(nearest_m, glm::dot(p - at, inwards));
       EXPECT_GT(nearest_m, 0.05f) << seed;
     }
   }
@@ -525,10 +527,10 @@ TEST(People, ThingsOfMixedPlacesStandBeforeTheirWalls) {
 TEST(People, JointsKeepHumanLengths) {
   // Drillis & Contini 1966: upper arm .186 and forearm .146 (.332 in all), thigh .245, shank .246 of stature; every
   // pose moves hands and feet within reach, so no bone is stretched.
-  Dice dice(9, false);
+  RandomStream rng(9, false);
   for (int i = 0; i < 60; ++i) {
-    const Body body = make_body(dice);
-    const Pose pose = make_pose(dice, body, static_cast<Gesture>(i % kGestures));
+    const Body body = make_body(rng);
+    const Pose pose = make_pose(rng, body, static_cast<Gesture>(i % kGestures));
     const Skeleton k = make_skeleton(body, pose, vec3(0), 0.3f, proportions_of(body));
     const float h = body.stature_m;
     constexpr float kRounding = 1e-4f;
@@ -760,8 +762,8 @@ TEST(People, WhatIsHeldOutOfAFolderIsNeverTrainings) {
   const auto worn = [&](bool held_out) {
     std::set<std::string> suits;
     for (int seed = 0; seed < 60; ++seed) {
-      Stage stage;
-      for (const std::string& tag : add_makehuman_figure(stage, assets, Dice(seed, held_out), {}).tags) {
+      SceneModel scene;
+      for (const std::string& tag : add_makehuman_figure(scene, assets, RandomStream(seed, held_out), {}).tags) {
         if (tag.starts_with("top:") && tag != "top:shell") suits.insert(tag.substr(4));
       }
     }
@@ -822,9 +824,9 @@ TEST(People, MorphsThatMakeNoHumanAreRefused) {
     write_makehuman(folder, smallest_body(), R"({"weights": {"head": [[0, 1.0]]}})");
     write_targets(folder, rows);
     const MakeHumanAssets assets(folder.path.string());
-    Stage stage;
+    SceneModel scene;
     try {
-      add_makehuman_figure(stage, assets, Dice(1, false), {});
+      add_makehuman_figure(scene, assets, RandomStream(1, false), {});
       return "";
     } catch (const InputError& error) {
       return error.what();
@@ -846,23 +848,23 @@ TEST(SlowPeople, MakeHumanFiguresStandWhereTheirJointsAre) {
   if (folder == nullptr) GTEST_SKIP() << "DUALPIXEL_MAKEHUMAN names no folder of assets";
   const MakeHumanAssets assets(folder);
   for (const std::uint64_t seed : {1, 2, 3}) {
-    Stage stage;
+    SceneModel scene;
     FigureOptions options;
-    options.metres_per_px = 0.009f;
+    options.meters_per_px = 0.009f;
     options.place = {0.3f, 0, 0.2f};
-    const Figure figure = add_makehuman_figure(stage, assets, Dice(seed, false), options);
-    const World world(stage);
+    const Figure figure = add_makehuman_figure(scene, assets, RandomStream(seed, false), options);
+    const RayTracer tracer(scene);
     // from before the face a ray to the nose meets the person within 2 cm of it, wherever the head is turned
     const vec3 nose = figure.face_points[0], forward = figure.skeleton.head.axes[2];
-    const auto hit = world.intersector().intersect({nose + forward, -forward});
+    const auto hit = tracer.intersector().intersect({nose + forward, -forward});
     ASSERT_TRUE(hit);
     EXPECT_NEAR(hit->t, 1, 0.02) << seed;
     // every joint lies within the body: nearer than a thigh's radius to one of its vertices
     for (const vec3& joint : keypoints_of(figure)) {
       float nearest = 1;
-      for (const Piece& piece : stage.pieces) {
-        if (piece.person != 0) continue;
-        for (const vec3& p : piece.positions) nearest = std::min(nearest, glm::distance(p, joint));
+      for (const SceneObject& object : scene.objects) {
+        if (object.person != 0) continue;
+        for (const vec3& p : object.positions) nearest = std::min(nearest, glm::distance(p, joint));
       }
       EXPECT_LT(nearest, 0.14f) << seed;
     }

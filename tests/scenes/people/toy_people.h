@@ -64,11 +64,11 @@ inline void write_toy_people(const std::string& folder, int count, std::uint64_t
       return low +
              (high - low) * simulator::unit_float(static_cast<std::uint32_t>(simulator::hash(seed, n, drawn++) >> 32));
     };
-    struct Figure {
+    struct ToyFigure {
       double x, head_y, head, body;
       std::array<double, 3> skin, cloth;
     };
-    std::array<Figure, 2> figures{};
+    std::array<ToyFigure, 2> figures{};
     const double seat = draw(0, 1) < 0.5 ? 70 : 186;  // of the person; the bystander has the other
     for (int f = 0; f < 2; ++f) {
       const double head = draw(18, 26);
@@ -78,28 +78,28 @@ inline void write_toy_people(const std::string& folder, int count, std::uint64_t
     }
     std::array<double, 3> wall{};
     for (double& c : wall) c = draw(20, 240);
-    const auto inside = [&](const Figure& f, double x, double y, bool of_head) {
-      const double cy = of_head ? f.head_y : f.head_y + f.head * 1.2 + 110;
-      const double rx = of_head ? f.head * 0.8 : f.body, ry = of_head ? f.head : 110;
+    const auto inside = [&](const ToyFigure& f, double x, double y, bool head_rng) {
+      const double cy = head_rng ? f.head_y : f.head_y + f.head * 1.2 + 110;
+      const double rx = head_rng ? f.head * 0.8 : f.body, ry = head_rng ? f.head : 110;
       return std::hypot((x - f.x) / rx, (y - cy) / ry) < 1;
     };
     for (int y = 0; y < kSize; ++y) {
       for (int x = 0; x < kSize; ++x) {
         const std::size_t i = (static_cast<std::size_t>(n) * kSize + y) * kSize + x;
-        const std::array<double, 3>* colour = &wall;
+        const std::array<double, 3>* color = &wall;
         for (const int f : {1, 0}) {  // the person stands in front
-          if (inside(figures[f], x + 0.5, y + 0.5, false)) colour = &figures[f].cloth;
-          if (inside(figures[f], x + 0.5, y + 0.5, true)) colour = &figures[f].skin;
+          if (inside(figures[f], x + 0.5, y + 0.5, false)) color = &figures[f].cloth;
+          if (inside(figures[f], x + 0.5, y + 0.5, true)) color = &figures[f].skin;
         }
         const double mottle = static_cast<double>(simulator::hash(seed + n, x / 4, y / 4) % 40) - 20;
         for (int c = 0; c < 3; ++c) {
-          pictures[3 * i + c] = static_cast<std::uint8_t>(std::clamp((*colour)[c] + mottle, 1.0, 255.0));
+          pictures[3 * i + c] = static_cast<std::uint8_t>(std::clamp((*color)[c] + mottle, 1.0, 255.0));
         }
-        const Figure& person = figures[0];
+        const ToyFigure& person = figures[0];
         masks[i] = inside(person, x + 0.5, y + 0.5, false) || inside(person, x + 0.5, y + 0.5, true) ? 255 : 0;
       }
     }
-    const Figure& person = figures[0];
+    const ToyFigure& person = figures[0];
     const std::array<float, 4> face = {static_cast<float>(person.x - 0.7 * person.head),
                                        static_cast<float>(person.head_y - 0.6 * person.head),
                                        static_cast<float>(1.4 * person.head), static_cast<float>(1.4 * person.head)};
