@@ -4,8 +4,8 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/image/image_io.h"
+#include "scenes/people/data_set/contact_sheet.h"
 #include "scenes/people/data_set/write_people_set.h"
-#include "scenes/people/makehuman/makehuman.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {

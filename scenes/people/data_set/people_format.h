@@ -1,13 +1,12 @@
 #pragma once
+#include "scenes/people/sample.h"
 
-/// The sizes and names that people sets (docs/people.md), the network that learns from them, and nothing else agree on.
+/// File names of a people set (docs/people.md).
 namespace dualpixel::scenes {
 
-inline constexpr int kPictureSide_px = 256;
-/// What a set consists of, and a shard: written last, and what it holds the hashes of.
+/// Of a set and of a shard: written last. A shard's holds the hashes of its files.
 inline constexpr const char *kSetFile = "people.json", *kShardFile = "shard.json";
 inline constexpr const char* kShardFiles[] = {"pictures.npy", "masks.npy", "keypoints.npy", "faces.npy",
                                               "samples.json"};
-inline constexpr int kKeypoints = 17;  ///< COCO's: nose, eyes, ears, shoulders, elbows, wrists, hips, knees, ankles
 
 }  // namespace dualpixel::scenes

@@ -1,10 +1,11 @@
 #include <gtest/gtest.h>
 
 #include "pipeline/segmentation/person_mask.h"
-#include "scenes/people/body/figure.h"
-#include "scenes/people/photo/develop.h"
-#include "scenes/people/photo/shoot.h"
-#include "scenes/people/places/surroundings.h"
+#include "scenes/people/environment/lighting.h"
+#include "scenes/people/photo/camera.h"
+#include "scenes/people/photo/process_photo.h"
+#include "scenes/people/photo/render.h"
+#include "scenes/people/procedural_figure.h"
 #include "tests/pipeline/segmentation/toy_network.h"
 
 /// What finding people does where it must fail: rows of docs/segmentation.md.

@@ -1,59 +1,32 @@
 #pragma once
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
-#include <iterator>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "capture/files.h"
-#include "capture/image/npy.h"
 #include "scenes/people/data_set/people_format.h"
+#include "scenes/people/data_set/shard_files.h"
 #include "simulator/sampling/hash.h"
 
 namespace dualpixel::scenes {
 
-template <typename T>
-std::string bytes_of(const std::vector<T>& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
-}
-
-struct PeopleArrays {
-  std::vector<std::uint8_t> pictures, masks;
-  std::vector<float> keypoints, faces;
-  std::string samples_json;
-};
-
-/// A people set of one shard.
+/// Writes a people set of one shard.
 inline void write_people_arrays(const std::string& folder, const PeopleArrays& arrays, std::uint64_t seed,
                                 bool held_out) {
   const std::string shard = folder + "/shard_00000";
   std::filesystem::create_directories(shard);
-  constexpr std::size_t kSize = kPictureSide_px;
-  const std::size_t n = arrays.faces.size() / 4;
-  const std::string contents[] = {npy_bytes("|u1", {n, kSize, kSize, 3}, bytes_of(arrays.pictures)),
-                                  npy_bytes("|u1", {n, kSize, kSize}, bytes_of(arrays.masks)),
-                                  npy_bytes("<f4", {n, kKeypoints, 3}, bytes_of(arrays.keypoints)),
-                                  npy_bytes("<f4", {n, 4}, bytes_of(arrays.faces)), arrays.samples_json};
-  std::string hashes;
-  for (std::size_t i = 0; i < std::size(contents); ++i) {
-    write_file(shard + "/" + kShardFiles[i], contents[i]);
-    hashes += fmt::format(R"({}"{}": "{}")", i == 0 ? "" : ", ", kShardFiles[i], hash_of(contents[i]));
-  }
-  write_file(shard + "/shard.json", fmt::format(R"({{"seed": {}, "count": {}, "files": {{{}}}}})", seed, n, hashes));
-  write_file(folder + "/people.json",
-             fmt::format(R"({{"format": "dualpixel people", "version": 1, "size_px": 256, "count": {}, "seed": {}, )"
-                         R"("held_out": {}, "shards": 1}})",
-                         n, seed, held_out));
+  const int count = static_cast<int>(arrays.faces.size() / 4);
+  write_shard_files(shard, arrays, {{"seed", seed}, {"count", count}});
+  write_file(folder + "/" + kSetFile, people_index(count, {{"seed", seed}, {"held_out", held_out}}, 1).dump(2) + "\n");
 }
 
 /// A people set of `count` figures, each an ellipse for a body and one for a head, before a mottled wall with a
-/// bystander of the same make who is in no mask: only the face tells who is meant.
+/// bystander of the same kind who is in no mask: only the face says which person the mask is of.
 inline void write_toy_people(const std::string& folder, int count, std::uint64_t seed, bool held_out = false) {
   constexpr int kSize = kPictureSide_px;
   std::vector<std::uint8_t> pictures(count * kSize * kSize * 3), masks(count * kSize * kSize);
@@ -69,7 +42,7 @@ inline void write_toy_people(const std::string& folder, int count, std::uint64_t
       std::array<double, 3> skin, cloth;
     };
     std::array<ToyFigure, 2> figures{};
-    const double seat = draw(0, 1) < 0.5 ? 70 : 186;  // of the person; the bystander has the other
+    const double seat = draw(0, 1) < 0.5 ? 70 : 186;  // the person's position; the bystander has the other
     for (int f = 0; f < 2; ++f) {
       const double head = draw(18, 26);
       figures[f] = {(f == 0 ? seat : kSize - seat) + draw(-10, 10), draw(80, 120), head, head * draw(1.6, 2.2), {}, {}};

@@ -1,0 +1,15 @@
+#pragma once
+#include <vector>
+
+#include "scenes/people/picture.h"
+
+namespace dualpixel::scenes {
+
+/// The people of a rendering in front of a random part of another background, linear.
+Image composite_of(const Rendering& rendering, Image background, RandomStream rng);
+
+/// Processes linear light to sRGB, centers it in the square and appends a sample for each of `subjects`.
+void add_samples(const PeoplePicture& picture, const std::vector<Subject>& subjects, Image light, RandomStream rng,
+                 std::vector<PeopleSample>& out);
+
+}  // namespace dualpixel::scenes
