@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-/// A scene under construction and the binary glTF file that it becomes. Lengths in metres, glTF's axes.
+/// A scene under construction and the binary glTF file that it becomes. Lengths in meters, glTF's axes.
 namespace dualpixel::scenes {
 
 struct Mesh {

@@ -14,7 +14,7 @@ int floor_mod(int a, int n) { return ((a % n) + n) % n; }
 
 }  // namespace
 
-float hash01(std::uint32_t seed, int x, int y, int z) {
+float scene_hash01(std::uint32_t seed, int x, int y, int z) {
   std::uint32_t h = seed * 0x9e3779b9u + 0x85ebca6bu;
   for (int v : {x, y, z}) {
     h ^= static_cast<std::uint32_t>(v) * 0xcc9e2d51u;
@@ -31,7 +31,7 @@ float value_noise(std::uint32_t seed, glm::vec3 p) {
   const glm::vec3 f = p - base;
   const float x = smooth(f.x), y = smooth(f.y), z = smooth(f.z);
   float corner[8];
-  for (int c = 0; c < 8; ++c) corner[c] = hash01(seed, i.x + (c & 1), i.y + ((c >> 1) & 1), i.z + (c >> 2));
+  for (int c = 0; c < 8; ++c) corner[c] = scene_hash01(seed, i.x + (c & 1), i.y + ((c >> 1) & 1), i.z + (c >> 2));
   const auto mix = [](float a, float b, float t) { return a + (b - a) * t; };
   return mix(mix(mix(corner[0], corner[1], x), mix(corner[2], corner[3], x), y),
              mix(mix(corner[4], corner[5], x), mix(corner[6], corner[7], x), y), z);
@@ -60,7 +60,7 @@ Texture noise_texture(std::uint32_t seed, int size, int lowest, int highest, flo
         const int i = static_cast<int>(u), j = static_cast<int>(v);
         const float a = smooth(u - i), b = smooth(v - j);
         const auto at = [&](int m, int n) {
-          return hash01(seed + cells, floor_mod(i + m, cells), floor_mod(j + n, cells));
+          return scene_hash01(seed + cells, floor_mod(i + m, cells), floor_mod(j + n, cells));
         };
         noise[static_cast<std::size_t>(y) * size + x] +=
             weight * ((at(0, 0) * (1 - a) + at(1, 0) * a) * (1 - b) + (at(0, 1) * (1 - a) + at(1, 1) * a) * b);
@@ -80,6 +80,11 @@ Texture noise_texture(std::uint32_t seed, int size, int lowest, int highest, flo
     }
   }
   return texture;
+}
+
+Texture two_tone(std::uint32_t seed, glm::vec3 dark, glm::vec3 bright, int lowest, int highest, float gain) {
+  return noise_texture(seed, 1024, lowest, highest, gain,
+                       [&](float n, float, float) { return glm::mix(dark, bright, n); });
 }
 
 }  // namespace dualpixel::scenes

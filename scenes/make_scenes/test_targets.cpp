@@ -7,19 +7,14 @@
 namespace dualpixel::scenes {
 namespace {
 
-glm::vec3 grey(float n) { return glm::vec3(0.02f + 0.9f * n * n); }
-
-/// A texture of two tones with detail down to `finest` cells across.
-Texture two_tone(std::uint32_t seed, glm::vec3 dark, glm::vec3 bright, int finest = 256) {
-  return noise_texture(seed, 1024, 8, finest, 0.8f, [&](float n, float, float) { return glm::mix(dark, bright, n); });
-}
+glm::vec3 gray(float n) { return glm::vec3(0.02f + 0.9f * n * n); }
 
 }  // namespace
 
 void make_calibration_target(const std::string& path) {
   Glb glb;
   // 512 cells over 0.6 m: 1.2 mm, 4.7 photosites at 0.88 m; one cycle of noise is two cells
-  const Texture texture = noise_texture(11, 2048, 32, 512, 0.85f, [](float n, float, float) { return grey(n); });
+  const Texture texture = noise_texture(11, 2048, 32, 512, 0.85f, [](float n, float, float) { return gray(n); });
   const int material = glb.add_material(glb.add_texture(texture), glm::vec3(1), true);
   Mesh plane;
   plane.add_quad({-0.9f, -0.6f, -0.88f}, {1.8f, 0, 0}, {0, 1.2f, 0}, {3, 2});
@@ -32,7 +27,8 @@ void make_slanted_planes(const std::string& path) {
   Glb glb;
   const auto plane = [&](const char* name, std::uint32_t seed, glm::vec3 corner, glm::vec3 a, glm::vec3 b,
                          glm::vec2 repeat, glm::vec3 tint) {
-    const int material = glb.add_material(glb.add_texture(two_tone(seed, tint * 0.05f, tint)), glm::vec3(1), true);
+    const int material =
+        glb.add_material(glb.add_texture(two_tone(seed, tint * 0.05f, tint, 8, 256, 0.8f)), glm::vec3(1), true);
     Mesh mesh;
     mesh.add_quad(corner, a, b, repeat);
     glb.add_node(name, mesh, material);
@@ -49,7 +45,7 @@ void make_slanted_planes(const std::string& path) {
 void make_occlusion_edges(const std::string& path) {
   Glb glb;
   const auto material = [&](std::uint32_t seed, glm::vec3 dark, glm::vec3 bright) {
-    return glb.add_material(glb.add_texture(two_tone(seed, dark, bright)), glm::vec3(1), true);
+    return glb.add_material(glb.add_texture(two_tone(seed, dark, bright, 8, 256, 0.8f)), glm::vec3(1), true);
   };
   Mesh back;
   back.add_quad({-1.6f, -1.1f, -2.2f}, {3.2f, 0, 0}, {0, 2.2f, 0}, {6, 4});
