@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "capture/error.h"
+#include "capture/lanes.h"
 #include "simulator/lens/prescription/cubic.h"
 #include "simulator/lens/prescription/prescription_model.h"
 #include "simulator/lens/prescription/ray_polynomials.h"
@@ -53,18 +54,16 @@ std::vector<double> trace_chief_slopes(const Prescription& lens, double waveleng
   return slopes;
 }
 
-/// Eight lanes in one register: loops over plain arrays of terms are vectorized the wrong way round.
-using Lanes = float __attribute__((vector_size(32)));
-constexpr int kHalves = kPacket / 8;
+// In registers by hand: compilers vectorize loops over plain arrays of terms along the wrong axis.
+constexpr int kHalves = kPacket / kLanes;
 
 /// All terms of RayPolynomial at the sixteen positions of a packet.
 class PupilTerms {
  public:
   PupilTerms(const float x[kPacket], const float y[kPacket]) {
     for (int half = 0; half < kHalves; ++half) {
-      Lanes y_lanes;
-      std::memcpy(&x_[half], x + 8 * half, sizeof(Lanes));
-      std::memcpy(&y_lanes, y + 8 * half, sizeof(Lanes));
+      const Lanes y_lanes = load_lanes(y + kLanes * half);
+      x_[half] = load_lanes(x + kLanes * half);
       const Lanes x2 = x_[half] * x_[half];
       Lanes row = x2 - x2 + 1;
       int k = 0;
