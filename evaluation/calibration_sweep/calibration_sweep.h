@@ -25,15 +25,15 @@ struct SweepOptions {
 std::vector<double> sweep_focus_distances(const SweepOptions& options);
 
 /// The simulation's lens, focused elsewhere and made ready (up to a second for a prescription). Throws InputError where
-/// it cannot be focused there, or where nothing passes it.
+/// it cannot be focused there, or where no light passes it.
 simulator::LensSampler focused_lens(const simulator::Simulation& simulation, double focus_distance_m);
 
 /// Throws InputError where the lens cannot be focused on one of the sweep's distances.
 void require_focuses(const simulator::Simulation& simulation, const SweepOptions& options);
 
-/// From far to near. `lens` is focused; `dp_pitch_um` is that of a DP pixel. Targets stand no farther than 3 m, a
-/// room's length, and where disparity on the axis is within 1 DP px; but they span 1 / m of inverse depth at least, so
-/// that those of a lens much longer than a phone's leave that range.
+/// From far to near. `lens` is focused; `dp_pitch_um` is that of a DP pixel. Targets are at most 3 m away, the
+/// length of a room, and where disparity on the axis is within 1 DP px; but they span at least 1 / m of inverse depth,
+/// so that with a lens much longer than a phone's they leave that range.
 std::vector<double> sweep_target_distances(const simulator::Lens& lens, double dp_pitch_um, int targets);
 
 /// One focus distance of a sweep.
@@ -53,8 +53,8 @@ class FocusSweep {
   float dp_px_per_pixel_ = 1;  ///< of the views that camera_ sees
 };
 
-/// The whole sweep; every capture has a texture of its own. With a folder (not empty) every measurement is kept there
-/// as soon as it is made, and one that is there already is not made again. The same bytes for any number of threads;
+/// The whole sweep; every capture has its own texture. With a folder (not empty) every measurement is written there at
+/// once, and one that exists already is read instead of made again. The same bytes for any number of threads;
 /// `progress` is called by one at a time. Throws InputError where the lens cannot be focused so near.
 std::vector<pipeline::TargetMeasurement> run_sweep(const simulator::Simulation& simulation, const SweepOptions& options,
                                                    const std::string& folder = "",

@@ -45,7 +45,7 @@ void add_octave(Image& texture, int cell, std::uint64_t seed) {
 constexpr int kLightDegree = 8;
 constexpr int kLightNodes = 41;  ///< a side, where the shading is traced
 
-/// Terms x^i y^j, i + j <= kLightDegree, of a place in half widths and half heights from the middle.
+/// Terms x^i y^j, i + j <= kLightDegree, of a position in half widths and half heights from the center.
 Eigen::RowVectorXd light_terms(double x, double y) {
   Eigen::RowVectorXd terms((kLightDegree + 1) * (kLightDegree + 2) / 2);
   int k = 0;

@@ -4,8 +4,8 @@
 #include "capture/image/image.h"
 #include "simulator/lens/lens_sampler.h"
 
-/// What a simulated camera sees of a calibration target: a textured plane in front of it. A plane needs no ray tracer:
-/// where a lens's ray meets it has a closed form.
+/// Views of a calibration target, a textured plane, through a simulated camera. No ray tracer is needed: the
+/// intersection of a lens's ray with a plane has a closed form.
 namespace dualpixel::evaluation {
 
 struct CalibrationTarget {
@@ -17,7 +17,7 @@ struct CalibrationTarget {
 };
 
 /// The target as it is printed: three octaves of smooth noise of equal contrast, 0.1 .. 0.9, mean 0.5. It repeats.
-/// Texel (i, j)'s own value stands at ((i - width / 2) * texel_m, (j - height / 2) * texel_m) from the axis, x to the
+/// Texel (i, j) is centered at ((i - width / 2) * texel_m, (j - height / 2) * texel_m) from the axis, x to the
 /// right and y down; bilinear in between. It is printed for its distance: it looks the same size from any.
 struct TargetPrint {
   Image texture;

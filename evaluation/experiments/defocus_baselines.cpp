@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "pipeline/defocus/blur_radius.h"
 
 namespace dualpixel::evaluation {
 namespace {
@@ -22,7 +25,7 @@ float disc_sum(float radius_px) {
   return sum;
 }
 
-/// Means over the pixels within `reach`, each with weight(neighbour's index, pixel's index, dx, dy).
+/// Means over the pixels within `reach`, each with weight(neighbor's index, pixel's index, dx, dy).
 template <typename Weight>
 Image weighted_means(const Image& rgb, int reach, const Weight& weight) {
   Image out(rgb.width, rgb.height, 3);
@@ -54,18 +57,41 @@ Image blur_by_gathering(const Image& rgb, const Image& radius_px) {
                         [&](int, int to, int dx, int dy) { return disc_weight(dx, dy, radius_px.data[to]); });
 }
 
-Image blur_in_one_pass(const Image& rgb, const Image& radius_px) {
-  Image sums = radius_px;
-  for (float& value : sums.data) value = disc_sum(value);
-  return weighted_means(rgb, reach_of(radius_px), [&](int from, int, int dx, int dy) {
-    return disc_weight(dx, dy, radius_px.data[from]) / sums.data[from];
-  });
+namespace {
+
+pipeline::Defocused gather(const pipeline::DefocusInput& input, const pipeline::DefocusOptions&) {
+  return {blur_by_gathering(input.rgb, blur_radii(input.disparity_dp_px, input.mapping)), {}, {}};
 }
 
-Image blur_behind_mask(const Image& rgb, const Image& mask, float radius_px) {
+pipeline::Defocused spread_in_one_pass(const pipeline::DefocusInput& input, const pipeline::DefocusOptions&) {
+  const Image radius_px = blur_radii(input.disparity_dp_px, input.mapping);
+  Image sums = radius_px;
+  for (float& value : sums.data) value = disc_sum(value);
+  return {weighted_means(input.rgb, reach_of(radius_px),
+                         [&](int from, int, int dx, int dy) {
+                           return disc_weight(dx, dy, radius_px.data[from]) / sums.data[from];
+                         }),
+          {},
+          {}};
+}
+
+pipeline::Defocused blur_behind_mask(const pipeline::DefocusInput& input, const pipeline::DefocusOptions& options) {
+  const Image &rgb = input.rgb, &mask = input.person_mask;
+  const auto radius_px =
+      static_cast<float>(options.mask_blur.radius_px * rgb.width / options.mask_blur.reference_width_px);
   Image out = blur_by_gathering(rgb, Image(rgb.width, rgb.height, 1, radius_px));
   for (std::size_t i = 0; i < out.data.size(); ++i) out.data[i] += mask.data[i / 3] * (rgb.data[i] - out.data[i]);
-  return out;
+  return {std::move(out), {}, {}};
 }
+
+constexpr pipeline::DefocusMethod kBaselines[] = {
+    {"naive gather", "the mean over a disc of each pixel's own radius", gather},
+    {"single pass", "each pixel spread over a disc of its own radius, all at once", spread_in_one_pass},
+    {"mask and uniform blur", "the whole picture by one radius, the person laid over it", blur_behind_mask},
+};
+
+}  // namespace
+
+std::span<const pipeline::DefocusMethod> defocus_baselines() { return kBaselines; }
 
 }  // namespace dualpixel::evaluation

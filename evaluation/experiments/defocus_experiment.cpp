@@ -3,22 +3,23 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 
-#include "capture/image/median.h"
 #include "capture/image/resample.h"
 #include "evaluation/experiments/defocus_baselines.h"
 #include "evaluation/metrics/image_metrics.h"
-#include "pipeline/defocus/mask_blur.h"
+#include "evaluation/simulated_scene.h"
 #include "pipeline/defocus/match_lens.h"
+#include "pipeline/defocus/methods.h"
 #include "pipeline/defocus/render.h"
-#include "pipeline/edge_aware/guide.h"
+#include "pipeline/edge_aware/smooth_disparity.h"
 #include "pipeline/portrait/run_portrait.h"
 
 namespace dualpixel::evaluation {
 namespace {
 
 using Mask = std::vector<std::uint8_t>;
-using pipeline::BilateralGridOptions;
+using Json = nlohmann::ordered_json;
 
 constexpr float kEdgeJumpDpPx = 0.1f;  // a depth edge, as score has it
 constexpr int kRimPx = 16;
@@ -43,7 +44,7 @@ void mark(Mask& mask, int width, int height, int x, int y, float radius) {
   }
 }
 
-/// Pixels within reach_of(pixel, neighbour) of a place where differ(pixel, neighbour), to the right or below.
+/// Pixels within reach_of(pixel, neighbor) of an edge: a pixel that differs from its right or lower neighbor.
 template <typename Differ, typename Reach>
 Mask near_edges(int width, int height, const Differ& differ, const Reach& reach_of) {
   Mask mask(static_cast<std::size_t>(width) * height);
@@ -58,10 +59,10 @@ Mask near_edges(int width, int height, const Differ& differ, const Reach& reach_
   return mask;
 }
 
-/// Scores pictures against one photograph.
-class Judge {
+/// Compares pictures with one photograph.
+class Comparison {
  public:
-  Judge(const Truth& truth, const Image& true_radius_px)
+  Comparison(const Truth& truth, const Image& true_radius_px)
       : photograph_(displayed(clipped(truth.photograph))),
         all_(true_radius_px.pixel_count(), 1),
         edges_(near_edges(
@@ -77,7 +78,7 @@ class Judge {
   double db(const Image& linear, const Mask& mask) const {
     return psnr_within(displayed(clipped(linear)), photograph_, mask);
   }
-  Closeness operator()(const Image& linear) const {
+  DefocusPsnr operator()(const Image& linear) const {
     const Image shown = displayed(clipped(linear));
     return {psnr_within(shown, photograph_, all_), psnr_within(shown, photograph_, edges_),
             psnr_within(shown, photograph_, elsewhere_)};
@@ -88,23 +89,6 @@ class Judge {
   Image photograph_;
   Mask all_, edges_, elsewhere_;
 };
-
-/// Disparity at DP resolution through the edge-aware stages of run_portrait.
-Image smoothed(const Image& disparity, const Image& confidence, const Image& input,
-               const BilateralGridOptions& cells = {}) {
-  const int width = (input.width + 3) / 4, height = (input.height + 3) / 4;
-  Image weighted = disparity;
-  for (std::size_t i = 0; i < weighted.data.size(); ++i) weighted.data[i] *= confidence.data[i];
-  Image small = resize_area(weighted, width, height);
-  const Image sure = resize_area(confidence, width, height);
-  for (std::size_t i = 0; i < small.data.size(); ++i) small.data[i] /= std::max(sure.data[i], 1e-6f);
-  const Image small_input = resize_area(input, width, height);
-  const float gain = pipeline::guide_gain(small_input);
-  const Image guide = pipeline::encode_guide(small_input, gain);
-  const pipeline::BilateralGrid grid = pipeline::make_bilateral_grid(guide, cells);
-  const Image solved = median_3x3(pipeline::solve_bilateral(grid, guide, small, sure).value);
-  return pipeline::joint_upsample(solved, guide, pipeline::encode_guide(input, gain));
-}
 
 /// Scale and offset that bring `map` closest to `truth`, weighted by confidence, applied.
 Image fitted(const Image& map, const Image& truth, const Image& confidence) {
@@ -123,14 +107,17 @@ Image fitted(const Image& map, const Image& truth, const Image& confidence) {
   return out;
 }
 
-/// The best that `blur(radius)` reaches over radii, full-resolution px.
-template <typename Blur>
-Image best_uniform(const Judge& judge, int width, const Blur& blur) {
+/// The best picture that a method reaches which blurs the background by one radius, over radii.
+Image best_uniform(const Comparison& compare, const pipeline::DefocusMethod& method, const Image& rgb,
+                   const Image& person_mask) {
+  const Image no_disparity;
   Image best;
   double best_db = -1;
   for (const double share : {0.0015, 0.003, 0.0045, 0.006, 0.008, 0.010}) {
-    Image picture = blur(static_cast<float>(share * width));
-    const double db = judge.db(picture, judge.all());
+    pipeline::DefocusOptions options;
+    options.mask_blur = {static_cast<float>(share * rgb.width), static_cast<double>(rgb.width)};
+    Image picture = method.render({rgb, no_disparity, person_mask, {}}, options).rgb;
+    const double db = compare.db(picture, compare.all());
     if (db > best_db) best = std::move(picture);
     best_db = std::max(db, best_db);
   }
@@ -143,18 +130,19 @@ Mask mask_of(const Image& image) {
   return mask;
 }
 
-std::vector<Preference> rank(const std::vector<std::pair<std::string, Image>>& pictures, const Judge& judge,
-                             const Image& person) {
+std::vector<RankedMethod> rank(const std::vector<std::pair<std::string, Image>>& pictures, const Comparison& compare,
+                               const Image& person) {
   const Mask subject = mask_of(person);
   const Mask rim = near_edges(
       person.width, person.height, [&](int i, int j) { return subject[i] != subject[j]; },
       [](int, int) { return static_cast<float>(kRimPx); });
-  std::vector<Preference> ranked;
+  std::vector<RankedMethod> ranked;
   for (const auto& [name, picture] : pictures) {
-    ranked.push_back({name, judge.db(picture, subject), judge.db(picture, rim), judge.db(picture, judge.all())});
+    ranked.push_back(
+        {name, compare.db(picture, subject), compare.db(picture, rim), compare.db(picture, compare.all())});
   }
   std::stable_sort(ranked.begin(), ranked.end(),
-                   [](const Preference& a, const Preference& b) { return a.rim_db > b.rim_db; });
+                   [](const RankedMethod& a, const RankedMethod& b) { return a.rim_db > b.rim_db; });
   return ranked;
 }
 
@@ -179,17 +167,17 @@ SceneDefocus measure_defocus(const Capture& capture, const std::string& name) {
 
   const std::array<double, 3>& gains = capture.exposure.white_balance;
   const double white = *std::min_element(gains.begin(), gains.end());
-  const Judge judge(truth, blur_radii(truth.disparity_dp_px, from_sharp));
-  SceneDefocus scene{name, truth.photograph, judge(dp.input), {}, {}, {}};
+  const Comparison compare(truth, blur_radii(truth.disparity_dp_px, from_sharp));
+  SceneDefocus scene{name, truth.photograph, compare(dp.input), {}, {}, {}};
   pipeline::Bokeh recover;
   recover.recover_highlights = true;
   recover.white = white;
   Image bright = render_defocus(dp.input, truth.disparity_dp_px, blur_radii(truth.disparity_dp_px, from_picture),
                                 from_picture, {}, recover)
                      .rgb;
-  scene.recovered = {"picture, highlights recovered", judge(bright), std::move(bright)};
-  const auto add = [&](const std::string& rung, Image picture) {
-    scene.rungs.push_back({rung, judge(picture), std::move(picture)});
+  scene.recovered = {"picture, highlights recovered", compare(bright), std::move(bright)};
+  const auto add = [&](const std::string& step, Image picture) {
+    scene.steps.push_back({step, compare(picture), std::move(picture)});
   };
   const Image& matched = dp.matched_disparity_dp_px;
   const Image& confidence = dp.matched_confidence;
@@ -197,9 +185,10 @@ SceneDefocus measure_defocus(const Capture& capture, const std::string& name) {
   add("renderer", render(truth.all_in_focus, truth.disparity_dp_px, from_sharp));
   add("picture", render(dp.input, truth.disparity_dp_px, from_picture));
   const Image certain(matched.width, matched.height, 1, 1.0f);
-  add("smoothing", render(dp.input, smoothed(coarse_truth, certain, dp.input), from_picture));
+  add("smoothing", render(dp.input, pipeline::smooth_disparity({coarse_truth, certain}, dp.input), from_picture));
   add("matching",
-      render(dp.input, smoothed(fitted(matched, coarse_truth, confidence), confidence, dp.input), from_picture));
+      render(dp.input, pipeline::smooth_disparity({fitted(matched, coarse_truth, confidence), confidence}, dp.input),
+             from_picture));
   add("calibration", dp.portrait);
 
   const Image& person = truth.person_mask;
@@ -207,22 +196,18 @@ SceneDefocus measure_defocus(const Capture& capture, const std::string& name) {
   options.mode = pipeline::Mode::dp_seg;
   const pipeline::PortraitResult both = pipeline::run_portrait(shot, options, person);
   add("mask", render(both.input, both.disparity_dp_px, from_picture));
-  const auto seg = [&](float radius_px) {
-    return pipeline::blur_background(dp.input, person, {radius_px, static_cast<double>(camera.width_px)}).rgb;
-  };
-  BilateralGridOptions coarse;
-  coarse.cell_px = coarse.cell_luma = coarse.cell_chroma = 16;
-  scene.preferred =
-      rank({{"dp+seg", scene.rungs.back().picture},
+  pipeline::SmoothOptions coarse;
+  coarse.grid.cell_px = coarse.grid.cell_luma = coarse.grid.cell_chroma = 16;
+  const pipeline::DefocusMethod& uniform = defocus_baselines().back();
+  scene.ranked =
+      rank({{"dp+seg", scene.steps.back().picture},
             {"dp", dp.portrait},
-            {"seg", best_uniform(judge, camera.width_px, seg)},
-            {"mask and uniform blur",
-             best_uniform(judge, camera.width_px,
-                          [&](float radius_px) { return blur_behind_mask(dp.input, person, radius_px); })},
+            {"seg", best_uniform(compare, pipeline::defocus_method_named("mask"), dp.input, person)},
+            {"mask and uniform blur", best_uniform(compare, uniform, dp.input, person)},
             {"bilateral space, coarse, unweighted",
-             render(dp.input, smoothed(matched, certain, dp.input, coarse), from_picture)},
+             render(dp.input, pipeline::smooth_disparity({matched, certain}, dp.input, coarse), from_picture)},
             {"not blurred", dp.input}},
-           judge, person);
+           compare, person);
   return scene;
 }
 
@@ -230,7 +215,7 @@ std::vector<Halo> measure_halos(float radius_px) {
   constexpr int kSide = 240;
   constexpr float kDisc = 60;
   // a yellow disc in focus before a blue wall with lights on it
-  Image wall(kSide, kSide, 3), rgb, disparity(kSide, kSide, 1, 1.0f), radii(kSide, kSide, 1, radius_px);
+  Image wall(kSide, kSide, 3), rgb, disparity(kSide, kSide, 1, 1.0f);
   std::vector<float> from_rim(wall.pixel_count());
   for (int y = 0; y < kSide; ++y) {
     for (int x = 0; x < kSide; ++x) {
@@ -248,14 +233,17 @@ std::vector<Halo> measure_halos(float radius_px) {
     rgb.data[3 * i] = 0.7f;
     rgb.data[3 * i + 1] = 0.55f;
     rgb.data[3 * i + 2] = 0.05f;
-    disparity.data[i] = radii.data[i] = 0;
+    disparity.data[i] = 0;
   }
   const Image truth = blur_by_gathering(wall, Image(kSide, kSide, 1, radius_px));
   const pipeline::BlurMapping mapping{radius_px, 0, 0, 1, radius_px};  // the wall's disparity is 1
 
-  std::vector<Halo> halos = {{"ours", 0, 0, render_defocus(rgb, disparity, radii, mapping).rgb, {}},
-                             {"naive gather", 0, 0, blur_by_gathering(rgb, radii), {}},
-                             {"single pass", 0, 0, blur_in_one_pass(rgb, radii), {}}};
+  const Image no_mask;
+  const pipeline::DefocusInput input{rgb, disparity, no_mask, mapping};
+  std::vector<Halo> halos = {{"ours", 0, 0, pipeline::defocus_method_named("layers").render(input, {}).rgb, {}}};
+  for (const pipeline::DefocusMethod& baseline : defocus_baselines().first(2)) {
+    halos.push_back({std::string(baseline.name), 0, 0, baseline.render(input, {}).rgb, {}});
+  }
   for (Halo& halo : halos) {
     double inside = 0, outside = 0;
     halo.difference = halo.picture;
@@ -275,6 +263,60 @@ std::vector<Halo> measure_halos(float radius_px) {
     halo.outside /= outside;
   }
   return halos;
+}
+
+std::vector<HaloStep> measure_halo_sweep() {
+  std::vector<HaloStep> steps;
+  for (const float radius_px : {3.0f, 6.0f, 10.0f, 15.0f, 20.0f, 30.0f}) {
+    steps.push_back({radius_px, measure_halos(radius_px)});
+  }
+  return steps;
+}
+
+SceneDefocus measure_scene_defocus(const std::string& scene_file) {
+  // The photograph's rendering noise lies well below the errors that are measured.
+  const Capture capture =
+      simulate_scene(scene_file, {"sensor.width_px=1344", "sensor.height_px=1008", "sensor.pixel_pitch_um=2.8",
+                                  "render.samples_per_pixel=64", "render.photograph_samples_per_pixel=256",
+                                  "render.all_in_focus_samples_per_pixel=64"});
+  return measure_defocus(capture, scene_file);
+}
+
+namespace {
+
+Json to_json(const DefocusPsnr& psnr) {
+  return {{"psnr_db", psnr.all_db}, {"psnr_edges_db", psnr.edges_db}, {"psnr_elsewhere_db", psnr.elsewhere_db}};
+}
+
+Json to_json(const SceneDefocus& scene) {
+  Json json = {{"scene", scene.name},
+               {"not_blurred", to_json(scene.not_blurred)},
+               {"highlights_recovered", to_json(scene.recovered.psnr)}};
+  double before = 0;
+  for (const AblationStep& step : scene.steps) {
+    json["rungs"][step.name] = to_json(step.psnr);
+    if (before > 0) json["rungs"][step.name]["loss_db"] = before - step.psnr.all_db;
+    before = step.psnr.all_db;
+  }
+  for (const RankedMethod& m : scene.ranked) {
+    json["preference"].push_back(
+        {{"method", m.name}, {"psnr_rim_db", m.rim_db}, {"psnr_subject_db", m.subject_db}, {"psnr_db", m.all_db}});
+  }
+  return json;
+}
+
+}  // namespace
+
+Json to_json(const std::vector<SceneDefocus>& scenes, const std::vector<HaloStep>& halos) {
+  Json json = {{"experiment", "defocus"}, {"scenes", Json::array()}};
+  for (const SceneDefocus& scene : scenes) json["scenes"].push_back(to_json(scene));
+  for (const HaloStep& step : halos) {
+    for (const Halo& halo : step.halos) {
+      json["halos"].push_back(
+          {{"radius_px", step.radius_px}, {"method", halo.method}, {"inside", halo.inside}, {"outside", halo.outside}});
+    }
+  }
+  return json;
 }
 
 }  // namespace dualpixel::evaluation

@@ -1,30 +1,29 @@
 #pragma once
-#include <functional>
-#include <optional>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "capture/capture.h"
 
-/// Synthetic defocus against the photograph that a wide lens would have taken, and by what it falls short of it.
+/// Synthetic defocus against the photograph that a wide lens would have taken, and the loss that each cause adds.
 namespace dualpixel::evaluation {
 
-/// PSNR in decibels of pictures clipped and encoded for display, against the photograph.
-struct Closeness {
+/// PSNR in decibels against the photograph; pictures are clipped and encoded for display.
+struct DefocusPsnr {
   double all_db = 0;
-  double edges_db = 0;  ///< within the larger side's true radius of a depth edge
+  double edges_db = 0;  ///< within the true blur radius (the larger side's) of a depth edge
   double elsewhere_db = 0;
 };
 
-/// One picture; each after the first adds one cause of error.
-struct Rung {
+/// One picture; each step after the first adds one cause of error.
+struct AblationStep {
   std::string name;
-  Closeness closeness;
+  DefocusPsnr psnr;
   Image picture;  ///< linear
 };
 
-struct Preference {
+struct RankedMethod {
   std::string name;
   double subject_db = 0;  ///< on the person's true mask
   double rim_db = 0;      ///< within 16 px of the mask's outline
@@ -33,15 +32,15 @@ struct Preference {
 
 struct SceneDefocus {
   std::string name;
-  Image photograph;                   ///< truth, linear
-  Closeness untouched;                ///< of the capture's picture
-  std::vector<Rung> rungs;            ///< renderer alone, capture's picture, smoothing, matching, calibration, mask
-  Rung recovered;                     ///< the rung "picture" with clipped highlights recovered (highlights.h)
-  std::vector<Preference> preferred;  ///< best first at the rim; empty where there is no person
+  Image photograph;                  ///< truth, linear
+  DefocusPsnr not_blurred;           ///< of the capture's picture
+  std::vector<AblationStep> steps;   ///< as below
+  AblationStep recovered;            ///< step "picture" with clipped highlights recovered (highlights.h)
+  std::vector<RankedMethod> ranked;  ///< best first at the rim; empty where there is no person
 };
 
 /// `capture` has truth. Blur is that of the photograph's lens (match_lens.h) and the focus the capture's own, whatever
-/// faces there are. The rungs:
+/// faces there are. The steps:
 ///   renderer       the true all-in-focus picture, blurred by true disparity
 ///   picture        the merged burst in its place: noise, and the phone lens's own blur
 ///   smoothing      true disparity at DP resolution, through the edge-aware stages
@@ -50,14 +49,27 @@ struct SceneDefocus {
 ///   mask           with the true person mask: mode dp+seg; only where there is a person
 SceneDefocus measure_defocus(const Capture& capture, const std::string& name);
 
-/// Halos around a sharp disc in front of a wall blurred by `radius_px`, where the truth is known: mean |B - I| on the
-/// disc, and mean |B - truth| beside it, both within the radius of its rim.
+/// Simulates the scene on a quarter of a full sensor's photosites, then measures.
+SceneDefocus measure_scene_defocus(const std::string& scene_file);
+
+/// Color halos of one renderer around a sharp disc in front of a blurred wall, where the truth is known: mean
+/// |blurred - sharp| on the disc, and mean |blurred - truth| beside it, both within the blur radius of its rim.
 struct Halo {
   std::string method;
   double inside = 0, outside = 0;
   Image picture;     ///< linear
-  Image difference;  ///< |B - I|, RGB
+  Image difference;  ///< |blurred - sharp|, RGB
 };
 std::vector<Halo> measure_halos(float radius_px);
+
+struct HaloStep {
+  float radius_px = 0;
+  std::vector<Halo> halos;  ///< the same methods at every radius
+};
+/// From 3 to 30 px.
+std::vector<HaloStep> measure_halo_sweep();
+
+nlohmann::ordered_json to_json(const std::vector<SceneDefocus>& scenes, const std::vector<HaloStep>& halos);
+std::string to_page(const std::vector<SceneDefocus>& scenes, const std::vector<HaloStep>& halos);
 
 }  // namespace dualpixel::evaluation

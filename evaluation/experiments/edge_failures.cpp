@@ -46,7 +46,7 @@ double step_width(const Image& result) {
       std::count_if(row, row + result.width, [](float value) { return value > 0.1f && value < 0.9f; }));
 }
 
-/// A step of the target where the guide has one of `levels`, with noise and nothing sure near the edge.
+/// A step of the target where the guide has one of `levels`, with noise and no confidence near the edge.
 EdgeFailure low_contrast(double levels) {
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0, 0.05);
@@ -61,7 +61,7 @@ EdgeFailure low_contrast(double levels) {
   return failure;
 }
 
-/// Sure targets of 0.2, a share of which are 0.7 more.
+/// Fully confident targets of 0.2, a share of which are 0.7 too high.
 EdgeFailure outliers(double share, int robust_rounds) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> uniform;
@@ -76,7 +76,7 @@ EdgeFailure outliers(double share, int robust_rounds) {
   return failure;
 }
 
-/// A target of 0.5 with noise of 0.1 over a guide that says nothing (`spread` levels of white noise).
+/// A target of 0.5 with noise of 0.1 over a guide without information (`spread` levels of white noise).
 EdgeFailure noisy_guide(double spread) {
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0, 0.1);
@@ -95,7 +95,7 @@ EdgeFailure noisy_guide(double spread) {
   return failure;
 }
 
-/// Mean step between neighbours along a row where a cell begins, over that elsewhere, less 1.
+/// Mean step between neighbors along a row where a cell begins, over that elsewhere, less 1.
 double blockiness(const Image& result) {
   double at_borders = 0, elsewhere = 0;
   int borders = 0, others = 0;
@@ -135,7 +135,7 @@ EdgeFailure border_leak() {
 
 bool isolated(int x, int y) { return x >= 96 && x < 160 && y >= 96 && y < 160; }
 
-/// What is bright in the middle, where nothing is confident; targets there would say 0.
+/// A bright region in the middle without confidence; the targets there are 0.
 EdgeFailure unreachable() {
   EdgeFailure failure;
   failure.name = "region that no confidence reaches";

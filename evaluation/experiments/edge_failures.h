@@ -5,7 +5,7 @@
 
 #include "pipeline/edge_aware/bilateral_solver.h"
 
-/// Small problems on which plain bilateral solvers are known to fail, each with the one figure that shows it.
+/// Small problems on which plain bilateral solvers are known to fail, each with one figure of merit.
 namespace dualpixel::evaluation {
 
 struct EdgeFailure {
@@ -19,7 +19,7 @@ struct EdgeFailure {
 /// Targets are in 0..1, or a little beyond; cells are 8, 8, 8.
 std::vector<EdgeFailure> edge_failures();
 
-/// The figure of our solver, hostile cases included: always finite.
+/// The figure of the pipeline's solver, always finite.
 double solve_failure(const EdgeFailure& failure);
 
 }  // namespace dualpixel::evaluation

@@ -1,375 +1,117 @@
 #include "evaluation/experiments/failure_atlas.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <complex>
-#include <limits>
-#include <numbers>
-#include <random>
+#include <fmt/format.h>
 
-#include "pipeline/disparity/likelihood/likelihood_match.h"
-#include "pipeline/disparity/paper/match.h"
-#include "pipeline/disparity/paper/normalize.h"
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "evaluation/metrics/statistics.h"
 #include "pipeline/disparity/upsample.h"
 
 namespace dualpixel::evaluation {
 namespace {
 
-constexpr int kWidth = kFailureWidth, kHeight = kFailureHeight;
-constexpr double kMean = 0.25, kElectrons = 811;  // of the views at 100 lux
-constexpr double kContrast = 0.2;                 // root mean square over mean
-constexpr double kPi = std::numbers::pi;
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr int kBorder = 16;  // 2 tiles
+constexpr float kWrongDpPx = 0.5f, kConfidentDpPx = 0.2f;
+constexpr double kBrokenShare = 0.1;
 
-/// Points of one half of the pupil, the unit disc, that a view sees through, each with the same weight.
-struct Kernel {
-  std::vector<std::array<double, 2>> points;
+nlohmann::ordered_json to_json(const FailureFigures& figures) {
+  nlohmann::ordered_json json = {
+      {"rmse_dp_px", figures.rmse_dp_px}, {"wrong_share", figures.wrong}, {"mean_confidence", figures.confidence}};
+  if (!figures.sigma) return json;
+  json["sure_share"] = figures.sigma->confident;
+  json["wrong_and_sure_share"] = figures.sigma->overconfident_errors;
+  json["median_sigma_dp_px"] = figures.sigma->median_sigma_dp_px;
+  json["within_one_sigma_share"] = figures.sigma->within_one_sigma;
+  json["within_two_sigma_share"] = figures.sigma->within_two_sigma;
+  return json;
+}
 
-  double centroid() const {
-    double sum = 0;
-    for (const auto& point : points) sum += point[0];
-    return sum / static_cast<double>(points.size());
+nlohmann::ordered_json to_json(const FailureSweep& sweep) {
+  nlohmann::ordered_json breaks, steps = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < pipeline::matchers().size(); ++i) {
+    const std::optional<double> value = sweep.breaks_at(i);
+    breaks[std::string(pipeline::matchers()[i].name)] = value ? fmt::format("{:g}", *value) : "never";
   }
-};
-
-/// The half with side * (x - split) > 0 of the disc, cut by a second disc of the same size, `cut` further right.
-Kernel half_disc(int side, double split = 0, double cut = 0, int steps = 24) {
-  Kernel kernel;
-  for (int j = 0; j < steps; ++j) {
-    for (int i = 0; i < steps; ++i) {
-      const double x = (2 * i + 1.0) / steps - 1, y = (2 * j + 1.0) / steps - 1;
-      if (x * x + y * y > 1 || (x - cut) * (x - cut) + y * y > 1 || side * (x - split) <= 0) continue;
-      kernel.points.push_back({x, y});
+  for (const FailureStep& step : sweep.steps) {
+    nlohmann::ordered_json json = {{sweep.row.key, step.value}};
+    for (std::size_t i = 0; i < step.matchers.size(); ++i) {
+      json[std::string(pipeline::matchers()[i].name)] = to_json(step.matchers[i]);
     }
+    steps.push_back(json);
   }
-  return kernel;
-}
-
-/// A sum of cosines, mean 0, variance 1: any of its frequencies can be blurred and shifted exactly.
-class Waves {
- public:
-  /// Log-uniform in frequency, from 1/64 cycles a pixel to `highest`; directions within `spread` of `angle`.
-  Waves(unsigned seed, double highest = 0.4, double angle = 0, double spread = kPi, int count = 64) {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<double> uniform(0, 1);
-    for (int i = 0; i < count; ++i) {
-      const double frequency = std::exp(std::log(1.0 / 64) + (i + uniform(random)) / count * std::log(64 * highest));
-      add(frequency, angle + spread * uniform(random), 2 * kPi * uniform(random));
-    }
-  }
-  /// One wave along x.
-  static Waves grating(double period_px) {
-    Waves waves(0, 0.4, 0, 0, 0);
-    waves.add(1 / period_px, 0, 0);
-    return waves;
-  }
-
-  /// Through a pupil whose image is `blur_px` wide, signed: point p of the kernel moves the picture by
-  /// blur_px / 2 * p to the right.
-  Image seen(const Kernel& kernel, double blur_px, double shift_px) const {
-    std::vector<double> sums(static_cast<std::size_t>(kWidth) * kHeight);
-    std::vector<std::complex<double>> across(kWidth);
-    for (const Wave& wave : waves_) {
-      std::complex<double> gain = 0;
-      for (const auto& p : kernel.points) {
-        gain += std::polar(1.0, -0.5 * blur_px * (wave.x * p[0] + wave.y * p[1]));
-      }
-      gain *= std::polar(1 / static_cast<double>(kernel.points.size()), wave.phase - wave.x * shift_px);
-      for (int x = 0; x < kWidth; ++x) across[x] = std::polar(1.0, wave.x * x) * gain;
-      for (int y = 0; y < kHeight; ++y) {
-        const std::complex<double> down = std::polar(1.0, wave.y * y);
-        double* row = sums.data() + static_cast<std::size_t>(y) * kWidth;
-        for (int x = 0; x < kWidth; ++x) row[x] += across[x].real() * down.real() - across[x].imag() * down.imag();
-      }
-    }
-    Image image(kWidth, kHeight);
-    const double scale = std::sqrt(2.0 / static_cast<double>(waves_.size()));
-    for (std::size_t i = 0; i < sums.size(); ++i) image.data[i] = static_cast<float>(scale * sums[i]);
-    return image;
-  }
-
- private:
-  struct Wave {
-    double x, y, phase;  // radians a pixel
-  };
-  std::vector<Wave> waves_;
-
-  void add(double frequency, double angle, double phase) {
-    waves_.push_back({2 * kPi * frequency * std::cos(angle), 2 * kPi * frequency * std::sin(angle), phase});
-  }
-};
-
-pipeline::ViewNoise noise_at(double lux) {
-  const double electron = kMean / (kElectrons * lux / 100);  // signal of one; four half-photosites of 2.4 read
-  return {static_cast<float>(electron), static_cast<float>(4 * 2.4 * 2.4 * electron * electron)};
-}
-
-FailureCase with_noise(Image left, Image right, Image truth, double lux = 100) {
-  FailureCase result{std::move(left), std::move(right), std::move(truth), noise_at(lux)};
-  std::mt19937 random(1);
-  std::normal_distribution<float> normal;
-  for (Image* view : {&result.left, &result.right}) {
-    for (float& value : view->data) {
-      value += normal(random) * std::sqrt(result.noise.shot * std::max(value, 0.0f) + result.noise.read);
-      value = std::min(value, 1.0f);
-    }
-  }
-  return result;
-}
-
-Image exposed(Image texture, double contrast = kContrast) {
-  for (float& value : texture.data) value = static_cast<float>(kMean * std::max(1 + contrast * value, 0.0));
-  return texture;
-}
-
-Image constant(double value) { return Image(kWidth, kHeight, 1, static_cast<float>(value)); }
-
-/// In focus, shifted by d.
-FailureCase shifted(const Waves& waves, double d, double contrast = kContrast, double lux = 100) {
-  const Kernel pinhole{{{0, 0}}};
-  return with_noise(exposed(waves.seen(pinhole, 0, 0), contrast), exposed(waves.seen(pinhole, 0, d), contrast),
-                    constant(d), lux);
-}
-
-/// Out of focus. A point of the pupil at x moves the picture by b x / 2 to the right; the right view looks through the
-/// half that moves it by d / 2 and thus right(x + d) = left(x).
-FailureCase defocused(const Waves& waves, double blur_px, double split = 0, double cut = 0) {
-  const Kernel left = half_disc(-1, split, cut), right = half_disc(1, split, cut);
-  return with_noise(exposed(waves.seen(left, blur_px, 0)), exposed(waves.seen(right, blur_px, 0)),
-                    constant(0.5 * blur_px * (right.centroid() - left.centroid())));
-}
-
-/// Opaque bars of one blur before a background of another: each point of the pupil sees both, shifted, and the bars
-/// cover. A pixel belongs to a surface where all points of both halves show it; the truth is NaN elsewhere.
-FailureCase layered(double front_blur_px, double back_blur_px, double bar_px, double period_px) {
-  const Waves front(3, 0.25), back(4, 0.25);
-  Image views[2];
-  Image front_count(kWidth, kHeight);
-  double points = 0;
-  double centroids[2];
-  for (int side = 0; side < 2; ++side) {
-    const Kernel kernel = half_disc(2 * side - 1, 0, 0, 10);
-    centroids[side] = kernel.centroid();
-    Image& view = views[side] = Image(kWidth, kHeight);
-    for (const auto& point : kernel.points) {
-      const Kernel one{{point}};
-      const Image f = exposed(front.seen(one, front_blur_px, 0)), b = exposed(back.seen(one, back_blur_px, 0));
-      for (int x = 0; x < kWidth; ++x) {
-        const double at = std::fmod(x + 0.5 - 0.5 * front_blur_px * point[0] + 16 * period_px, period_px);
-        const bool covered = at < bar_px;
-        for (int y = 0; y < kHeight; ++y) {
-          view.at(x, y) += (covered ? f : b).at(x, y) / static_cast<float>(kernel.points.size());
-          front_count.at(x, y) += covered;
-        }
-      }
-    }
-    points += static_cast<double>(kernel.points.size());
-  }
-  const double apart = 0.5 * (centroids[1] - centroids[0]);
-  Image truth = constant(kNaN);
-  for (std::size_t i = 0; i < truth.data.size(); ++i) {
-    if (front_count.data[i] == 0) truth.data[i] = static_cast<float>(apart * back_blur_px);
-    if (front_count.data[i] == static_cast<float>(points)) truth.data[i] = static_cast<float>(apart * front_blur_px);
-  }
-  return with_noise(std::move(views[0]), std::move(views[1]), std::move(truth));
-}
-
-FailureCase saturated(double clipped_share) {
-  const Kernel pinhole{{{0, 0}}};
-  const Waves waves(5);
-  Image left = waves.seen(pinhole, 0, 0), right = waves.seen(pinhole, 0, 0.4);
-  std::vector<float> sorted = left.data;
-  const auto rank = sorted.begin() + static_cast<std::ptrdiff_t>((1 - clipped_share) * (sorted.size() - 1));
-  std::nth_element(sorted.begin(), rank, sorted.end());
-  const float gain = 1 / (1 + 0.4f * *rank);  // contrast 0.4: the quantile is exposed to 1
-  for (Image* view : {&left, &right}) {
-    for (float& value : view->data) value = gain * std::max(1 + 0.4f * value, 0.0f);
-  }
-  return with_noise(std::move(left), std::move(right), constant(0.4));
-}
-
-FailureCase shaded(double ramp) {
-  const Kernel pinhole{{{0, 0}}};
-  const Waves waves(6);
-  Image left = exposed(waves.seen(pinhole, 0, 0)), right = exposed(waves.seen(pinhole, 0, 0.4));
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      const double t = 2 * (x + 0.5) / kWidth - 1;
-      left.at(x, y) *= static_cast<float>(1 + ramp * t);
-      right.at(x, y) *= static_cast<float>(1 - ramp * t);
-    }
-  }
-  return with_noise(std::move(left), std::move(right), constant(0.4));
-}
-
-/// Small highlights, mirrored by the surface: they lie at twice its blur, where their sources' images are.
-FailureCase highlights(double brightness) {
-  constexpr double kBlur = 4, kRadius = 1.2;
-  const Waves waves(7);
-  Image views[2];
-  std::mt19937 random(2);
-  std::uniform_real_distribution<double> uniform(0, 1);
-  std::vector<std::array<double, 2>> places(60);
-  for (auto& place : places) place = {kWidth * uniform(random), kHeight * uniform(random)};
-  double centroids[2];
-  for (int side = 0; side < 2; ++side) {
-    const Kernel kernel = half_disc(2 * side - 1);
-    centroids[side] = kernel.centroid();
-    views[side] = exposed(waves.seen(kernel, kBlur, 0));
-    const double each = brightness * kMean / static_cast<double>(kernel.points.size());
-    for (const auto& place : places) {
-      for (const auto& p : kernel.points) {
-        const double cx = place[0] + kBlur * p[0], cy = place[1] + kBlur * p[1];
-        for (int y = static_cast<int>(cy) - 4; y <= cy + 4; ++y) {
-          for (int x = static_cast<int>(cx) - 4; x <= cx + 4; ++x) {
-            if (x < 0 || y < 0 || x >= kWidth || y >= kHeight) continue;
-            const double square = (x + 0.5 - cx) * (x + 0.5 - cx) + (y + 0.5 - cy) * (y + 0.5 - cy);
-            views[side].at(x, y) += static_cast<float>(each * std::exp(-0.5 * square / (kRadius * kRadius)));
-          }
-        }
-      }
-    }
-  }
-  return with_noise(std::move(views[0]), std::move(views[1]), constant(0.5 * kBlur * (centroids[1] - centroids[0])));
+  return {{"name", sweep.row.name}, {"title", sweep.row.title}, {"breaks_at", breaks}, {"steps", steps}};
 }
 
 }  // namespace
 
-std::vector<FailureRow> failure_rows() {
-  const double texture_noise = std::sqrt(noise_at(100).shot * kMean + noise_at(100).read) / kMean;
-  return {
-      {"parallel",
-       "Structure parallel to the baseline",
-       "angle of the lines to the baseline, degrees",
-       "angle_deg",
-       {90, 45, 20, 10, 5, 2, 1, 0},
-       [](double angle) { return shifted(Waves(1, 0.4, (90 - angle) * kPi / 180, 0), 0.4); }},
-      {"texture",
-       "No texture",
-       "contrast over noise",
-       "contrast_over_noise",
-       {10, 5, 2, 1, 0.5, 0.2, 0.1, 0.01},
-       [=](double ratio) { return shifted(Waves(2), 0.4, ratio * texture_noise); },
-       true},
-      {"repetition",
-       "Repetition",
-       "period, DP px",
-       "period_dp_px",
-       {16, 12, 8, 7, 6, 5, 4, 3.5, 3},
-       [](double period) { return shifted(Waves::grating(period), 0.6); }},
-      {"range",
-       "Disparity beyond the range",
-       "true disparity, DP px",
-       "disparity_dp_px",
-       {0, 2, 2.75, 3.25, 4, 8, 12, 15, 16.5, 18, 24},
-       [](double d) { return shifted(Waves(8), d); }},
-      {"noise",
-       "Noise",
-       "illumination, lux",
-       "illumination_lux",
-       {400, 100, 30, 10, 3, 1, 0.3, 0.1},
-       [](double lux) { return shifted(Waves(9), 0.4, kContrast, lux); },
-       true},
-      {"saturation",
-       "Saturation",
-       "share of clipped pixels",
-       "clipped_share",
-       {0, 0.05, 0.1, 0.3, 0.5, 0.7, 0.8, 0.95},
-       saturated},
-      {"shading",
-       "Shading that differs between the views",
-       "gain ramp, +- over the picture",
-       "ramp",
-       {0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9},
-       shaded},
-      {"highlights",
-       "Specular highlights",
-       "brightness over the surface",
-       "brightness_ratio",
-       {0, 1, 3, 10, 30, 100, 300},
-       highlights},
-      {"edges",
-       "Depth edges",
-       "blur of the front less that of the back, DP px",
-       "blur_step_dp_px",
-       {0, 1, 2, 4, 6, 8, 12},
-       [](double step) { return layered(-step / 2, step / 2, 64, 128); }},
-      {"thin",
-       "Thin structures",
-       "width of the bars in front, DP px",
-       "width_dp_px",
-       {48, 32, 24, 16, 12, 8, 4, 2, 1},
-       [](double width) { return layered(0, 5, width, 64); }},
-      {"defocus",
-       "Defocus",
-       "blur diameter, DP px",
-       "blur_dp_px",
-       {0, 1, 2, 4, 6, 8, 12, 16, 24, 32, 40},
-       [](double blur) { return defocused(Waves(10), blur); }},
-      {"near_defocus",
-       "Defocus in front of the focus",
-       "blur diameter, DP px",
-       "blur_dp_px",
-       {0, -2, -4, -8, -16, -24, -40},
-       [](double blur) { return defocused(Waves(11), blur); }},
-      {"split_offset",
-       "Split beside the middle of the pixel",
-       "offset, pupil radii",
-       "offset_pupil_radii",
-       {0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6},
-       [](double offset) { return defocused(Waves(12), 8, offset); }},
-      {"vignetting",
-       "Pupil cut by vignetting",
-       "offset of the cutting disc, pupil radii",
-       "offset_pupil_radii",
-       {0, 0.2, 0.4, 0.6, 0.8, 0.9},
-       [](double cut) { return defocused(Waves(13), 8, 0, cut); }},
-  };
-}
-
-FailureFigures measure_failure(const FailureCase& failure, FailureMethod method) {
-  const pipeline::TileDisparity tiles =
-      method == FailureMethod::paper
-          ? pipeline::match_tiles(pipeline::normalize_locally(failure.left), pipeline::normalize_locally(failure.right))
-          : pipeline::match_by_likelihood(failure.left, failure.right, {.noise = failure.noise});
-  constexpr int kBorder = 16;
-  const pipeline::PixelDisparity found = pipeline::upsample_tiles(tiles, kWidth, kHeight);
+FailureFigures measure_failure(const FailureCase& failure, const pipeline::Matcher& matcher) {
+  const pipeline::PixelDisparity found = pipeline::upsample_tiles(
+      matcher.match(failure.left, failure.right, failure.noise, {}), kFailureWidth, kFailureHeight);
   FailureFigures figures;
+  SigmaFigures of_sigma;
   std::vector<float> sigmas;
   double count = 0;
-  for (int y = kBorder; y < kHeight - kBorder; ++y) {
-    for (int x = kBorder; x < kWidth - kBorder; ++x) {
+  for (int y = kBorder; y < kFailureHeight - kBorder; ++y) {
+    for (int x = kBorder; x < kFailureWidth - kBorder; ++x) {
       const float truth = failure.truth_dp_px.at(x, y);
       if (!std::isfinite(truth)) continue;
       const float error = std::abs(found.disparity_dp_px.at(x, y) - truth);
       count += 1;
       figures.rmse_dp_px += static_cast<double>(error) * error;
-      figures.wrong += error > 0.5f;
+      figures.wrong += error > kWrongDpPx;
       figures.confidence += found.confidence.at(x, y);
       if (found.sigma_dp_px.empty()) continue;
       const float sigma = found.sigma_dp_px.at(x, y);
       sigmas.push_back(sigma);
-      figures.sure += sigma < 0.2f;
-      figures.deceived += error > 0.5f && sigma < 0.2f;
-      figures.within_one_sigma += error < sigma;
-      figures.within_two_sigma += error < 2 * sigma;
+      of_sigma.confident += sigma < kConfidentDpPx;
+      of_sigma.overconfident_errors += error > kWrongDpPx && sigma < kConfidentDpPx;
+      of_sigma.within_one_sigma += error < sigma;
+      of_sigma.within_two_sigma += error < 2 * sigma;
     }
   }
   figures.rmse_dp_px = std::sqrt(figures.rmse_dp_px / count);
   figures.wrong /= count;
   figures.confidence /= count;
-  const double predicted = sigmas.empty() ? kNaN : 1;  // not a number where no sigma is predicted
-  for (double* share : {&figures.sure, &figures.deceived, &figures.within_one_sigma, &figures.within_two_sigma}) {
-    *share *= predicted / count;
+  if (sigmas.empty()) return figures;
+  for (double* share :
+       {&of_sigma.confident, &of_sigma.overconfident_errors, &of_sigma.within_one_sigma, &of_sigma.within_two_sigma}) {
+    *share /= count;
   }
-  figures.median_sigma_dp_px = kNaN;
-  if (!sigmas.empty()) {
-    const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
-    std::nth_element(sigmas.begin(), middle, sigmas.end());
-    figures.median_sigma_dp_px = *middle;
-  }
+  of_sigma.median_sigma_dp_px = median(std::move(sigmas));
+  figures.sigma = of_sigma;
   return figures;
+}
+
+std::optional<double> FailureSweep::breaks_at(std::size_t matcher) const {
+  for (const FailureStep& step : steps) {
+    if (step.matchers[matcher].wrong > kBrokenShare) return step.value;
+  }
+  return {};
+}
+
+std::vector<FailureSweep> measure_failures(const std::function<void(double)>& progress) {
+  std::vector<FailureSweep> sweeps;
+  const std::vector<FailureRow> rows = failure_rows();
+  for (const FailureRow& row : rows) {
+    FailureSweep& sweep = sweeps.emplace_back(FailureSweep{row, {}});
+    for (const double value : row.values) {
+      const FailureCase failure = row.make(value);
+      FailureStep& step = sweep.steps.emplace_back(FailureStep{value, {}});
+      for (const pipeline::Matcher& matcher : pipeline::matchers()) {
+        step.matchers.push_back(measure_failure(failure, matcher));
+      }
+    }
+    if (progress) progress(static_cast<double>(sweeps.size()) / static_cast<double>(rows.size()));
+  }
+  return sweeps;
+}
+
+nlohmann::ordered_json to_json(const std::vector<FailureSweep>& sweeps) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const FailureSweep& sweep : sweeps) rows.push_back(to_json(sweep));
+  return {{"format", "dualpixel-experiment-failures"}, {"version", 1}, {"rows", rows}};
 }
 
 }  // namespace dualpixel::evaluation

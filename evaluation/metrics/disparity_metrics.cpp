@@ -32,7 +32,8 @@ AffineFit fit_weighted(std::span<const float> estimate, std::span<const float> t
   return {(et * w - e * t) / determinant, (ee * t - e * et) / determinant};
 }
 
-/// A value's place in its array, and its bits made to order like an unsigned integer: equal values have equal keys.
+/// A value's index in its array, and its bits mapped so that they order as an unsigned integer; equal values have equal
+/// keys.
 struct Keyed {
   std::uint32_t key;
   std::uint32_t index;

@@ -7,7 +7,7 @@
 #include "capture/image/image.h"
 
 /// Figures that compare an estimated disparity with the true one, over any set of pixels. `estimate` and `truth` hold
-/// one finite value a pixel, in the same order and of the same length; nothing is weighted but by being in the set.
+/// one finite value a pixel, in the same order and of the same length; every pixel has the same weight.
 namespace dualpixel::evaluation {
 
 /// truth ~ scale * estimate + offset.
@@ -57,7 +57,7 @@ Sparsification sparsification(std::span<const float> error, std::span<const floa
 
 using Mask = ImageOf<std::uint8_t>;  ///< 1 inside, 0 outside
 
-/// Pixels at most `reach_px` away, along x and y, from a border between two neighbours whose disparities differ by more
+/// Pixels at most `reach_px` away, along x and y, from a border between two neighbors whose disparities differ by more
 /// than `jump_dp_px`; a border's own two pixels are 1 away.
 Mask depth_edges(const Image& disparity_dp_px, float jump_dp_px, int reach_px);
 

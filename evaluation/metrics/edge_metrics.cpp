@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+
+#include "evaluation/metrics/statistics.h"
 
 namespace dualpixel::evaluation {
 namespace {
@@ -78,9 +81,7 @@ double edge_width_px(const Image& estimate, const Image& truth, float jump) {
     add_widths(estimate.data.data() + x, truth.data.data() + x, truth.width, truth.height, jump, widths);
   }
   if (widths.empty()) return 0;
-  const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
-  std::nth_element(widths.begin(), middle, widths.end());
-  return *middle;
+  return median(std::move(widths));
 }
 
 double boundary_f_score(const Mask& estimate, const Mask& truth, int reach_px) {

@@ -52,7 +52,7 @@ Image luminance(const Image& image) {
   return out;
 }
 
-/// Sum of the similarity over the windows centred on one row, of which `top` is the first row.
+/// Sum of the similarity over the windows centered on one row, of which `top` is the first row.
 double ssim_of_row(const Image& a, const Image& b, int top, const std::array<float, kWindow>& window) {
   // The five moments of each column under the window, then of each whole window.
   enum { kA, kB, kAA, kBB, kAB, kMoments };

@@ -16,7 +16,7 @@ Image displayed(const Image& linear, float gain = 1);
 /// identical pictures, whose ratio is infinite.
 std::optional<double> psnr_db(const Image& a, const Image& b);
 
-/// Mean structural similarity of the luminances (Rec. 709 weights on the values as they stand): Wang et al. 2004,
+/// Mean structural similarity of the luminances (Rec. 709 weights on the values as given): Wang et al. 2004,
 /// "Image Quality Assessment: From Error Visibility to Structural Similarity", Eq. 13 and 17, with an 11 x 11 Gaussian
 /// window of sigma 1.5, K1 = 0.01, K2 = 0.03, over the windows that lie inside the picture. None where it is smaller
 /// than a window.

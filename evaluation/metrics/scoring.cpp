@@ -6,7 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "capture/error.h"
 #include "evaluation/metrics/image_metrics.h"
@@ -78,107 +81,103 @@ Samples gather(const Truth& truth, const pipeline::PortraitResult& result, const
   return samples;
 }
 
-struct Threshold {
-  const char* key;
-  double px;
-};
-constexpr Threshold kBadPixel[] = {{"bad_0p1", 0.1}, {"bad_0p25", 0.25}, {"bad_0p5", 0.5}};
+constexpr const char* kBadPixelKeys[] = {"bad_0p1", "bad_0p25", "bad_0p5"};
 
-/// Figures of one region; all null where it holds no pixel.
-Json score_region(const Samples& samples, std::size_t valid_pixels) {
+RegionScore score_region(const std::string& region, const Samples& samples, std::size_t valid_pixels) {
   const std::vector<float>&estimate = samples.estimate, &truth = samples.truth, &confidence = samples.confidence;
-  const bool any = !estimate.empty();
-  Json figures = {{"pixels", estimate.size()},
-                  {"coverage", valid_pixels ? Json(static_cast<double>(estimate.size()) / valid_pixels) : Json()}};
-  const auto add = [&](const std::string& key, const auto& figure) {
-    if (any) {
-      figures[key] = figure();
-    } else {
-      figures[key] = nullptr;
-    }
-  };
+  RegionScore score;
+  score.region = region;
+  score.pixels = estimate.size();
+  if (valid_pixels) score.coverage = static_cast<double>(estimate.size()) / valid_pixels;
+  if (estimate.empty()) return score;
 
-  add("bias_px", [&] { return bias(estimate, truth); });
-  add("rmse_px", [&] { return rmse(estimate, truth); });
-  for (const Threshold& bad : kBadPixel) add(bad.key, [&] { return bad_pixel_rate(estimate, truth, bad.px); });
-
-  const AffineFit fit = any ? fit_affine(estimate, truth) : AffineFit{};
-  add("affine_scale", [&] { return fit.scale; });
-  add("affine_offset_px", [&] { return fit.offset; });
-  add("rmse_affine_px", [&] { return rmse(estimate, truth, fit); });
-  for (const Threshold& bad : kBadPixel) {
-    add(std::string(bad.key) + "_affine", [&] { return bad_pixel_rate(estimate, truth, bad.px, fit); });
+  score.bias_px = bias(estimate, truth);
+  score.rmse_px = rmse(estimate, truth);
+  const AffineFit fit = fit_affine(estimate, truth);
+  score.fit = fit;
+  score.rmse_affine_px = rmse(estimate, truth, fit);
+  for (std::size_t i = 0; i < std::size(kBadPixelDpPx); ++i) {
+    score.bad[i] = bad_pixel_rate(estimate, truth, kBadPixelDpPx[i]);
+    score.bad_affine[i] = bad_pixel_rate(estimate, truth, kBadPixelDpPx[i], fit);
   }
-  add("aiwe1", [&] { return aiwe1(estimate, truth); });
-  figures["aiwe2"] = figures["rmse_affine_px"];
-  add("one_minus_rho_average_ranks", [&] {
-    const std::optional<double> rho = spearman(estimate, truth);
-    return rho ? Json(1 - std::abs(*rho)) : Json(nullptr);
-  });
+  score.aiwe1 = aiwe1(estimate, truth);
+  const std::optional<double> rho = spearman(estimate, truth);
+  if (rho) score.one_minus_rho = 1 - std::abs(*rho);
 
   std::vector<float> error(estimate.size());
   for (std::size_t i = 0; i < error.size(); ++i) {
     error[i] = static_cast<float>(std::abs(fit.scale * estimate[i] + fit.offset - truth[i]));
   }
-  const Sparsification curves = sparsification(error, confidence);
-  figures["ause"] = or_null(curves.ause);
-  figures["sparsification"] = {{"removed", curves.removed}, {"error_px", curves.error}, {"oracle_px", curves.oracle}};
-  return figures;
+  score.sparsification = sparsification(error, confidence);
+  return score;
 }
 
-Json score_disparity(const Truth& truth, const pipeline::PortraitResult& result) {
+std::vector<RegionScore> score_disparity(const Truth& truth, const pipeline::PortraitResult& result) {
   const Mask edges = depth_edges(truth.disparity_dp_px, kEdgeJumpDpPx, kEdgeReachPx);
   std::size_t valid_pixels = 0;
   for (const float valid : truth.valid.data) valid_pixels += valid == 1;
 
-  Json everything, confident, at_edges, person;
-  const auto score = [&](const auto& inside) { return score_region(gather(truth, result, inside), valid_pixels); };
-  tbb::parallel_invoke(
-      [&] { everything = score([](std::size_t) { return true; }); },
-      [&] { confident = score([&](std::size_t i) { return result.confidence.data[i] >= kConfidentThreshold; }); },
-      [&] { at_edges = score([&](std::size_t i) { return edges.data[i] == 1; }); },
-      [&] { person = score([&](std::size_t i) { return truth.person_mask.data[i] > kPersonThreshold; }); });
-  return {{"everything", everything}, {"confident", confident}, {"depth_edges", at_edges}, {"person", person}};
-}
-
-Json score_images(const Truth& truth, const pipeline::PortraitResult& result) {
-  Json figures;
-  const auto compare = [&](const char* space, const auto& encode) {
-    const Image photograph = encode(truth.photograph);
-    const auto add = [&](const Image& linear, const char* suffix) {
-      const Image image = encode(linear);
-      figures[fmt::format("psnr_{}{}_db", space, suffix)] = or_null(psnr_db(image, photograph));
-      figures[fmt::format("ssim_{}{}", space, suffix)] = or_null(ssim(image, photograph));
-    };
-    add(result.portrait, "");
-    add(result.input, "_input");
+  std::vector<RegionScore> scores(4);
+  const auto score = [&](const char* region, const auto& inside) {
+    return score_region(region, gather(truth, result, inside), valid_pixels);
   };
-  compare("srgb", [](const Image& linear) { return displayed(linear); });
-  compare("linear", clipped);
-  figures["psnr_db"] = figures["psnr_srgb_db"];
-  figures["psnr_input_db"] = figures["psnr_srgb_input_db"];
-  figures["ssim"] = figures["ssim_srgb"];
-  figures["ssim_input"] = figures["ssim_srgb_input"];
-  return figures;
+  tbb::parallel_invoke(
+      [&] { scores[0] = score("everything", [](std::size_t) { return true; }); },
+      [&] {
+        scores[1] = score("confident", [&](std::size_t i) { return result.confidence.data[i] >= kConfidentThreshold; });
+      },
+      [&] { scores[2] = score("depth_edges", [&](std::size_t i) { return edges.data[i] == 1; }); },
+      [&] {
+        scores[3] = score("person", [&](std::size_t i) { return truth.person_mask.data[i] > kPersonThreshold; });
+      });
+  return scores;
 }
 
-/// Why figures are null: a line each.
-Json explain_nulls(const Json& score) {
-  Json notes = Json::array();
-  const Json disparity = score.value("disparity", Json::object());
-  for (const auto& [region, figures] : disparity.items()) {
-    const std::string where = "disparity." + region;
-    if (figures["pixels"] == 0) {
+PictureScore score_picture(const Image& linear, const Image& photograph) {
+  const auto compare = [&](const auto& encode, std::optional<double>& psnr, std::optional<double>& similarity) {
+    const Image a = encode(linear), b = encode(photograph);
+    psnr = psnr_db(a, b);
+    similarity = ssim(a, b);
+  };
+  PictureScore score;
+  compare([](const Image& image) { return displayed(image); }, score.psnr_srgb_db, score.ssim_srgb);
+  compare(clipped, score.psnr_linear_db, score.ssim_linear);
+  return score;
+}
+
+/// The figures of both pictures with their keys, in the order of score.json.
+std::vector<std::pair<std::string, std::optional<double>>> picture_figures(const Score& score) {
+  const PictureScore &p = score.portrait, &i = score.input;
+  return {{"psnr_srgb_db", p.psnr_srgb_db},
+          {"ssim_srgb", p.ssim_srgb},
+          {"psnr_srgb_input_db", i.psnr_srgb_db},
+          {"ssim_srgb_input", i.ssim_srgb},
+          {"psnr_linear_db", p.psnr_linear_db},
+          {"ssim_linear", p.ssim_linear},
+          {"psnr_linear_input_db", i.psnr_linear_db},
+          {"ssim_linear_input", i.ssim_linear},
+          {"psnr_db", p.psnr_srgb_db},
+          {"psnr_input_db", i.psnr_srgb_db},
+          {"ssim", p.ssim_srgb},
+          {"ssim_input", i.ssim_srgb}};
+}
+
+/// Why figures are none: a line each.
+std::vector<std::string> explain_missing(const Score& score) {
+  std::vector<std::string> notes;
+  for (const RegionScore& region : score.disparity) {
+    const std::string where = "disparity." + region.region;
+    if (region.pixels == 0) {
       notes.push_back(where + ": no pixel is in this region with a valid truth and a finite estimate");
       continue;
     }
-    if (figures["one_minus_rho_average_ranks"].is_null()) {
+    if (!region.one_minus_rho) {
       notes.push_back(where + ".one_minus_rho_average_ranks: undefined, the estimate or the truth is constant");
     }
-    if (figures["ause"].is_null()) notes.push_back(where + ".ause: undefined, no pixel errs");
+    if (!region.sparsification.ause) notes.push_back(where + ".ause: undefined, every error is 0");
   }
-  for (const auto& [metric, value] : score["image"].items()) {
-    if (!value.is_null()) continue;
+  for (const auto& [metric, value] : picture_figures(score)) {
+    if (value) continue;
     notes.push_back("image." + metric +
                     (metric.starts_with("psnr") ? ": infinite, the pictures are the same"
                                                 : ": undefined, the picture is smaller than a window of 11 x 11"));
@@ -186,19 +185,38 @@ Json explain_nulls(const Json& score) {
   return notes;
 }
 
-std::string figure_text(const Json& value, int decimals) {
-  return value.is_null() ? "-" : fmt::format("{:.{}f}", value.get<double>(), decimals);
+Json to_json(const RegionScore& score) {
+  Json json = {{"pixels", score.pixels}, {"coverage", or_null(score.coverage)}};
+  json["bias_px"] = or_null(score.bias_px);
+  json["rmse_px"] = or_null(score.rmse_px);
+  for (int i = 0; i < 3; ++i) json[kBadPixelKeys[i]] = or_null(score.bad[i]);
+  json["affine_scale"] = score.fit ? Json(score.fit->scale) : Json(nullptr);
+  json["affine_offset_px"] = score.fit ? Json(score.fit->offset) : Json(nullptr);
+  json["rmse_affine_px"] = or_null(score.rmse_affine_px);
+  for (int i = 0; i < 3; ++i) json[std::string(kBadPixelKeys[i]) + "_affine"] = or_null(score.bad_affine[i]);
+  json["aiwe1"] = or_null(score.aiwe1);
+  json["aiwe2"] = json["rmse_affine_px"];
+  json["one_minus_rho_average_ranks"] = or_null(score.one_minus_rho);
+  const Sparsification& curves = score.sparsification;
+  json["ause"] = or_null(curves.ause);
+  json["sparsification"] = {{"removed", curves.removed}, {"error_px", curves.error}, {"oracle_px", curves.oracle}};
+  return json;
+}
+
+std::string figure_text(const std::optional<double>& value, int decimals) {
+  return value ? fmt::format("{:.{}f}", *value, decimals) : "-";
 }
 
 }  // namespace
 
 Image disparity_seen_from_first(const pipeline::PortraitResult& result, const Truth& truth) {
   if (!has_moved(result, truth)) return result.disparity_dp_px;
-  return seen_from_first(result.disparity_dp_px, truth.motion[result.base_frame - 1], NAN);
+  return seen_from_first(result.disparity_dp_px, truth.motion[result.base_frame - 1],
+                         std::numeric_limits<float>::quiet_NaN());
 }
 
-Json score_result(const Capture& capture, const std::string& capture_path, const pipeline::StoredResult& stored,
-                  const std::string& result_path) {
+Score score_result(const Capture& capture, const std::string& capture_path, const pipeline::StoredResult& stored,
+                   const std::string& result_path) {
   if (!capture.truth) throw InputError(printable(capture_path) + ": holds no truth to score against");
   const Truth& truth = *capture.truth;
   if (!stored.result.input.same_size(truth.photograph)) {
@@ -216,68 +234,76 @@ Json score_result(const Capture& capture, const std::string& capture_path, const
       has_moved(stored.result, truth) ? seen_from_first(stored.result, truth) : pipeline::PortraitResult();
   const pipeline::PortraitResult& result = has_moved(stored.result, truth) ? moved : stored.result;
 
-  Json score = {{"format", "dualpixel-score"}, {"version", 1}, {"capture", capture_path}, {"result", result_path}};
-  score["mode"] = stored.mode.empty() ? "unknown" : stored.mode;
-  if (!result.disparity_dp_px.empty()) {
-    score["definitions"] = {{"confident_threshold", kConfidentThreshold},
-                            {"depth_edges_jump_dp_px", kEdgeJumpDpPx},
-                            {"depth_edges_reach_px", kEdgeReachPx},
-                            {"person_threshold", kPersonThreshold}};
-    score["disparity"] = score_disparity(truth, result);
-  }
-  score["image"] = score_images(truth, result);
-  score["stages"] = Json::object();
-  for (const pipeline::StageTime& stage : result.stages) {
-    score["stages"][stage.name] = {{"ms", stage.ms}, {"peak_rss_mb", stage.peak_rss_mb}};
-  }
-  score["notes"] = explain_nulls(score);
+  Score score;
+  score.capture = capture_path;
+  score.result = result_path;
+  score.mode = stored.mode.empty() ? "unknown" : stored.mode;
+  if (!result.disparity_dp_px.empty()) score.disparity = score_disparity(truth, result);
+  score.portrait = score_picture(result.portrait, truth.photograph);
+  score.input = score_picture(result.input, truth.photograph);
+  score.stages = result.stages;
+  score.notes = explain_missing(score);
   return score;
 }
 
-std::string score_table(const Json& score) {
+Json to_json(const Score& score) {
+  Json json = {{"format", "dualpixel-score"}, {"version", 1}, {"capture", score.capture}, {"result", score.result}};
+  json["mode"] = score.mode;
+  if (!score.disparity.empty()) {
+    json["definitions"] = {{"confident_threshold", kConfidentThreshold},
+                           {"depth_edges_jump_dp_px", kEdgeJumpDpPx},
+                           {"depth_edges_reach_px", kEdgeReachPx},
+                           {"person_threshold", kPersonThreshold}};
+    for (const RegionScore& region : score.disparity) json["disparity"][region.region] = to_json(region);
+  }
+  for (const auto& [metric, value] : picture_figures(score)) json["image"][metric] = or_null(value);
+  json["stages"] = Json::object();
+  for (const pipeline::StageTime& stage : score.stages) {
+    json["stages"][stage.name] = {{"ms", stage.ms}, {"peak_rss_mb", stage.peak_rss_mb}};
+  }
+  json["notes"] = score.notes;
+  return json;
+}
+
+std::string to_text(const Score& score) {
   std::string text;
   const auto line = [&](const std::string& content) { text += content + "\n"; };
 
-  if (score.contains("disparity")) {
+  if (!score.disparity.empty()) {
     line("Disparity, DP px; the last six after an affine fit or invariant to one");
     line(fmt::format("{:<12}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9} |{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}", "region", "coverage",
                      "bias", "RMSE", ">0.1", ">0.25", ">0.5", "RMSE", ">0.1", ">0.25", "AIWE(1)", "1-|rho|*", "AUSE"));
-    for (const auto& [region, f] : score["disparity"].items()) {
-      std::string row = fmt::format("{:<12}", region);
-      for (const char* key : {"coverage", "bias_px", "rmse_px", "bad_0p1", "bad_0p25", "bad_0p5"}) {
-        row += fmt::format("{:>9}", figure_text(f[key], 3));
+    for (const RegionScore& r : score.disparity) {
+      std::string row = fmt::format("{:<12}", r.region);
+      for (const auto& figure : {r.coverage, r.bias_px, r.rmse_px, r.bad[0], r.bad[1], r.bad[2]}) {
+        row += fmt::format("{:>9}", figure_text(figure, 3));
       }
       row += " |";
-      for (const char* key :
-           {"rmse_affine_px", "bad_0p1_affine", "bad_0p25_affine", "aiwe1", "one_minus_rho_average_ranks", "ause"}) {
-        row += fmt::format("{:>9}", figure_text(f[key], 3));
+      for (const auto& figure :
+           {r.rmse_affine_px, r.bad_affine[0], r.bad_affine[1], r.aiwe1, r.one_minus_rho, r.sparsification.ause}) {
+        row += fmt::format("{:>9}", figure_text(figure, 3));
       }
       line(row);
     }
     line("* Spearman's rho, ties get average ranks. RMSE after the fit is AIWE(2).\n");
   } else {
-    line("Disparity: none, the result was made by the person mask alone\n");
+    line("Disparity: none, the result was made from the person mask alone\n");
   }
 
   line("Against the true photograph     PSNR sRGB  PSNR linear  SSIM sRGB  SSIM linear");
-  const auto image_line = [&](const char* label, const std::string& suffix) {
-    const Json& f = score["image"];
-    line(fmt::format("{:<30}{:>8} dB{:>10} dB{:>11}{:>13}", label, figure_text(f["psnr_srgb" + suffix + "_db"], 2),
-                     figure_text(f["psnr_linear" + suffix + "_db"], 2), figure_text(f["ssim_srgb" + suffix], 4),
-                     figure_text(f["ssim_linear" + suffix], 4)));
-  };
-  image_line("portrait", "");
-  image_line("input, not blurred", "_input");
+  for (const auto& [label, f] : {std::pair{"portrait", score.portrait}, {"input, not blurred", score.input}}) {
+    line(fmt::format("{:<30}{:>8} dB{:>10} dB{:>11}{:>13}", label, figure_text(f.psnr_srgb_db, 2),
+                     figure_text(f.psnr_linear_db, 2), figure_text(f.ssim_srgb, 4), figure_text(f.ssim_linear, 4)));
+  }
 
   line(fmt::format("\n{:<20}{:>9}{:>18}", "Stage", "ms", "peak memory, MB"));
   double total_ms = 0;
-  for (const auto& [name, stage] : score["stages"].items()) {
-    total_ms += stage["ms"].get<double>();
-    line(fmt::format("{:<20}{:>9.1f}{:>18.0f}", printable(name), stage["ms"].get<double>(),
-                     stage["peak_rss_mb"].get<double>()));
+  for (const pipeline::StageTime& stage : score.stages) {
+    total_ms += stage.ms;
+    line(fmt::format("{:<20}{:>9.1f}{:>18.0f}", printable(stage.name), stage.ms, stage.peak_rss_mb));
   }
   line(fmt::format("{:<20}{:>9.1f}", "total", total_ms));
-  for (const Json& note : score["notes"]) line("note: " + printable(note.get<std::string>()));
+  for (const std::string& note : score.notes) line("note: " + printable(note));
   return text;
 }
 

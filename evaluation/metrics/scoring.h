@@ -1,32 +1,18 @@
 #pragma once
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "capture/capture.h"
 #include "evaluation/metrics/disparity_metrics.h"
 #include "pipeline/portrait/result_io.h"
 
-/// How well a portrait result agrees with what the simulator knows.
+/// How well a portrait result agrees with the simulator's truth.
 ///
-///   disparity.<region>.<metric>   absent in mode seg. Regions, all where the truth is valid and the estimate finite:
-///       everything
-///       confident     confidence >= 0.5
-///       depth_edges   at most 8 full-resolution px from a jump of the true disparity by more than 0.1 DP px
-///       person        true person mask > 0.5
-///     pixels, coverage (pixels over all valid ones), bias_px, rmse_px, bad_0p1, bad_0p25, bad_0p5 (share of pixels
-///     that err by more than that many DP px); after the least-squares affine fit to the truth of that very region:
-///     affine_scale, affine_offset_px, rmse_affine_px (Garg's AIWE(2), also given as aiwe2), bad_*_affine; aiwe1;
-///     one_minus_rho_average_ranks (1 - |Spearman's rho|, ties get average ranks); ause and sparsification (of the
-///     absolute error after the fit, by confidence).
-///   image.<metric>   against the true photograph through the wider aperture, of the portrait and of the un-blurred
-///     input: psnr_srgb_db, psnr_linear_db, ssim_srgb, ssim_linear, and each as <metric>_input. Linear: signal clipped
-///     to 0..1. sRGB: the same, encoded. psnr_db, psnr_input_db, ssim, ssim_input are the sRGB ones.
-///   stages.<name>.ms, .peak_rss_mb
-///   notes   why a figure is null: one line each
-///
-/// Truth is the first frame's. Where a result's base is a later one, its maps and pictures are first looked up where
-/// truth says that frame sees the first one's points. What lies outside of it counts as not estimated in the maps; the
-/// pictures go on there as their border does.
+/// Truth is the first frame's. Where a result's base is a later frame, its maps and pictures are first resampled along
+/// the true motion to where the first frame sees the same points. What falls outside of the base frame counts as not
+/// estimated in the maps; pictures are extended by their border pixels.
 namespace dualpixel::evaluation {
 
 inline constexpr float kConfidentThreshold = 0.5f;
@@ -34,15 +20,57 @@ inline constexpr float kEdgeJumpDpPx = 0.1f;
 inline constexpr int kEdgeReachPx = 8;
 inline constexpr float kPersonThreshold = 0.5f;
 
-/// The result's disparity where the first frame sees it; not a number outside of the frame that it was estimated for.
+/// Thresholds of the bad-pixel rates, DP px.
+inline constexpr double kBadPixelDpPx[] = {0.1, 0.25, 0.5};
+
+/// Disparity over one region, DP px. Figures are none where the region holds no pixel.
+struct RegionScore {
+  std::string region;
+  std::size_t pixels = 0;          ///< with valid truth and a finite estimate
+  std::optional<double> coverage;  ///< pixels over all pixels with valid truth
+  std::optional<double> bias_px, rmse_px;
+  std::optional<double> bad[3];  ///< share of pixels whose error exceeds kBadPixelDpPx
+  // After the least-squares affine fit to the truth of this region:
+  std::optional<AffineFit> fit;
+  std::optional<double> rmse_affine_px;  ///< AIWE(2) of Garg et al. 2019
+  std::optional<double> bad_affine[3];
+  std::optional<double> aiwe1;
+  std::optional<double> one_minus_rho;  ///< 1 - |Spearman's rho|, average ranks for ties; none where a side is constant
+  Sparsification sparsification;        ///< of the absolute error after the fit, by confidence
+};
+
+/// A picture against the true photograph through the wider aperture. Linear: signal clipped to 0..1; sRGB: the same,
+/// encoded. PSNR is none where the pictures are identical, SSIM where they are smaller than its window.
+struct PictureScore {
+  std::optional<double> psnr_srgb_db, psnr_linear_db, ssim_srgb, ssim_linear;
+};
+
+struct Score {
+  std::string capture, result;  ///< paths
+  std::string mode;             ///< as the result records it, or "unknown"
+  /// Where the truth is valid and the estimate finite: "everything"; "confident", confidence >= 0.5; "depth_edges", at
+  /// most 8 full-resolution px from a jump of the true disparity by more than 0.1 DP px; "person", true person mask >
+  /// 0.5. Empty in mode seg.
+  std::vector<RegionScore> disparity;
+  PictureScore portrait, input;  ///< input: before the synthetic defocus
+  std::vector<pipeline::StageTime> stages;
+  std::vector<std::string> notes;  ///< why a figure is none: one line each
+};
+
+/// The result's disparity where the first frame sees it; NaN outside of the frame that it was estimated for.
 Image disparity_seen_from_first(const pipeline::PortraitResult& result, const Truth& truth);
 
-/// Figures as above. `capture_path` and `result_path` are named in messages and in the figures. Throws InputError where
-/// the capture holds no truth or the sizes differ.
-nlohmann::ordered_json score_result(const Capture& capture, const std::string& capture_path,
-                                    const pipeline::StoredResult& stored, const std::string& result_path);
+/// `capture_path` and `result_path` are named in messages and in the score. Throws InputError where the capture holds
+/// no truth or the sizes differ.
+Score score_result(const Capture& capture, const std::string& capture_path, const pipeline::StoredResult& stored,
+                   const std::string& result_path);
+
+/// score.json: disparity.<region>.<metric> (absent in mode seg), image.<metric>, stages.<name>.ms and .peak_rss_mb,
+/// notes. Figures that are none are null. image.psnr_db, .ssim and their _input are the sRGB ones; aiwe2 repeats
+/// rmse_affine_px.
+nlohmann::ordered_json to_json(const Score& score);
 
 /// The same as text for a terminal.
-std::string score_table(const nlohmann::ordered_json& score);
+std::string to_text(const Score& score);
 
 }  // namespace dualpixel::evaluation

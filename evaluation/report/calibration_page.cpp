@@ -9,10 +9,9 @@
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
-#include "evaluation/report/report_assets.h"
+#include "evaluation/report/page.h"
+#include "evaluation/report/plot.h"
 #include "evaluation/report/report_images.h"
-#include "evaluation/report/report_page.h"
-#include "evaluation/report/svg_plot.h"
 
 namespace dualpixel::evaluation {
 namespace {
@@ -24,16 +23,16 @@ using pipeline::TargetMeasurement;
 
 constexpr float kGap = std::numeric_limits<float>::quiet_NaN();
 
-struct Place {
+struct FieldPoint {
   const char* name;
   int column, row;
 };
 constexpr int kLastColumn = pipeline::kCalibrationColumns - 1, kLastRow = pipeline::kCalibrationRows - 1;
-constexpr Place kPlaces[] = {{"centre", kLastColumn / 2, kLastRow / 2},
-                             {"left", kLastColumn / 10, kLastRow / 2},
-                             {"right", kLastColumn - kLastColumn / 10, kLastRow / 2},
-                             {"top", kLastColumn / 2, kLastRow / 10},
-                             {"corner", kLastColumn - kLastColumn / 10, kLastRow / 10}};
+constexpr FieldPoint kFieldPoints[] = {{"center", kLastColumn / 2, kLastRow / 2},
+                                       {"left", kLastColumn / 10, kLastRow / 2},
+                                       {"right", kLastColumn - kLastColumn / 10, kLastRow / 2},
+                                       {"top", kLastColumn / 2, kLastRow / 10},
+                                       {"corner", kLastColumn - kLastColumn / 10, kLastRow / 10}};
 
 /// Lines run as far as their measurements, or, where those are not at hand, over the whole sweep's targets.
 Plot lines_plot(const Calibration& calibration, const FocusCalibration& focus,
@@ -54,25 +53,25 @@ Plot lines_plot(const Calibration& calibration, const FocusCalibration& focus,
     near = 1 / calibration.nearest_target_m;
     far = 1 / calibration.farthest_target_m;
   }
-  for (const Place& place : kPlaces) {
-    const double slope = focus.slope_dp_px_m.at(place.column, place.row);
-    const double intercept = focus.intercept_dp_px.at(place.column, place.row);
+  for (const FieldPoint& point : kFieldPoints) {
+    const double slope = focus.slope_dp_px_m.at(point.column, point.row);
+    const double intercept = focus.intercept_dp_px.at(point.column, point.row);
     if (slope == 0) continue;
-    plot.series.push_back({place.name, {{far, slope * far + intercept}, {near, slope * near + intercept}}});
+    plot.series.push_back({point.name, {{far, slope * far + intercept}, {near, slope * near + intercept}}});
   }
   Series measured{"measured", {}, false, true};
   for (const TargetMeasurement& m : measurements) {
     if (m.focus_distance_m != focus.focus_distance_m) continue;
-    for (const Place& place : kPlaces) {
-      if (m.usable.at(place.column, place.row) == 0) continue;
-      measured.points.emplace_back(1 / m.target_distance_m, m.disparity_dp_px.at(place.column, place.row));
+    for (const FieldPoint& point : kFieldPoints) {
+      if (m.usable.at(point.column, point.row) == 0) continue;
+      measured.points.emplace_back(1 / m.target_distance_m, m.disparity_dp_px.at(point.column, point.row));
     }
   }
   plot.series.push_back(measured);
   return plot;
 }
 
-/// A map's difference from its value at the principal point, as colour; grey where `slope` says that there is no line.
+/// A map's difference from its value at the principal point, as color; gray where `slope` says that there is no line.
 std::string map_figure(const Image& nodes, const Image& slope, std::size_t principal, const std::string& name,
                        const std::string& unit, float limit) {
   const float middle = nodes.data[principal];
@@ -88,11 +87,10 @@ std::string map_figure(const Image& nodes, const Image& slope, std::size_t princ
   for (int y = 0; y < bar.height; ++y) {
     for (int x = 0; x < bar.width; ++x) bar.at(x, y) = limit * (static_cast<float>(x) / 127.5f - 1);
   }
-  return fmt::format(
-      "<figure><img src=\"{}\" alt=\"\"><div class=\"bar\"><span>{:+.2f}</span><img src=\"{}\" alt=\"\"><span>{:+.2f} "
-      "{}</span></div><figcaption><b>{}</b> less the principal point's {:.3f}</figcaption></figure>\n",
-      jpeg_data_uri(diverging_colors(large, limit), 92), -limit, jpeg_data_uri(diverging_colors(bar, limit), 92), limit,
-      unit, name, middle);
+  return html_figure({name, fmt::format("less the principal point's {:.3f}", middle),
+                      jpeg_data_uri(diverging_colors(large, limit), 92),
+                      jpeg_data_uri(diverging_colors(bar, limit), 92), fmt::format("{:+.2f}", -limit),
+                      fmt::format("{:+.2f} {}", limit, unit)});
 }
 
 template <typename Value>
@@ -101,11 +99,11 @@ Plot over_focus(const std::string& title, const std::string& unit, const Calibra
   plot.title = title;
   plot.x_label = "1 / focus distance, 1/m";
   plot.y_label = unit;
-  for (const Place& place : kPlaces) {
-    Series series{place.name, {}};
+  for (const FieldPoint& point : kFieldPoints) {
+    Series series{point.name, {}};
     for (const FocusCalibration& focus : calibration.focuses) {
-      const bool line = focus.slope_dp_px_m.at(place.column, place.row) != 0;
-      series.points.emplace_back(1 / focus.focus_distance_m, line ? value(focus).at(place.column, place.row) : kGap);
+      const bool line = focus.slope_dp_px_m.at(point.column, point.row) != 0;
+      series.points.emplace_back(1 / focus.focus_distance_m, line ? value(focus).at(point.column, point.row) : kGap);
     }
     plot.series.push_back(series);
   }
@@ -138,19 +136,19 @@ std::string to_page(const Calibration& calibration, const std::vector<TargetMeas
   const std::vector<FocusCalibration>& focuses = calibration.focuses;
   std::string body = fmt::format(
       "<h1>Calibration of {}</h1>\n<p>{} focus distances from {:.3g} to {:.3g} m, targets from {:.3g} to {:.3g} m. At "
-      "each place disparity is slope / depth + intercept.</p>\n",
-      escape_html(printable(calibration.camera.name)), focuses.size(), focuses.front().focus_distance_m,
+      "each field point disparity is slope / depth + intercept.</p>\n",
+      escape_name(calibration.camera.name), focuses.size(), focuses.front().focus_distance_m,
       focuses.back().focus_distance_m, calibration.nearest_target_m, calibration.farthest_target_m);
   for (const std::string& warning : calibration.warnings) {
-    body += "<p>Warning: " + escape_html(printable(warning)) + "</p>\n";
+    body += "<p>Warning: " + escape_name(warning) + "</p>\n";
   }
   const std::size_t principal = pipeline::principal_node(calibration.camera);
   const std::size_t last = focuses.size() - 1;
   std::vector<std::size_t> shown = {last / 4, last / 2, last};
   shown.erase(std::unique(shown.begin(), shown.end()), shown.end());
-  body += "<h2>Lines</h2><div class=\"plots\">";
-  for (const std::size_t i : shown) body += svg_plot(lines_plot(calibration, focuses[i], measurements));
-  body += "</div><h2>Maps</h2>";
+  std::vector<Plot> lines;
+  for (const std::size_t i : shown) lines.push_back(lines_plot(calibration, focuses[i], measurements));
+  body += "<h2>Lines</h2>" + html_plots(lines) + "<h2>Maps</h2>";
   for (const std::size_t i : shown) {
     body += fmt::format("<h4>Focused at {:.3g} m</h4><div class=\"maps\">", focuses[i].focus_distance_m);
     const Image& slope = focuses[i].slope_dp_px_m;
@@ -159,16 +157,13 @@ std::string to_page(const Calibration& calibration, const std::vector<TargetMeas
     body += "</div>";
   }
   body += "<h2>Over the focus distance</h2><p>The thin lens's slope does not depend on the focus distance.</p>";
-  body += "<div class=\"plots\">";
-  body += svg_plot(over_focus("Slope", "DP px m", calibration,
-                              [](const FocusCalibration& f) -> const Image& { return f.slope_dp_px_m; }));
-  body += svg_plot(over_focus("Intercept", "DP px", calibration,
-                              [](const FocusCalibration& f) -> const Image& { return f.intercept_dp_px; }));
-  body += svg_plot(over_focus("Residual of the line, RMS", "DP px", calibration,
-                              [](const FocusCalibration& f) -> const Image& { return f.residual_dp_px; }));
-  body += "</div>";
-  return html_page("Calibration of " + printable(calibration.camera.name), std::string(kReportStyle) + kPlotStyle,
-                   body);
+  body += html_plots({over_focus("Slope", "DP px m", calibration,
+                                 [](const FocusCalibration& f) -> const Image& { return f.slope_dp_px_m; }),
+                      over_focus("Intercept", "DP px", calibration,
+                                 [](const FocusCalibration& f) -> const Image& { return f.intercept_dp_px; }),
+                      over_focus("Residual of the line, RMS", "DP px", calibration,
+                                 [](const FocusCalibration& f) -> const Image& { return f.residual_dp_px; })});
+  return html_page("Calibration of " + printable(calibration.camera.name), body);
 }
 
 }  // namespace dualpixel::evaluation

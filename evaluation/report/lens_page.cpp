@@ -8,10 +8,9 @@
 #include <limits>
 
 #include "capture/error.h"
-#include "evaluation/report/report_assets.h"
+#include "evaluation/report/page.h"
+#include "evaluation/report/plot.h"
 #include "evaluation/report/report_images.h"
-#include "evaluation/report/report_page.h"
-#include "evaluation/report/svg_plot.h"
 #include "simulator/lens/prescription/ray_trace.h"
 #include "simulator/sampling/sobol.h"
 
@@ -24,20 +23,20 @@ using simulator::LensPacket;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Five places that show the field: centre, right, corner, top, left.
-struct Place {
+/// Points that sample the field.
+struct FieldPoint {
   const char* name;
   double x, y;  ///< in half widths and half heights
 };
-constexpr Place kPlaces[] = {{"left edge", -0.95, 0}, {"centre", 0, 0},  {"half way right", 0.5, 0},
-                             {"right edge", 0.95, 0}, {"top", 0, -0.95}, {"corner", 0.95, -0.95}};
+constexpr FieldPoint kFieldPoints[] = {{"left edge", -0.95, 0}, {"center", 0, 0},  {"half way right", 0.5, 0},
+                                       {"right edge", 0.95, 0}, {"top", 0, -0.95}, {"corner", 0.95, -0.95}};
 
 struct Pixel {
   int x, y;
 };
-Pixel pixel_at(const simulator::SensorGrid& sensor, const Place& place) {
-  return {static_cast<int>(0.5 * (1 + place.x) * (sensor.width_px - 1)),
-          static_cast<int>(0.5 * (1 + place.y) * (sensor.height_px - 1))};
+Pixel pixel_at(const simulator::SensorGrid& sensor, const FieldPoint& point) {
+  return {static_cast<int>(0.5 * (1 + point.x) * (sensor.width_px - 1)),
+          static_cast<int>(0.5 * (1 + point.y) * (sensor.height_px - 1))};
 }
 
 /// Calls visit(origin x, origin y, slope x, slope y, left, right) for rays that reach the middle of a photosite.
@@ -57,16 +56,16 @@ void each_ray(const simulator::LensSampler& sampler, Pixel pixel, int count, con
   }
 }
 
-/// The entrance pupil as a photosite sees it: dots, coloured by the view that most of the light goes to.
-Plot pupil_plot(const simulator::LensSampler& sampler, const Place& place) {
+/// The entrance pupil as a photosite sees it: dots, colored by the view that most of the light goes to.
+Plot pupil_plot(const simulator::LensSampler& sampler, const FieldPoint& point) {
   Plot plot;
-  plot.title = fmt::format("Pupil, {}", place.name);
+  plot.title = fmt::format("Pupil, {}", point.name);
   plot.x_label = "x, pupil radii";
   plot.y_label = "y, down";
   plot.equal_scale = true;
   plot.series = {{"left view", {}, false, true}, {"right view", {}, false, true}};
   const double radius = 0.5 * sampler.lens().thin.pupil_diameter_m();
-  each_ray(sampler, pixel_at(sampler.sensor(), place), 512,
+  each_ray(sampler, pixel_at(sampler.sensor(), point), 512,
            [&](float x, float y, float, float, float left, float right) {
              plot.series[left > right ? 0 : 1].points.emplace_back(x / radius, -y / radius);
            });
@@ -74,11 +73,11 @@ Plot pupil_plot(const simulator::LensSampler& sampler, const Place& place) {
 }
 
 /// What each view sees of a point that is out of focus: a histogram of where its rays would land.
-std::string kernels(const simulator::LensSampler& sampler, const Place& place, double inverse_depth,
+std::string kernels(const simulator::LensSampler& sampler, const FieldPoint& point, double inverse_depth,
                     const std::string& name) {
   constexpr int kSide = 64;
   const simulator::SensorGrid& sensor = sampler.sensor();
-  const Pixel pixel = pixel_at(sensor, place);
+  const Pixel pixel = pixel_at(sensor, point);
   const double px_per_slope = sampler.lens().thin.image_distance_m() / sensor.pixel_pitch_m;
   double mean_x = 0, mean_y = 0, light = 0, reach = 0;
   const auto miss = [&](float o, float m) { return -(o * inverse_depth + m) * px_per_slope; };
@@ -117,7 +116,7 @@ std::string kernels(const simulator::LensSampler& sampler, const Place& place, d
   return html +
          fmt::format(
              "</div><figcaption><b>{}, {}</b> left and right view, {:.1f} photosites wide</figcaption></figure>\n",
-             place.name, name, 2 * reach);
+             point.name, name, 2 * reach);
 }
 
 /// The lens cut open, with rays from three fields.
@@ -126,7 +125,7 @@ Plot cross_section(const simulator::Prescription& lens) {
   plot.title = "Cross-section";
   plot.x_label = "z, mm from the first vertex";
   plot.y_label = "mm";
-  plot.equal_scale = true;
+  plot.equal_scale = plot.wide = true;
   Series glass{"surfaces", {}, false, false}, stop{"stop", {}, false, false};
   double z = 0, sensor_z = 0;
   for (const simulator::LensSurface& s : lens.surfaces) sensor_z += s.thickness_mm;
@@ -175,7 +174,7 @@ Plot cross_section(const simulator::Prescription& lens) {
         ray.n[0] = -std::sqrt(1 - ray.m[0] * ray.m[0]);
         traced.trace(ray);
         passes = ray.end[0] == 0;
-        // a stop written before the glass that it stands behind would send the drawn ray back
+        // a stop that is listed before the glass in front of it would send the drawn ray back
         if (ray.z[0] + offset < path.back().first) path.emplace_back(ray.z[0] + offset, ray.y[0]);
         if (first == 0 && passes) {
           const double ahead = 0.25 * std::abs(sensor_z) + path.back().first;
@@ -222,24 +221,23 @@ Plot plot_of(std::string title, std::string x, std::string y, std::vector<Series
 std::string field_plots(const simulator::LensReport& report) {
   using F = simulator::FieldAnalysis;
   const char* const field = "field, chief ray height over image radius";
-  std::string html = "<h2>Over the field, focused at infinity</h2><div class=\"plots\">";
-  // on the axis a height over a height of 0 says nothing; next to it a sensor off the paraxial focus shows
-  html += svg_plot(plot_of("Distortion", field, "%", {over_field("", report, [](const F& f) {
-                             return f.theta_rad > 0 ? 100 * f.distortion : kNaN;
-                           })}));
-  html += svg_plot(plot_of("Field curvature: focus behind the sensor", field, "um",
+  // The axis has no distortion: height over a height of 0. Next to it a sensor off the paraxial focus shows.
+  Plot distortion =
+      plot_of("Distortion", field, "%",
+              {over_field("", report, [](const F& f) { return f.theta_rad > 0 ? 100 * f.distortion : kNaN; })});
+  Plot curvature = plot_of("Field curvature: focus behind the sensor", field, "um",
                            {over_field("tangential", report, [](const F& f) { return 1e3 * f.tangential_focus; }),
                             over_field(
-                                "sagittal", report, [](const F& f) { return 1e3 * f.sagittal_focus; }, true)}));
-  html += svg_plot(plot_of("Relative illumination", field, "of the axis",
-                           {over_field("traced", report, [](const F& f) { return f.relative_illumination; }),
-                            over_field(
-                                "cos^4", report, [](const F& f) { return f.cos4; }, true),
-                            over_field("beam that passes", report, [](const F& f) { return f.pupil_fraction; })}));
-  html += svg_plot(
-      plot_of("Spot, RMS radius", field, "um", {over_field("", report, [](const F& f) { return 1e3 * f.spot_rms; })}));
-  html += svg_plot(plot_of("Chief ray at the sensor", field, "degrees",
-                           {over_field("", report, [](const F& f) { return f.chief_angle_rad * 180 / M_PI; })}));
+                                "sagittal", report, [](const F& f) { return 1e3 * f.sagittal_focus; }, true)});
+  Plot illumination = plot_of("Relative illumination", field, "of the axis",
+                              {over_field("traced", report, [](const F& f) { return f.relative_illumination; }),
+                               over_field(
+                                   "cos^4", report, [](const F& f) { return f.cos4; }, true),
+                               over_field("unvignetted pupil", report, [](const F& f) { return f.pupil_fraction; })});
+  Plot spot =
+      plot_of("Spot, RMS radius", field, "um", {over_field("", report, [](const F& f) { return 1e3 * f.spot_rms; })});
+  Plot chief_ray = plot_of("Chief ray at the sensor", field, "degrees",
+                           {over_field("", report, [](const F& f) { return f.chief_angle_rad * 180 / M_PI; })});
   Series rms{"RMS", {}, false, false}, largest{"largest", {}, true, false};
   for (const simulator::FastFormError& e : report.fast_form) {
     rms.points.emplace_back(e.field, e.rms_px);
@@ -248,43 +246,38 @@ std::string field_plots(const simulator::LensReport& report) {
   Plot fast = plot_of("Fitted polynomials against the exact trace, single rays", "field, of the half diagonal",
                       "photosites", {rms, largest});
   fast.log_y = true;
-  html += svg_plot(fast);
-  return html + "</div>";
+  return "<h2>Over the field, focused at infinity</h2>" +
+         html_plots({distortion, curvature, illumination, spot, chief_ray, fast});
 }
 
 std::string calibration_plots(const simulator::LensReport& report) {
   using C = simulator::DisparityCoefficients;
-  const char* const place = "place, half widths or half heights";
+  const char* const position = "field position, half widths or half heights";
   const auto both = [&](const auto& value) {
     return std::vector<Series>{over_cut("along the middle row", report.horizontal, value),
                                over_cut("along the middle column", report.vertical, value, true)};
   };
-  std::string html =
-      "<h2>What a calibration should find</h2><p>A point at depth D has the disparity S(x)/D + I(x), in DP pixels.</p>"
-      "<div class=\"plots\">";
-  html += svg_plot(plot_of("Slope S", place, "DP px m", both([](const C& c) { return c.slope_dp_px_m; })));
-  html += svg_plot(plot_of("Intercept I", place, "DP px", both([](const C& c) { return c.intercept_dp_px; })));
-  html += svg_plot(plot_of("alpha: disparity over signed blur", place, "", both([](const C& c) {
-                             return c.blur_slope_px_m != 0 ? 2 * c.slope_dp_px_m / c.blur_slope_px_m : 0;
-                           })));
-  html += svg_plot(plot_of("Light of each view along the middle row", place, "of the whole pixel on the axis",
-                           {over_cut("left", report.horizontal, [](const C& c) { return c.left_light; }),
-                            over_cut("right", report.horizontal, [](const C& c) { return c.right_light; })}));
-  return html + "</div>";
+  return "<h2>Expected calibration</h2><p>A point at depth D has the disparity S(x)/D + I(x), in DP pixels.</p>" +
+         html_plots({plot_of("Slope S", position, "DP px m", both([](const C& c) { return c.slope_dp_px_m; })),
+                     plot_of("Intercept I", position, "DP px", both([](const C& c) { return c.intercept_dp_px; })),
+                     plot_of("alpha: disparity over signed blur", position, "", both([](const C& c) {
+                               return c.blur_slope_px_m != 0 ? 2 * c.slope_dp_px_m / c.blur_slope_px_m : 0;
+                             })),
+                     plot_of("Light of each view along the middle row", position, "of the whole pixel on the axis",
+                             {over_cut("left", report.horizontal, [](const C& c) { return c.left_light; }),
+                              over_cut("right", report.horizontal, [](const C& c) { return c.right_light; })})});
 }
 
 constexpr const char* kLensStyle = R"css(
 .kernels { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 300px), 1fr)); gap: 1.2rem; }
 .kernel div { display: grid; grid-template-columns: 1fr 1fr; gap: 4px; }
-.wide-plot { grid-template-columns: minmax(0, 900px); }
-.wide-plot .plot > svg { max-width: 900px; }
 )css";
 
 }  // namespace
 
 std::string lens_page(const simulator::LensReport& report) {
   const Lens& lens = report.lens;
-  std::string body = fmt::format("<h1>{}</h1>\n", escape_html(printable(lens.name)));
+  std::string body = fmt::format("<h1>{}</h1>\n", escape_name(lens.name));
   for (const auto& [label, text] : {std::pair{"Source: ", lens.source}, std::pair{"Derived: ", lens.derived}}) {
     if (!text.empty())
       body += "<p class=\"soft\">" + std::string(label) + escape_html(printable(text, simulator::kLongestNoteBytes)) +
@@ -292,26 +285,27 @@ std::string lens_page(const simulator::LensReport& report) {
   }
   for (const std::string& warning : report.warnings) body += "<p>Warning: " + escape_html(warning) + "</p>\n";
   if (const simulator::Prescription* prescription = simulator::prescription_of(lens)) {
-    body += "<div class=\"plots wide-plot\">" + svg_plot(cross_section(*prescription)) + "</div>";
+    body += html_plots({cross_section(*prescription)});
     body += field_plots(report);
   }
   body += calibration_plots(report);
   const simulator::LensSampler sampler(lens, report.sensor);
-  body += "<h2>The pupil, as the views share it</h2><div class=\"plots\">";
-  for (const Place& place : kPlaces) body += svg_plot(pupil_plot(sampler, place));
+  std::vector<Plot> pupils;
+  for (const FieldPoint& point : kFieldPoints) pupils.push_back(pupil_plot(sampler, point));
+  body += "<h2>The pupil, as the views share it</h2>" + html_plots(pupils);
   const double focus = 1 / lens.thin.focus_distance_m;
   // a blur of about 24 photosites either way
   const double step = 24 * report.sensor.pixel_pitch_m / (lens.thin.pupil_diameter_m() * lens.thin.image_distance_m());
-  body += "</div><h2>Kernels of a point out of focus</h2><div class=\"kernels\">";
-  for (const Place& place : kPlaces) {
-    body += kernels(sampler, place, focus + step, fmt::format("near, {:.3g} m", 1 / (focus + step)));
+  body += "<h2>Blur kernels of a point out of focus</h2><div class=\"kernels\">";
+  for (const FieldPoint& point : kFieldPoints) {
+    body += kernels(sampler, point, focus + step, fmt::format("near, {:.3g} m", 1 / (focus + step)));
     if (focus - step > 0)
-      body += kernels(sampler, place, focus - step, fmt::format("far, {:.3g} m", 1 / (focus - step)));
-    body += kernels(sampler, place, focus, "in focus");
+      body += kernels(sampler, point, focus - step, fmt::format("far, {:.3g} m", 1 / (focus - step)));
+    body += kernels(sampler, point, focus, "in focus");
   }
   body += "</div><details><summary>All figures</summary><pre>" + escape_html(simulator::to_text(report)) +
           "</pre></details>";
-  return html_page(printable(lens.name), std::string(kReportStyle) + kPlotStyle + kLensStyle, body);
+  return html_page(printable(lens.name), body, kLensStyle);
 }
 
 }  // namespace dualpixel::evaluation

@@ -26,7 +26,7 @@ constexpr float kOrangeHueDegrees = 55;
 
 using Color = std::array<float, 3>;
 
-/// sRGB of a colour in Oklab; matrices of Ottosson 2020.
+/// sRGB of a color in Oklab; matrices of Ottosson 2020.
 Color srgb_from_oklab(float lightness, float a, float b) {
   const auto cube = [](float v) { return v * v * v; };
   const float l = cube(lightness + 0.3963377774f * a + 0.2158037573f * b);

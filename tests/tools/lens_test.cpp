@@ -8,7 +8,7 @@
 
 #include "capture/files.h"
 #include "capture/json_fields.h"
-#include "evaluation/report/svg_plot.h"
+#include "evaluation/report/plot.h"
 #include "tests/run_program.h"
 
 namespace dualpixel::tools::testing {

@@ -36,10 +36,10 @@ std::vector<evaluation::CaptureSection> hostile_sections() {
   stored.mode = kHostile;
   evaluation::ResultSection result{kHostile, kHostile, {picture, picture}, {picture}, {}, {}, {}};
   result.score = evaluation::score_result(capture, kHostile, stored, kHostile);
-  result.score["notes"].push_back(kHostile);
-  result.stages = {{{"name", kHostile}, {"ms", 1}, {"peak_rss_mb", 2}}};
-  result.provenance = {{"capture", kHostile}, {kHostile, 1}};
-  return {{kHostile, kHostile, {picture, picture}, {{"scene", kHostile}}, {result}}};
+  result.score->notes.push_back(kHostile);
+  result.stages = {{kHostile, 1, 2}};
+  result.provenance = kHostile;
+  return {{kHostile, kHostile, {picture, picture}, kHostile, {result}}};
 }
 
 TEST(ReportPage, EscapesEveryName) {
@@ -47,7 +47,7 @@ TEST(ReportPage, EscapesEveryName) {
   EXPECT_EQ(count(page, "<script"), 1);
   EXPECT_EQ(count(page, "</script>"), 1);
   EXPECT_EQ(count(page, "onerror=alert(2)>"), 0);
-  // Each picture that is meant to be there: two views, two photographs, a map and its colour bar.
+  // Each picture that is meant to be there: two views, two photographs, a map and its color bar.
   EXPECT_EQ(count(page, "<img "), 6);
   EXPECT_EQ(count(page, "<pre>"), count(page, "</pre>"));
   EXPECT_EQ(count(page, "alert(1)&lt;/script&gt;"), count(page, "alert(1)"));

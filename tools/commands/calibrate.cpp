@@ -1,20 +1,17 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "capture/capture.h"
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
+#include "evaluation/calibration_sweep/calibration_captures.h"
 #include "evaluation/calibration_sweep/calibration_sweep.h"
-#include "evaluation/report/calibration_page.h"
-#include "pipeline/burst/merge.h"
-#include "pipeline/calibration/correction.h"
+#include "pipeline/calibration/calibration.h"
 #include "pipeline/portrait/matchable.h"
 #include "simulator/lens/disparity_field.h"
 #include "tools/commands/commands.h"
@@ -33,15 +30,15 @@ struct CalibrateOptions {
   evaluation::SweepOptions sweep;
 };
 
-/// All that the measurements of a sweep depend on, the lens by what it does.
+/// Everything that the measurements of a sweep depend on; the lens by the disparities that it makes.
 Json describe_sweep(const simulator::Simulation& simulation, const evaluation::SweepOptions& options) {
   const Camera camera = describe_camera(simulation);
-  // as the sweep focuses it: where the scene does, does not matter
+  // focused as in the sweep: the scene's own focus does not matter
   const simulator::LensSampler lens = evaluation::focused_lens(simulation, options.nearest_focus_m);
   Json traced = Json::array();
-  for (const double place : {0.5, 0.75, 0.95}) {
-    const simulator::DisparityCoefficients c = trace_disparity(lens, static_cast<int>(place * camera.width_px),
-                                                               static_cast<int>(place * camera.height_px), 1024);
+  for (const double position : {0.5, 0.75, 0.95}) {
+    const simulator::DisparityCoefficients c = trace_disparity(lens, static_cast<int>(position * camera.width_px),
+                                                               static_cast<int>(position * camera.height_px), 1024);
     traced.push_back({c.slope_dp_px_m, c.intercept_dp_px, c.left_light, c.right_light});
   }
   return {{"format", "dualpixel-calibration-sweep"},
@@ -57,7 +54,7 @@ Json describe_sweep(const simulator::Simulation& simulation, const evaluation::S
           {"nearest_focus_m", options.nearest_focus_m}};
 }
 
-/// The folder of a sweep, new or to be gone on with.
+/// Makes the folder of a new sweep, or checks that of one to be resumed.
 void open_sweep(const std::string& folder, const Json& description) {
   const std::string file = folder + "/sweep.json";
   std::error_code error;
@@ -69,55 +66,14 @@ void open_sweep(const std::string& folder, const Json& description) {
   } else if (fs::exists(folder + "/calibration.json", error)) {
     throw InputError(printable(folder) + ": is a calibration that was not made by a sweep; choose a new folder");
   } else if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error))) {
-    throw InputError(printable(folder) + ": exists and is no calibration; choose a new folder");
+    throw InputError(printable(folder) + ": exists and is not a calibration; choose a new folder");
   }
   fs::create_directories(folder, error);
   if (error) throw InputError(printable(folder) + ": cannot be made: " + error.message());
-  // before the rest: it is what tells an interrupted sweep from a folder of something else
+  // written first: it tells an interrupted sweep from an unrelated folder
   replace_file(file, description.dump(2) + "\n");
   fs::create_directories(folder + "/measurements", error);
   if (error) throw InputError(printable(folder) + "/measurements: cannot be made: " + error.message());
-}
-
-pipeline::TargetMeasurement measure_capture(const Capture& capture, double target_distance_m, const std::string& path) {
-  const pipeline::MergedBurst burst = pipeline::align_and_merge(capture.frames, capture.exposure);
-  pipeline::TargetMeasurement measurement =
-      pipeline::measure_target(burst.left, burst.right, capture.camera.focus_distance_m, target_distance_m);
-  const Image& usable = measurement.usable;
-  const auto seen = std::count(usable.data.begin(), usable.data.end(), 1.0f);
-  if (2 * static_cast<std::size_t>(seen) < usable.data.size()) {
-    throw InputError(
-        fmt::format("{}: the views match on only {:.0f} % of the picture; a target must be textured and fill it",
-                    printable(path), 100.0 * static_cast<double>(seen) / static_cast<double>(usable.data.size())));
-  }
-  return measurement;
-}
-
-/// `camera` becomes the first capture's.
-std::vector<pipeline::TargetMeasurement> measure_captures(const std::string& folder, Camera& camera) {
-  const std::string list = folder + "/distances.json";
-  const nlohmann::json json = read_json_file(list);
-  Fields root(json, list);
-  std::vector<pipeline::TargetMeasurement> measurements;
-  std::vector<Fields> entries = root.required("captures").objects("captures");
-  root.done();
-  if (entries.empty()) root.fail("captures", "must name at least three captures");
-  Progress bar("calibrate");
-  for (Fields& entry : entries) {
-    std::string name;
-    double distance_m = 0;
-    entry.required("capture").text("capture", name);
-    entry.required("target_distance_m").number("target_distance_m", distance_m, 0.01, 1000);
-    entry.done();
-    const std::string path = (fs::path(folder) / name).string();
-    const Capture capture = read_capture(path, false);
-    pipeline::require_matchable(capture.camera, path, "/camera/dp_downsample_x");
-    if (measurements.empty()) camera = capture.camera;
-    pipeline::require_same_camera(camera, capture.camera, printable(path));
-    measurements.push_back(measure_capture(capture, distance_m, path));
-    bar(static_cast<double>(measurements.size()) / static_cast<double>(entries.size()));
-  }
-  return measurements;
 }
 
 void warn(const pipeline::Calibration& calibration) {
@@ -142,8 +98,9 @@ void sweep_camera(const CalibrateOptions& options) {
 
 void fit_captures(const CalibrateOptions& options) {
   NewFolder out(options.output, "calibration.json");
-  Camera camera;
-  const std::vector<pipeline::TargetMeasurement> measurements = measure_captures(options.captures, camera);
+  Progress bar("calibrate");
+  const auto [camera, measurements] =
+      evaluation::measure_captures(options.captures, [&](double fraction) { bar(fraction); });
   const pipeline::Calibration calibration = pipeline::fit_calibration(camera, measurements);
   fs::create_directory(out.path() + "/measurements");
   for (std::size_t i = 0; i < measurements.size(); ++i) {
@@ -171,7 +128,8 @@ void run(const CalibrateOptions& options) {
 void add_calibrate(CLI::App& program) {
   auto options = std::make_shared<CalibrateOptions>();
   CLI::App* command = program.add_subcommand(
-      "calibrate", "Measure how disparity depends on depth and place, from a target swept over focus and distance");
+      "calibrate",
+      "Measure how disparity depends on depth and field position, from a target swept over focus and distance");
   CLI::Option* camera =
       command->add_option("camera", options->camera, "Scene file whose camera is simulated")->type_name("CAMERA.json");
   CLI::Option* captures =

@@ -7,12 +7,14 @@
 #include <iostream>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "capture/capture.h"
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/image/image_io.h"
 #include "capture/json_fields.h"
+#include "evaluation/metrics/statistics.h"
 #include "evaluation/report/calibration_page.h"
 #include "scenes/people/data_set/read_people_set.h"
 #include "simulator/lens/lens_file.h"
@@ -87,7 +89,7 @@ json describe_json(const std::string& path) {
   if (document.contains("camera") || document.contains("gltf")) description["kind"] = "scene";
   // the JSON that `dualpixel lens` prints has a model, too, but no version
   if (document.contains("version") && (document.contains("model") || document.contains("file"))) {
-    simulator::read_lens_file(path, std::numeric_limits<double>::infinity());  // refuses what is none
+    simulator::read_lens_file(path, std::numeric_limits<double>::infinity());  // throws where it is not a lens
     description["kind"] = "lens";
   }
   if (document.contains("format") && document["format"] == "dualpixel-result") description["kind"] = "portrait result";
@@ -112,7 +114,6 @@ json describe_calibration(const std::string& path) {
       ++lines;
     }
   }
-  std::nth_element(residuals.begin(), residuals.begin() + static_cast<std::ptrdiff_t>(lines / 2), residuals.end());
   return {{"kind", "calibration"},
           {"camera", camera.name},
           {"width_px", camera.width_px},
@@ -123,7 +124,7 @@ json describe_calibration(const std::string& path) {
           {"nearest_target_m", calibration.nearest_target_m},
           {"farthest_target_m", calibration.farthest_target_m},
           {"places_with_a_line", static_cast<double>(lines) / static_cast<double>(nodes)},
-          {"median_residual_dp_px", residuals[lines / 2]},
+          {"median_residual_dp_px", evaluation::median(std::move(residuals))},
           {"least_r_squared", least_r_squared},
           {"warnings", calibration.warnings}};
 }

@@ -2,6 +2,7 @@
 
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "capture/capture.h"
 #include "capture/error.h"
@@ -22,10 +23,11 @@ void run(const ScoreOptions& options) {
   const pipeline::StoredResult stored = pipeline::read_result(options.result);
   const Capture capture = read_capture(options.capture, true);
   pipeline::require_own_capture(stored, options.capture, options.result);
-  const nlohmann::ordered_json score = evaluation::score_result(capture, options.capture, stored, options.result);
-  const std::string json = score.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  const evaluation::Score score = evaluation::score_result(capture, options.capture, stored, options.result);
+  const std::string json =
+      evaluation::to_json(score).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
   replace_file(options.result + "/score.json", json);
-  std::cout << (options.json ? json : evaluation::score_table(score));
+  std::cout << (options.json ? json : evaluation::to_text(score));
 }
 
 }  // namespace

@@ -15,8 +15,8 @@
 
 #include "capture/error.h"
 #include "capture/files.h"
-#include "evaluation/report/report_page.h"
-#include "evaluation/report/svg_plot.h"
+#include "evaluation/report/page.h"
+#include "evaluation/report/plot.h"
 #include "scenes/people/data_set/read_people_set.h"
 #include "tools/train_segmentation/batches.h"
 #include "tools/train_segmentation/checkpoint.h"
@@ -130,10 +130,9 @@ std::string chart_page(const Json& points) {
   for (evaluation::Plot* plot : {&iou, &gradient}) {
     if (plot->series[0].points.empty()) plot->series.erase(plot->series.begin());
   }
-  return evaluation::html_page("Training of the person segmentation network", evaluation::kPlotStyle,
-                               "<h1>Training of the person segmentation network</h1><div class=\"plots\">" +
-                                   evaluation::svg_plot(loss) + evaluation::svg_plot(iou) +
-                                   evaluation::svg_plot(gradient) + "</div>");
+  return evaluation::html_page(
+      "Training of the person segmentation network",
+      "<h1>Training of the person segmentation network</h1>" + evaluation::html_plots({loss, iou, gradient}));
 }
 
 /// Loss since the last checkpoint, means over batches.

@@ -99,7 +99,7 @@ TEST(SlowCalibrationSweep, AThinLensHasTheClosedFormsLine) {
         ++count;
       }
     }
-    std::printf("thin lens, focus %g m: slope RMS error %.4f, worst place %.4f\n", focus_m, std::sqrt(squares / count),
+    std::printf("thin lens, focus %g m: slope RMS error %.4f, worst position %.4f\n", focus_m, std::sqrt(squares / count),
                 worst);
     EXPECT_NEAR(mean_slope / count / slope, 1, 0.01);
     EXPECT_LT(std::sqrt(squares / count), 0.01);
@@ -186,7 +186,7 @@ TEST_P(CalibrationLens, MakesPlanesFlatAtDepthsAndFocusesThatTheSweepDidNotUse) 
 
 /// Root mean square error of the matches that are sure, near the axis and far from it (r = 1 in the corners).
 struct FieldError {
-  double centre = 0, periphery = 0;
+  double center = 0, periphery = 0;
 };
 FieldError field_error(const pipeline::PortraitResult& result, const Image& wanted) {
   FieldError squares, count;
@@ -196,11 +196,11 @@ FieldError field_error(const pipeline::PortraitResult& result, const Image& want
       if (result.matched_confidence.at(x, y) < 0.5f) continue;
       const double u = 2 * (x + 0.5) / d.width - 1, v = 2 * (y + 0.5) / d.height - 1;
       const double r = std::hypot(4 * u, 3 * v) / 5, error = std::pow(d.at(x, y) - wanted.at(x, y), 2);
-      if (r < 0.4) squares.centre += error, ++count.centre;
+      if (r < 0.4) squares.center += error, ++count.center;
       if (r > 0.7) squares.periphery += error, ++count.periphery;
     }
   }
-  return {std::sqrt(squares.centre / count.centre), std::sqrt(squares.periphery / count.periphery)};
+  return {std::sqrt(squares.center / count.center), std::sqrt(squares.periphery / count.periphery)};
 }
 
 class CalibratedScene : public testing::TestWithParam<const char*> {};
@@ -230,10 +230,10 @@ TEST_P(CalibratedScene, HasAnErrorAtThePeripheryLikeTheCentres) {
   const FieldError before = field_error(run_portrait(capture, options), wanted);
   options.calibration = pipeline::fit_calibration(capture.camera, measurements);
   const FieldError after = field_error(run_portrait(capture, options), wanted);
-  std::printf("%s, RMS error of disparity: centre %.4f, periphery %.4f; corrected %.4f, %.4f DP px\n", GetParam(),
-              before.centre, before.periphery, after.centre, after.periphery);
+  std::printf("%s, RMS error of disparity: center %.4f, periphery %.4f; corrected %.4f, %.4f DP px\n", GetParam(),
+              before.center, before.periphery, after.center, after.periphery);
   EXPECT_LT(after.periphery, before.periphery);
-  EXPECT_LT(after.periphery, 1.1 * after.centre);
+  EXPECT_LT(after.periphery, 1.1 * after.center);
 }
 
 constexpr const char* kLenses[] = {"phone_aberrated_4.4mm_f1.8", "phone_6p_4.2mm_f1.8", "phone_7p_4.9mm_f1.85"};

@@ -23,7 +23,7 @@ inline simulator::Scene target_wall(const CalibrationTarget& target, const Targe
   const auto tangent = static_cast<float>(std::tan(target.tilt_x_deg * std::numbers::pi / 180));
   simulator::Mesh mesh;
   for (const auto& [x, y] : {std::pair{-1.0f, -1.0f}, {1.0f, -1.0f}, {1.0f, 1.0f}, {-1.0f, 1.0f}}) {
-    // y down here, up in the scene; a texel's own value stands at its middle
+    // y down here, up in the scene; a texel's value is that at its center
     const float own = 0.5f + 0.5f / static_cast<float>(size);
     mesh.positions.push_back({x * half, -y * half, -static_cast<float>(target.distance_m) - tangent * x * half});
     mesh.uv0.push_back({x + own, y + own});

@@ -2,17 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
-#include "capture/json_fields.h"
-#include "simulator/simulate.h"
+#include "evaluation/simulated_scene.h"
 #include "tests/run_program.h"
 #include "tests/temporary_folder.h"
 
 namespace dualpixel::evaluation {
 namespace {
 
-// The paper's figure of colour halos: ours leaves what is in focus as it is, bit for bit but for the blend to 1.5 px,
+// The paper's figure of color halos: ours leaves what is in focus as it is, bit for bit but for the blend to 1.5 px,
 // and brings no foreground into the wall; a gather does the second, a single pass the first.
 TEST(DefocusExperiment, HalosAreOthers) {
   for (const float radius_px : {5.0f, 9.0f}) {
@@ -42,14 +39,11 @@ TEST(DefocusExperiment, BadLensesAreRefused) {
 
 SceneDefocus measure(const std::string& name) {
   const std::string path = std::string(DUALPIXEL_SCENES_DIR "/") + name + ".json";
-  nlohmann::json document = read_json_file(path);
-  for (const char* assignment :
-       {"sensor.width_px=672", "sensor.height_px=504", "sensor.pixel_pitch_um=5.6", "render.samples_per_pixel=32",
-        "render.photograph_samples_per_pixel=512", "render.all_in_focus_samples_per_pixel=192"}) {
-    apply_override(document, assignment);
-  }
-  const simulator::Simulation s = simulator::read_simulation(document, path);
-  return measure_defocus(simulator::simulate(s, simulator::load_scene(s)), name);
+  return measure_defocus(
+      simulate_scene(path, {"sensor.width_px=672", "sensor.height_px=504", "sensor.pixel_pitch_um=5.6",
+                            "render.samples_per_pixel=32", "render.photograph_samples_per_pixel=512",
+                            "render.all_in_focus_samples_per_pixel=192"}),
+      name);
 }
 
 // True disparity and physically true blur against the ray-traced photograph, on a sixteenth of the photosites. From
@@ -57,10 +51,10 @@ SceneDefocus measure(const std::string& name) {
 TEST(SlowDefocusExperiment, TrueDisparityComesNearThePhotograph) {
   for (const auto& [name, floor_db] : {std::pair{"slanted_planes", 34.0}, {"portrait", 30.0}}) {
     const SceneDefocus scene = measure(name);
-    EXPECT_GT(scene.rungs[0].closeness.all_db, floor_db) << name;
-    EXPECT_GT(scene.rungs[1].closeness.all_db, scene.untouched.all_db + 8) << name;
+    EXPECT_GT(scene.steps[0].psnr.all_db, floor_db) << name;
+    EXPECT_GT(scene.steps[1].psnr.all_db, scene.not_blurred.all_db + 8) << name;
     // sunlit leaves are clipped in the one, nothing is in the other
-    const double won_db = scene.recovered.closeness.all_db - scene.rungs[1].closeness.all_db;
+    const double won_db = scene.recovered.psnr.all_db - scene.steps[1].psnr.all_db;
     EXPECT_GT(won_db, name == std::string("portrait") ? 0.3 : -0.01) << name;
   }
 }

@@ -15,7 +15,7 @@ namespace dualpixel {
 namespace {
 
 /// A wall 0.9 m ahead of a camera at the origin (glTF's axes), covered by random cells of four sizes, that shines like
-/// grey of reflectance 0.18 lit by `lux`.
+/// gray of reflectance 0.18 lit by `lux`.
 simulator::Scene textured_wall(double lux) {
   simulator::Texture texture{1024, 1024};
   for (int y = 0; y < 1024; ++y) {
@@ -40,7 +40,7 @@ simulator::Scene textured_wall(double lux) {
   return scene;
 }
 
-/// Six frames, 512 x 384 photosites, 1/15 s apart; grey at 0.108 of the white level.
+/// Six frames, 512 x 384 photosites, 1/15 s apart; gray at 0.108 of the white level.
 Capture hand_held(double lux, int seed, int exposure_poses = 1) {
   const double electrons = 3.7 * lux * 15;  // per second, on a green photosite
   const double time_s = std::min(1.0 / 15, 648 / electrons);
@@ -94,7 +94,7 @@ TEST(SlowRenderedBurst, AlignmentFindsTheTrueMotionAtFiveLux) {
   EXPECT_LT(error_px, 0.5);
 }
 
-// Blur within the exposure is the mean over its poses, centred on the frame's pose: motion stays right.
+// Blur within the exposure is the mean over its poses, centered on the frame's pose: motion stays right.
 TEST(SlowRenderedBurst, AlignmentStandsBlurWithinTheExposure) { EXPECT_LT(alignment_error(hand_held(5, 3, 4)), 0.5); }
 
 }  // namespace

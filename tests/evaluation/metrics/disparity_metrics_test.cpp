@@ -57,7 +57,7 @@ TEST(Error, BiasRmseAndBadPixelsByHand) {
 }
 
 TEST(Aiwe1, AgreesWithFiveRoundsElsewhere) {
-  // The five rounds without the ridge, in Python, by centred sums.
+  // The five rounds without the ridge, in Python, by centered sums.
   const Values estimate = {0, 1, 2, 3, 4, 5}, truth = {0.1f, 1.2f, 1.8f, 3.3f, 3.9f, 9};
   EXPECT_NEAR(aiwe1(estimate, truth), 0.7610214, 1e-5);
 }
@@ -140,7 +140,7 @@ TEST(DepthEdges, ReachAsManyPixelsAsSaidOnBothSides) {
 
 TEST(DepthEdges, SurroundASinglePixelWithASquare) {
   Image disparity(21, 21);
-  disparity.at(10, 10) = 1;  // its four borders mark it and its four neighbours, each 1 away
+  disparity.at(10, 10) = 1;  // its four borders mark it and its four neighbors, each 1 away
   const Mask edges = depth_edges(disparity, 0.1f, 3);
   for (int y = 0; y < 21; ++y) {
     for (int x = 0; x < 21; ++x) {

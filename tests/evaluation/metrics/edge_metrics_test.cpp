@@ -21,7 +21,7 @@ Image step(double height, double width_px) {
 
 TEST(EdgeMetrics, MeasuresTheWidthOfRamps) {
   const Image truth = step(1, 0);
-  EXPECT_NEAR(edge_width_px(truth, truth, 0.2f), 0.8, 1e-5);  // 80 % of the way between two neighbours
+  EXPECT_NEAR(edge_width_px(truth, truth, 0.2f), 0.8, 1e-5);  // 80 % of the way between two neighbors
   EXPECT_NEAR(edge_width_px(step(1, 10), truth, 0.2f), 8, 1e-4);
   EXPECT_NEAR(edge_width_px(step(-1, 10), step(-1, 0), 0.2f), 8, 1e-4);
   EXPECT_NEAR(edge_width_px(step(0.7, 10), truth, 0.2f), 8, 1e-4);  // of its own step, not of the true one

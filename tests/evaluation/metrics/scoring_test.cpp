@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "capture/error.h"
 #include "tests/pipeline/portrait/synthetic.h"
@@ -19,7 +20,7 @@ using Json = nlohmann::ordered_json;
 constexpr int kValid = 64 * 47;
 
 Json score(const Capture& capture, const pipeline::StoredResult& stored) {
-  return score_result(capture, "c", stored, "r");
+  return to_json(score_result(capture, "c", stored, "r"));
 }
 
 TEST(Score, OfAnAffineImageOfTheTruth) {
@@ -105,7 +106,8 @@ TEST(Score, SaysWhyFiguresAreNull) {
   const std::string notes = all_nan["notes"].dump();
   EXPECT_NE(notes.find("disparity.everything: no pixel"), std::string::npos);
   EXPECT_NE(notes.find("image.psnr_db: infinite"), std::string::npos);
-  EXPECT_NE(score_table(all_nan).find("note: disparity.everything: no pixel"), std::string::npos);
+  EXPECT_NE(to_text(score_result(capture, "c", stored, "r")).find("note: disparity.everything: no pixel"),
+            std::string::npos);
 
   std::fill(stored.result.disparity_dp_px.data.begin(), stored.result.disparity_dp_px.data.end(), 0.5f);
   const Json constant = score(capture, stored);
@@ -131,7 +133,7 @@ TEST(Score, OfTheMaskAloneHasNoDisparity) {
   const Json figures = score(capture, stored);
   EXPECT_FALSE(figures.contains("disparity"));
   EXPECT_TRUE(figures["image"]["psnr_db"].is_number());
-  EXPECT_NE(score_table(figures).find("Disparity: none"), std::string::npos);
+  EXPECT_NE(to_text(score_result(capture, "c", stored, "r")).find("Disparity: none"), std::string::npos);
 }
 
 TEST(Score, CarriesStages) {

@@ -45,7 +45,7 @@ TEST(DivergingColors, AreEquallyLightOnBothSides) {
            0.7936177850f * std::cbrt(0.2119034982f * r + 0.6806995451f * g + 0.1073969566f * b) -
            0.0040720468f * std::cbrt(0.0883024619f * r + 0.2817188376f * g + 0.6299787005f * b);
   };
-  EXPECT_NEAR(lightness(0), 0.48, 0.002);  // beyond the limit the limit's colour
+  EXPECT_NEAR(lightness(0), 0.48, 0.002);  // beyond the limit the limit's color
   EXPECT_NEAR(lightness(1), 0.72, 0.002);
   EXPECT_NEAR(lightness(2), 0.96, 0.002);
   EXPECT_NEAR(lightness(3), 0.72, 0.002);

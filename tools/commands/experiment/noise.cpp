@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/files.h"
-#include "evaluation/experiments/noise.h"
+#include "evaluation/experiments/noise_experiment.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {

@@ -1,6 +1,5 @@
-#include "evaluation/experiments/render_scaling.h"
+#include "evaluation/benchmarks/render_scaling.h"
 
-#include <fmt/format.h>
 #include <malloc.h>
 #include <tbb/global_control.h>
 #include <unistd.h>
@@ -8,13 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
 #include "capture/timing.h"
-#include "evaluation/report/svg_plot.h"
 #include "simulator/render/pixel.h"
 #include "simulator/render/ray_log.h"
 #include "simulator/render/views.h"
@@ -23,7 +20,6 @@
 namespace dualpixel::evaluation {
 namespace {
 
-using nlohmann::ordered_json;
 using simulator::CameraView;
 using simulator::Mesh;
 using simulator::RenderScene;
@@ -31,7 +27,7 @@ using simulator::Scene;
 
 constexpr int kRepeats = 4;
 
-/// Of this process, now, what was freed handed back.
+/// Memory of this process now; freed memory is returned to the system first.
 double resident_bytes() {
   malloc_trim(0);
   std::ifstream statm("/proc/self/statm");
@@ -59,13 +55,13 @@ Mesh waves(unsigned side, float z_m) {
   return mesh;
 }
 
-/// A grey one, under a sky.
+/// The mesh in gray, under a sky.
 Scene scene_of(Mesh mesh) {
   Scene scene;
-  simulator::Material grey;
-  grey.base_color = {0.5f, 0.5f, 0.5f, 1};
-  grey.metallic = 0;
-  scene.materials = {grey};
+  simulator::Material gray;
+  gray.base_color = {0.5f, 0.5f, 0.5f, 1};
+  gray.metallic = 0;
+  scene.materials = {gray};
   scene.meshes = {std::move(mesh)};
   scene.environment = {64, 32, std::vector<glm::vec3>(std::size_t{64} * 32)};
   for (std::size_t i = 0; i < scene.environment.radiance_nits.size(); ++i) {
@@ -80,7 +76,7 @@ Scene wall_of_waves(unsigned side) { return scene_of(waves(side, 1)); }
 constexpr unsigned kTileSide = 71;
 constexpr double kTileTriangles = 2.0 * kTileSide * kTileSide;  // ten thousand
 
-/// As large a wall of one tile that is placed `tiles`^2 times.
+/// A wall of the same size from one tile that is placed `tiles`^2 times.
 Scene wall_of_tiles(unsigned tiles) {
   Mesh tile = waves(kTileSide, 0);
   const float scale = 1 / static_cast<float>(tiles);
@@ -93,8 +89,8 @@ Scene wall_of_tiles(unsigned tiles) {
   return scene_of(std::move(tile));
 }
 
-/// The same with a copy in each place.
-Scene copied(const Scene& scene) {
+/// The same with a copy of the tile at each position.
+Scene with_copies(const Scene& scene) {
   const Mesh& tile = scene.meshes[0];
   Mesh all;
   all.positions.reserve(tile.positions.size() * tile.placements.size());
@@ -154,38 +150,32 @@ double ray_ns(const RenderScene& world, const CameraView& camera) {
   return 1e9 * best / rays;
 }
 
-/// What `scene`, which has `count` triangles, takes.
-ordered_json cost_of(const Scene& scene, double count) {
+/// `scene` has `triangles` triangles.
+SceneCost cost_of(const Scene& scene, double triangles) {
   const double before = resident_bytes();
   std::optional<RenderScene> world;
   const double build_s = cpu_seconds([&] { world.emplace(scene); });
   const double bytes = resident_bytes() - before;
-  return {{"triangles", count},
-          {"cpu_ns", sample_ns(*world, phone(128, 96), 64)},
-          {"ray_ns", ray_ns(*world, phone(128, 96))},
-          {"build_s", build_s},
-          {"bytes_per_triangle", bytes / count}};
+  return {triangles, sample_ns(*world, phone(128, 96), 64), ray_ns(*world, phone(128, 96)), build_s, bytes / triangles};
 }
 
-ordered_json with_triangles(double triangles) {
+SceneCost with_triangles(double triangles) {
   const unsigned side = side_for(triangles);
   return cost_of(wall_of_waves(side), 2.0 * side * side);
 }
 
-ordered_json with_placements(double triangles) {
+InstancingCost with_placements(double triangles) {
   const auto tiles = static_cast<unsigned>(std::lround(std::sqrt(triangles / kTileTriangles)));
   const double count = kTileTriangles * tiles * tiles;
   const Scene scene = wall_of_tiles(tiles);
-  ordered_json row = cost_of(scene, count);
-  const ordered_json of_copies = cost_of(copied(scene), count);
-  row["placements"] = tiles * tiles;
-  for (const char* key : {"cpu_ns", "ray_ns", "build_s", "bytes_per_triangle"}) {
-    row[std::string("copied_") + key] = of_copies[key];
-  }
-  return row;
+  InstancingCost cost;
+  cost.placements = static_cast<int>(tiles * tiles);
+  cost.placed = cost_of(scene, count);
+  cost.copied = cost_of(with_copies(scene), count);
+  return cost;
 }
 
-ordered_json with_threads(const RenderScene& world) {
+void measure_threads(const RenderScene& world, RenderScaling& scaling) {
   const CameraView camera = phone(256, 192);
   double wall_s[2] = {1e30, 1e30}, cpu_s[2] = {1e30, 1e30};
   for (int repeat = 0; repeat < 2 * kRepeats; ++repeat) {
@@ -197,92 +187,75 @@ ordered_json with_threads(const RenderScene& world) {
       cpu_s[two] = std::min(cpu_s[two], cpu);
     }
   }
-  return {{"wall_time_ratio", wall_s[0] / wall_s[1]}, {"cpu_time_ratio", cpu_s[0] / cpu_s[1]}};
+  scaling.wall_time_ratio = wall_s[0] / wall_s[1];
+  scaling.cpu_time_ratio = cpu_s[0] / cpu_s[1];
 }
 
-double deviation(const ordered_json& rows) {
-  double low = 1e30, high = 0;
-  for (const auto& row : rows) {
-    low = std::min(low, row["cpu_ns"].get<double>());
-    high = std::max(high, row["cpu_ns"].get<double>());
-  }
-  return (high - low) / (high + low);
+nlohmann::ordered_json to_json(const SceneCost& cost) {
+  return {{"triangles", cost.triangles},
+          {"cpu_ns", cost.cpu_ns},
+          {"ray_ns", cost.ray_ns},
+          {"build_s", cost.build_s},
+          {"bytes_per_triangle", cost.bytes_per_triangle}};
 }
 
-using Lines = std::vector<std::pair<std::string, const char*>>;  ///< each one's name and key
-
-std::string chart(const ordered_json& rows, const char* count, const std::string& title, const Lines& lines,
-                  const char* y_label) {
-  Plot plot;
-  plot.title = title;
-  plot.x_label = count;
-  plot.y_label = y_label;
-  plot.log_x = true;
-  for (const auto& [name, key] : lines) {
-    Series line{name, {}, false, false};
-    for (const auto& row : rows) line.points.emplace_back(row[count], row[key]);
-    plot.series.push_back(line);
+nlohmann::ordered_json to_json(const InstancingCost& cost) {
+  nlohmann::ordered_json json = to_json(cost.placed);
+  json["placements"] = cost.placements;
+  const nlohmann::ordered_json copies = to_json(cost.copied);
+  for (const char* key : {"cpu_ns", "ray_ns", "build_s", "bytes_per_triangle"}) {
+    json[std::string("copied_") + key] = copies[key];
   }
-  return svg_plot(plot);
+  return json;
 }
 
 }  // namespace
 
-ordered_json measure_scaling(double most_triangles, const std::function<void(double)>& progress) {
-  ordered_json result;
+RenderScaling measure_scaling(double most_triangles, const std::function<void(double)>& progress) {
+  RenderScaling scaling;
   {
     const Scene scene = wall_of_waves(side_for(1e5));
     const RenderScene world(scene);
     for (int samples = 16; samples <= 1024; samples *= 4) {
-      result["samples"].push_back({{"samples", samples}, {"cpu_ns", sample_ns(world, phone(96, 72), samples)}});
+      scaling.samples.push_back({static_cast<double>(samples), sample_ns(world, phone(96, 72), samples)});
     }
     progress(0.2);
     for (int width = 64; width <= 512; width *= 2) {
       const CameraView camera = phone(width, width * 3 / 4);
-      result["photosites"].push_back({{"photosites", photosites(camera)}, {"cpu_ns", sample_ns(world, camera, 32)}});
+      scaling.photosites.push_back({photosites(camera), sample_ns(world, camera, 32)});
     }
     progress(0.5);
-    result["threads"] = with_threads(world);
+    measure_threads(world, scaling);
     progress(0.6);
   }
   for (double triangles = 1e4; triangles <= most_triangles; triangles *= 10) {
-    result["triangles"].push_back(with_triangles(triangles));
-    result["placements"].push_back(with_placements(triangles));
+    scaling.triangles.push_back(with_triangles(triangles));
+    scaling.instancing.push_back(with_placements(triangles));
   }
-  result["samples_deviation"] = deviation(result["samples"]);
-  result["photosites_deviation"] = deviation(result["photosites"]);
   progress(1);
-  return result;
+  return scaling;
 }
 
-std::string scaling_section(const ordered_json& scaling) {
-  const auto& last = scaling["triangles"].back();
-  std::string body = fmt::format(
-      "<h2>Growth</h2><p>On a wall of waves made by code, one shadow ray a sample, CPU time of one thread: what a "
-      "sample "
-      "costs stays within ±{:.1f} % over its number, ±{:.1f} % over that of photosites. Two threads take {:.2f} times "
-      "less time than one ({:.2f} of the CPU time). The acceleration structure of {:.1e} triangles takes {:.0f} bytes "
-      "each.</p><div class=\"plots\">",
-      100 * scaling["samples_deviation"].get<double>(), 100 * scaling["photosites_deviation"].get<double>(),
-      scaling["threads"]["wall_time_ratio"].get<double>(), 1 / scaling["threads"]["cpu_time_ratio"].get<double>(),
-      last["triangles"].get<double>(), last["bytes_per_triangle"].get<double>());
-  const auto& placed = scaling["placements"].back();
-  body.insert(
-      body.rfind("</p>"),
-      fmt::format(" As {} places of one tile they take {:.1f} bytes each, and a ray takes {:.2f} times as long as "
-                  "among copies.",
-                  placed["placements"].get<int>(), placed["bytes_per_triangle"].get<double>(),
-                  placed["ray_ns"].get<double>() / placed["copied_ray_ns"].get<double>()));
-  constexpr const char* kTime = "CPU time of a sample, ns";
-  const Lines time = {{"measured", "cpu_ns"}};
-  body += chart(scaling["samples"], "samples", "Samples of a photosite", time, kTime);
-  body += chart(scaling["photosites"], "photosites", "Photosites", time, kTime);
-  body += chart(scaling["triangles"], "triangles", "Triangles", time, kTime);
-  body += chart(scaling["triangles"], "triangles", "Memory of the acceleration structure",
-                {{"measured", "bytes_per_triangle"}}, "bytes of a triangle");
-  body += chart(scaling["placements"], "triangles", "Places of a tile of 10082 triangles",
-                {{"placed", "ray_ns"}, {"copied", "copied_ray_ns"}}, "CPU time of a ray in Embree, ns");
-  return body + "</div>";
+double relative_spread(const std::vector<SampleCost>& costs) {
+  const auto [low, high] = std::minmax_element(
+      costs.begin(), costs.end(), [](const SampleCost& a, const SampleCost& b) { return a.cpu_ns < b.cpu_ns; });
+  return (high->cpu_ns - low->cpu_ns) / (high->cpu_ns + low->cpu_ns);
+}
+
+nlohmann::ordered_json to_json(const RenderScaling& scaling) {
+  nlohmann::ordered_json json;
+  for (const SampleCost& c : scaling.samples) {
+    json["samples"].push_back({{"samples", static_cast<int>(c.count)}, {"cpu_ns", c.cpu_ns}});
+  }
+  for (const SampleCost& c : scaling.photosites) {
+    json["photosites"].push_back({{"photosites", c.count}, {"cpu_ns", c.cpu_ns}});
+  }
+  json["threads"] = {{"wall_time_ratio", scaling.wall_time_ratio}, {"cpu_time_ratio", scaling.cpu_time_ratio}};
+  for (const SceneCost& cost : scaling.triangles) json["triangles"].push_back(to_json(cost));
+  for (const InstancingCost& cost : scaling.instancing) json["placements"].push_back(to_json(cost));
+  json["samples_deviation"] = relative_spread(scaling.samples);
+  json["photosites_deviation"] = relative_spread(scaling.photosites);
+  return json;
 }
 
 }  // namespace dualpixel::evaluation

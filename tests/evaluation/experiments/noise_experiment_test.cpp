@@ -1,4 +1,4 @@
-#include "evaluation/experiments/noise.h"
+#include "evaluation/experiments/noise_experiment.h"
 
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ TEST(SlowExperimentNoise, SixFramesAreLessNoisyAndLightHelps) {
     EXPECT_GT(dim.one.robust, bright.one.robust);
     EXPECT_GE(bright.one.robust, 0.9 * bright.six.robust);
   }
-  // the likelihood's temporal noise follows the frames': 0.43 of one frame's, the views' share of merge.h
+  // the likelihood matcher's temporal noise is proportional to the views', which merging reduces to 0.432 (merge.h)
   const LightPoint& point = measured.light[1].points[1];
   EXPECT_NEAR(point.six.temporal / point.one.temporal, 0.432, 4 * 0.432 * 0.07);
   for (const DepthSweep& sweep : measured.depth) {

@@ -1,9 +1,9 @@
 #pragma once
 
-/// Style and script of the report page.
+/// Style of all pages, and the script of the page about results.
 namespace dualpixel::evaluation {
 
-extern const char* const kReportStyle;
+extern const char* const kPageStyle;
 extern const char* const kReportScript;
 
 }  // namespace dualpixel::evaluation

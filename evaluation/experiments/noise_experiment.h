@@ -1,14 +1,17 @@
 #pragma once
-#include <array>
+#include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
-/// Wadhwa et al. 2018, supplement, "Controlled Experiments on DP Data": how noisy disparity is, over light and over
-/// depth. A textured, fronto-parallel target in the central quarter of the field; one disparity per tile; since it
-/// should be the same everywhere, its standard deviation over the tiles is the error.
+/// Wadhwa et al. 2018, supplement, "Controlled Experiments on DP Data": noise of disparity over light and over depth. A
+/// textured, fronto-parallel target in the central quarter of the field; one disparity per tile; since it should be the
+/// same everywhere, its standard deviation over the tiles is the error.
 namespace dualpixel::evaluation {
+
+/// Of each burst.
+inline constexpr int kNoiseFrames = 6;
 
 struct NoiseExperimentOptions {
   int width_px = 1344;  ///< photosites: the central quarter of 2688 x 2016
@@ -20,7 +23,7 @@ struct NoiseExperimentOptions {
   double focus_m = 0.95;
   std::vector<double> focus_distances_m = {0.4, 0.7, 0.95, 1.5};  ///< of the depth sweep
   std::vector<double> depths_m = {0.3, 0.35, 0.4, 0.5, 0.6, 0.7, 0.82, 0.95, 1.2, 1.5, 2};
-  double depth_lux = 10;  ///< dim enough for noise to prevail over the paper's matcher's floor
+  double depth_lux = 10;  ///< dim enough for noise to exceed the floor of the paper's matcher
   double prnu = 0.007;    ///< of the sensor with a fixed pattern (IMX363 class)
   std::uint64_t seed = 1;
 };
@@ -29,8 +32,8 @@ struct NoiseExperimentOptions {
 struct DisparitySpread {
   double sigma = 0;     ///< standard deviation, outliers included
   double robust = 0;    ///< 1.4826 times the median absolute deviation
-  double temporal = 0;  ///< of two bursts' difference, robust, over sqrt(2): what changes from burst to burst
-  double floor = 0;     ///< sqrt(robust^2 - temporal^2), at least 0: what no merging takes away
+  double temporal = 0;  ///< of two bursts' difference, robust, over sqrt(2): what varies from burst to burst
+  double floor = 0;     ///< sqrt(robust^2 - temporal^2), at least 0: what merging does not reduce
 };
 
 struct LightPoint {
@@ -59,7 +62,7 @@ struct NoiseExperiment {
   std::vector<DepthSweep> depth;
 };
 
-/// Renders the target, exposes static bursts of six (1/15 s, the ISO or a shorter time such that grey of 18 % lies at
+/// Renders the target, exposes static bursts of six (1/15 s, the ISO or a shorter time such that 18 % gray lies at
 /// 0.108 of the white level), merges and matches. A minute or two. The same for any number of threads.
 NoiseExperiment measure_noise(const NoiseExperimentOptions& options,
                               const std::function<void(double fraction)>& progress = {});

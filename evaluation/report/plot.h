@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-/// Line plots as inline SVG for our HTML pages: they take the page's colours, light or dark, and need no script.
+/// Line plots as inline SVG for our HTML pages: they take the page's colors, light or dark, and need no script.
 namespace dualpixel::evaluation {
 
 struct Series {
@@ -19,13 +19,14 @@ struct Plot {
   std::vector<Series> series;
   bool log_x = false, log_y = false;  ///< what is not above 0 is left out
   bool equal_scale = false;           ///< one unit is as long on both axes
+  bool wide = false;                  ///< drawn large where it is the only one of its group
 };
 
 /// A <figure> with the plot and a legend. Text is escaped.
 std::string svg_plot(const Plot& plot);
 
-/// Rules that the page's style needs for it.
-extern const char* const kPlotStyle;
+/// A group of plots, as many side by side as the page is wide.
+std::string html_plots(const std::vector<Plot>& plots);
 
 /// About `count` round numbers that cover low ... high.
 std::vector<double> round_ticks(double low, double high, int count);

@@ -1,8 +1,8 @@
-#include "evaluation/report/report_assets.h"
+#include "evaluation/report/page_style.h"
 
 namespace dualpixel::evaluation {
 
-const char* const kReportStyle = R"css(
+const char* const kPageStyle = R"css(
 :root {
   color-scheme: light dark;
   --paper: #fcfcfa; --ink: #1c1d20; --soft: #63666e; --line: #d9dade; --panel: #f2f2ef; --accent: #9a4a10;
@@ -61,11 +61,27 @@ pre {
   overflow: auto; max-height: 30rem; padding: .8rem; background: var(--panel); font-size: .8rem;
   white-space: pre-wrap; overflow-wrap: anywhere;
 }
+.pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(260px, 1fr)); gap: 1rem; }
 svg { width: 100%; max-width: 420px; height: auto; }
 svg text { fill: var(--soft); font-size: 12px; }
-svg .axis { stroke: var(--line); fill: none; }
-svg .error { stroke: var(--accent); stroke-width: 2; fill: none; }
-svg .oracle { stroke: var(--soft); stroke-width: 1.5; stroke-dasharray: 5 4; fill: none; }
+.plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 420px), 1fr)); gap: 1.6rem; }
+.plots svg { max-width: 520px; background: none; }
+.plot .frame { stroke: var(--line); fill: none; }
+.plot .grid { stroke: var(--line); stroke-width: .6; }
+.plot polyline { fill: none; stroke-width: 1.8; stroke-linejoin: round; }
+.plot .dashed { stroke-dasharray: 6 4; }
+.plot .c0 { --c: #2f6fb0; } .plot .c1 { --c: #c2571a; } .plot .c2 { --c: #2a8a57; }
+.plot .c3 { --c: #8a4fae; } .plot .c4 { --c: #9a7d0a; } .plot .c5 { --c: #b03060; }
+@media (prefers-color-scheme: dark) {
+  .plot .c0 { --c: #7fb2e8; } .plot .c1 { --c: #f0a367; } .plot .c2 { --c: #74cf9d; }
+  .plot .c3 { --c: #cb9be6; } .plot .c4 { --c: #e0c652; } .plot .c5 { --c: #f08aac; }
+}
+.plot polyline, .plot line.key { stroke: var(--c); }
+.plot circle { fill: var(--c); }
+.plot .legend { width: 22px; height: 9px; }
+.plot .name { white-space: nowrap; }
+.wide-plot { grid-template-columns: minmax(0, 900px); }
+.wide-plot .plot > svg { max-width: 900px; }
 )css";
 
 const char* const kReportScript = R"js(

@@ -1,4 +1,4 @@
-#include "evaluation/report/svg_plot.h"
+#include "evaluation/report/plot.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "evaluation/report/report_page.h"
+#include "evaluation/report/page.h"
 
 namespace dualpixel::evaluation {
 namespace {
@@ -51,25 +51,6 @@ struct Axis {
 };
 
 }  // namespace
-
-const char* const kPlotStyle = R"css(
-.plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 420px), 1fr)); gap: 1.6rem; }
-.plots svg { max-width: 520px; background: none; }
-.plot .frame { stroke: var(--line); fill: none; }
-.plot .grid { stroke: var(--line); stroke-width: .6; }
-.plot polyline { fill: none; stroke-width: 1.8; stroke-linejoin: round; }
-.plot .dashed { stroke-dasharray: 6 4; }
-.plot .c0 { --c: #2f6fb0; } .plot .c1 { --c: #c2571a; } .plot .c2 { --c: #2a8a57; }
-.plot .c3 { --c: #8a4fae; } .plot .c4 { --c: #9a7d0a; } .plot .c5 { --c: #b03060; }
-@media (prefers-color-scheme: dark) {
-  .plot .c0 { --c: #7fb2e8; } .plot .c1 { --c: #f0a367; } .plot .c2 { --c: #74cf9d; }
-  .plot .c3 { --c: #cb9be6; } .plot .c4 { --c: #e0c652; } .plot .c5 { --c: #f08aac; }
-}
-.plot polyline, .plot line.key { stroke: var(--c); }
-.plot circle { fill: var(--c); }
-.plot .legend { width: 22px; height: 9px; }
-.plot .name { white-space: nowrap; }
-)css";
 
 std::vector<double> round_ticks(double low, double high, int count) {
   const double raw = (high - low) / std::max(count, 1);
@@ -154,6 +135,12 @@ std::string svg_plot(const Plot& plot) {
         i % kColors, plot.series[i].dashed ? " dashed" : "", escape_html(plot.series[i].name));
   }
   return svg + "</figcaption></figure>\n";
+}
+
+std::string html_plots(const std::vector<Plot>& plots) {
+  std::string html = plots.size() == 1 && plots[0].wide ? "<div class=\"plots wide-plot\">" : "<div class=\"plots\">";
+  for (const Plot& plot : plots) html += svg_plot(plot);
+  return html + "</div>\n";
 }
 
 }  // namespace dualpixel::evaluation

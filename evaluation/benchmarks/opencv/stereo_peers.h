@@ -1,0 +1,11 @@
+#pragma once
+#include <vector>
+
+#include "evaluation/benchmarks/disparity_benchmark.h"
+
+namespace dualpixel::evaluation {
+
+/// OpenCV's StereoBM and StereoSGBM; none where the build has no OpenCV (DUALPIXEL_OPENCV).
+std::vector<StereoMethod> opencv_stereo_methods();
+
+}  // namespace dualpixel::evaluation

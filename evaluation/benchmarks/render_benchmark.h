@@ -1,0 +1,65 @@
+#pragma once
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "evaluation/benchmarks/render_scaling.h"
+
+/// The renderer's error against its time on shipped scenes, and how near it is to Embree's own speed. 24 patches of
+/// 32 x 32 photosites spread over the frame stand for the picture.
+namespace dualpixel::evaluation {
+
+/// One render of all patches. Errors are RMS over the photosites, each over the noise that the scene's sensor adds to
+/// it, against a converged reference whose own error is subtracted.
+struct RenderRun {
+  double samples = 0;  ///< a photosite, on average
+  double time_s = 0;   ///< CPU time of all cores
+  double error = 0;    ///< of both views
+  double left = 0, right = 0, left_minus_right = 0;
+  std::optional<double> target_error;  ///< what adaptive sampling was asked for
+};
+
+/// One way of sampling, over growing sample counts.
+struct RenderCurve {
+  std::string name;  ///< "random", "padded", "joint", "mirrored pairs", "adaptive"
+  std::vector<RenderRun> runs;
+};
+
+/// The renderer and Embree alone, on the same rays and one thread.
+struct EmbreeShare {
+  static constexpr int kPacketWidths[] = {1, 8, 16};
+  double rays_per_sample = 0;
+  double samples_per_core_s = 0;
+  double embree_samples_per_core_s[3] = {};  ///< by packet width
+  double share_of_embree = 0;                ///< of the renderer's time, in Embree's fastest packets
+};
+
+/// At one error: time of independent samples over that of mirrored pairs.
+struct TimeSaved {
+  double error = 0, ratio = 0;
+  bool extrapolated = false;  ///< the time of independent samples, as 1 / error^2
+};
+
+struct SceneRenderBenchmark {
+  std::string scene;  ///< file
+  EmbreeShare embree;
+  double pair_over_undivided = 0;  ///< time of both views over that of a single undivided one
+  std::vector<TimeSaved> time_saved;
+  /// The last is "Embree alone": errors of mirrored pairs in the time that their rays take by themselves.
+  std::vector<RenderCurve> curves;
+};
+
+struct RenderBenchmarkOptions {
+  int reference_samples = 4096;  ///< of each of the reference's two renders
+  int most_samples = 1024;
+};
+
+SceneRenderBenchmark measure_rendering(const std::string& scene_file, const RenderBenchmarkOptions& options,
+                                       const std::function<void(double fraction)>& progress);
+
+nlohmann::ordered_json to_json(const SceneRenderBenchmark& benchmark);
+std::string to_page(const std::vector<SceneRenderBenchmark>& scenes, const RenderScaling& scaling);
+
+}  // namespace dualpixel::evaluation

@@ -1,0 +1,127 @@
+#include "evaluation/experiments/calibration_cost.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/calibration/correction.h"
+#include "simulator/lens/disparity_field.h"
+#include "simulator/sampling/hash.h"
+
+namespace dualpixel::evaluation {
+namespace {
+
+std::vector<CalibrationEffort> efforts() {
+  std::vector<CalibrationEffort> all;
+  const auto add = [&](const std::string& axis, const std::string& name, const auto& change) {
+    CalibrationEffort effort{axis, name, {}, 0, {}, false};
+    change(effort.sweep);
+    all.push_back(effort);
+  };
+  for (const int n : {5, 10, 20, 40}) {
+    add("focus distances", std::to_string(n), [&](SweepOptions& s) { s.focuses = n; });
+  }
+  for (const int n : {4, 8, 16}) {
+    add("target distances", std::to_string(n), [&](SweepOptions& s) { s.targets = n; });
+  }
+  // one frame of a phone's sensor
+  for (const float gain : {1.0f, 4.0f, 16.0f}) {
+    add("noise", fmt::format("ISO {:g}", 100 * gain), [&](SweepOptions& s) { s.noise = {4e-5f * gain, 1e-7f * gain}; });
+  }
+  for (const int finest : {16, 32, 64}) {
+    add("texture", fmt::format("cells of {} px", finest), [&](SweepOptions& s) { s.finest_px = finest; });
+  }
+  for (const double tilt : {0.0, 1.0, 2.0, 5.0}) {
+    add("tilt", fmt::format("{:g} degrees", tilt), [&](SweepOptions& s) { s.tilt_x_deg = tilt; });
+  }
+  return all;
+}
+
+/// Standard deviation over the inner 90 % of the field, RMS over the depths.
+double residual_dp_px(const simulator::DisparityField& field, const Camera& camera,
+                      const pipeline::Correction* correction) {
+  double variance = 0;
+  for (const double depth : kCostDepths_m) {
+    Image d(camera.dp_width() / 4, camera.dp_height() / 2), confidence(d.width, d.height, 1, 1.0f);
+    for (int y = 0; y < d.height; ++y) {
+      for (int x = 0; x < d.width; ++x) {
+        const simulator::DisparityCoefficients c =
+            field.at((x + 0.5) * camera.width_px / d.width, (y + 0.5) * camera.height_px / d.height);
+        d.at(x, y) = static_cast<float>(c.slope_dp_px_m / depth + c.intercept_dp_px);
+      }
+    }
+    if (correction) correct_disparity(*correction, d, confidence);
+    double sum = 0, squares = 0, count = 0;
+    for (int y = d.height / 20; y < d.height - d.height / 20; ++y) {
+      for (int x = d.width / 20; x < d.width - d.width / 20; ++x) {
+        const double value = d.at(x, y);
+        sum += value, squares += value * value, ++count;
+      }
+    }
+    variance += std::max(squares / count - sum / count * (sum / count), 0.0) / std::size(kCostDepths_m);
+  }
+  return std::sqrt(variance);
+}
+
+/// Only the two focus distances around kCostFocus_m are measured: the others of the sweep are not used.
+void measure_effort(const simulator::Simulation& simulation, const simulator::DisparityField& field,
+                    CalibrationEffort& effort) {
+  const std::vector<double> focuses = sweep_focus_distances(effort.sweep);
+  std::vector<pipeline::TargetMeasurement> measurements;
+  for (std::size_t i = 0; i < focuses.size(); ++i) {
+    const bool far = i + 1 < focuses.size() && focuses[i] >= kCostFocus_m && focuses[i + 1] < kCostFocus_m;
+    const bool near = i > 0 && focuses[i] < kCostFocus_m && focuses[i - 1] >= kCostFocus_m;
+    if (!far && !near) continue;
+    const FocusSweep sweep(simulation, focuses[i], effort.sweep);
+    for (std::size_t j = 0; j < sweep.target_distances_m().size(); ++j) {
+      measurements.push_back(sweep.measure(sweep.target_distances_m()[j], simulator::hash(1, i, j)));
+    }
+  }
+  Camera camera = describe_camera(simulation);
+  const pipeline::Calibration calibration = fit_calibration(camera, measurements);
+  camera.focus_distance_m = kCostFocus_m;
+  const pipeline::Correction correction = make_correction(calibration, camera);
+  effort.residual_dp_px = residual_dp_px(field, camera, &correction);
+  effort.tilt = estimate_tilt(camera, measurements);
+  effort.warned = !calibration.warnings.empty();
+}
+
+}  // namespace
+
+CalibrationCost measure_calibration_cost(const simulator::Simulation& simulation,
+                                         const std::function<void(double)>& progress) {
+  CalibrationCost cost;
+  cost.lens = simulation.lens.name;
+  cost.efforts = efforts();
+  const simulator::DisparityField field(FocusSweep(simulation, kCostFocus_m, {}).lens());
+  cost.uncorrected_dp_px = residual_dp_px(field, describe_camera(simulation), nullptr);
+  for (std::size_t i = 0; i < cost.efforts.size(); ++i) {
+    measure_effort(simulation, field, cost.efforts[i]);
+    progress(static_cast<double>(i + 1) / static_cast<double>(cost.efforts.size()));
+  }
+  return cost;
+}
+
+nlohmann::ordered_json to_json(const CalibrationCost& cost) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const CalibrationEffort& e : cost.efforts) {
+    rows.push_back({{"axis", e.axis},
+                    {"value", e.value},
+                    {"photographs", e.photographs()},
+                    {"residual_sigma_dp_px", e.residual_dp_px},
+                    {"tilt_found_deg", e.tilt.x_deg},
+                    {"tilt_standard_error_deg", e.tilt.x_error_deg},
+                    {"tilt_warning", e.warned}});
+  }
+  return {{"format", "dualpixel-experiment-calibration"},
+          {"version", 2},
+          {"lens", cost.lens},
+          {"focus_distance_m", kCostFocus_m},
+          {"depths_m", kCostDepths_m},
+          {"uncorrected_sigma_dp_px", cost.uncorrected_dp_px},
+          {"efforts", rows}};
+}
+
+}  // namespace dualpixel::evaluation

@@ -1,0 +1,34 @@
+#pragma once
+#include <string>
+
+/// One HTML page that loads nothing from the network, and the small parts that all pages share. Parameters named html
+/// are HTML; every other text is escaped here.
+namespace dualpixel::evaluation {
+
+/// `text` with the characters that mean something in HTML replaced.
+std::string escape_html(const std::string& text);
+
+/// What a name from outside (a path, a scene) may show as: one line of valid UTF-8, escaped.
+std::string escape_name(const std::string& name);
+
+/// A whole page with the style that all pages share, tables and plots included. `style` is added to it. Style and
+/// script are inlined under a content policy that forbids all others (and style attributes).
+std::string html_page(const std::string& title, const std::string& body_html, const std::string& style = "",
+                      const std::string& script = "");
+
+struct Picture {
+  std::string title;  ///< in bold; may be empty, as the caption
+  std::string caption;
+  std::string data_uri;
+  std::string bar_uri = {};  ///< color bar from low to high; empty: none
+  std::string bar_low = {};  ///< labels of its ends
+  std::string bar_high = {};
+};
+
+/// A <figure>: the picture, its color bar, title and caption.
+std::string html_figure(const Picture& picture);
+
+/// <img> alone.
+std::string html_image(const Picture& picture);
+
+}  // namespace dualpixel::evaluation
