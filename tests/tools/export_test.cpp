@@ -15,8 +15,8 @@ namespace {
 
 constexpr int kWidth = 96, kHeight = 128;
 
-/// White-balanced linear RGB of the left half, a grey card, and of the right half.
-constexpr double kGrey = 0.2;
+/// White-balanced linear RGB of the left half, a gray card, and of the right half.
+constexpr double kGray = 0.2;
 constexpr double kColor[3] = {0.3, 0.2, 0.1};
 
 int color_at(const std::string& cfa, int x, int y) {
@@ -34,7 +34,7 @@ Capture card(const std::string& cfa) {
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       const int c = color_at(cfa, x, y);
-      const double signal = (x < kWidth / 2 ? kGrey : kColor[c]) / capture.exposure.white_balance[c];
+      const double signal = (x < kWidth / 2 ? kGray : kColor[c]) / capture.exposure.white_balance[c];
       capture.frames[0].mosaic.at(x, y) = static_cast<std::uint16_t>(std::lround(64 + 959 * signal));
     }
   }
@@ -72,18 +72,18 @@ TEST(Export, DngOpensInLibRaw) {
     const Image rgb = read_image(mosaic + ".tiff");
     ASSERT_EQ(rgb.width, kWidth);
     ASSERT_EQ(rgb.height, kHeight);
-    double grey[3] = {}, color[3] = {};
+    double gray[3] = {}, color[3] = {};
     constexpr int kPixels = (kHeight - 16) * (kWidth / 2 - 16);
     for (int y = 8; y < kHeight - 8; ++y) {
       for (int x = 8; x < kWidth / 2 - 8; ++x) {
         for (int c = 0; c < 3; ++c) {
-          grey[c] += rgb.at(x, y, c) / kPixels;
+          gray[c] += rgb.at(x, y, c) / kPixels;
           color[c] += rgb.at(x + kWidth / 2, y, c) / kPixels;
         }
       }
     }
     for (int c = 0; c < 3; ++c) {
-      EXPECT_NEAR(grey[c] / kGrey, 1, 0.02) << cfa << c;
+      EXPECT_NEAR(gray[c] / kGray, 1, 0.02) << cfa << c;
       EXPECT_NEAR(color[c] / kColor[c], 1, 0.02) << cfa << c;
     }
     const std::string view = output_of("raw-identify -v '" + (folder / "out/000_left.dng") + "'");
@@ -161,7 +161,7 @@ TEST(Export, LayoutsOfTrainingSets) {
 
   export_to(folder, capture, "rgbd");
   EXPECT_EQ(read_image(folder / "out/rgb/shot.png").width, 96);
-  EXPECT_NEAR(read_image(folder / "out/rgb/shot.png").at(20, 20, 0), srgb_from_linear(kGrey), 2e-3);
+  EXPECT_NEAR(read_image(folder / "out/rgb/shot.png").at(20, 20, 0), srgb_from_linear(kGray), 2e-3);
   EXPECT_EQ(read_exr(folder / "out/depth/shot.exr", {"Z"})[0].at(5, 5), 0.5f);
 
   // dense views are demosaicked

@@ -65,7 +65,7 @@ TEST(PlainPair, RefusesWhatCannotBeUsed) {
   const TemporaryFolder folder;
   write_view(folder / "a.png", Image(8, 8, 3, 0.5f));
   write_view(folder / "narrow.png", Image(7, 8, 3, 0.5f));
-  write_view(folder / "grey.png", Image(8, 8, 1, 0.5f));
+  write_view(folder / "single.png", Image(8, 8, 1, 0.5f));
   const Image plane(8, 8, 1, NAN);
   write_exr(folder / "a.exr", {{"Y", &plane}}, false);
   write_bytes(folder / "field.json", R"({"focus_distance": 1})");
@@ -77,7 +77,7 @@ TEST(PlainPair, RefusesWhatCannotBeUsed) {
   };
   EXPECT_EQ(message("a.png"), "");
   EXPECT_NE(message("narrow.png").find("7 x 8"), std::string::npos) << message("narrow.png");
-  EXPECT_NE(message("grey.png").find("in gray"), std::string::npos);
+  EXPECT_NE(message("single.png").find("8 x 8 pixels in gr"), std::string::npos) << message("single.png");
   EXPECT_NE(message("a.exr").find("PNG, TIFF or JPEG"), std::string::npos);
   EXPECT_NE(message("none.png").find("none.png"), std::string::npos);
   EXPECT_NE(message("a.png", "field.json").find("focus_distance"), std::string::npos);
@@ -115,15 +115,15 @@ TEST(PlainPair, WhatIsInFocusStaysAsSharpAsItWas) {
   }
 }
 
-// Neither a mosaic's speckle nor new noise colours it.
-TEST(PlainPair, GreyStaysGreyWhereItIsBlurred) {
+// Neither a mosaic's speckle nor new noise colors it.
+TEST(PlainPair, GrayStaysGrayWhereItIsBlurred) {
   const TemporaryFolder folder;
   const pipeline::Texture texture(5, 0.2);
   for (const int channels : {1, 3}) {
     const auto view = [&](double shift) {
-      const Image grey = pipeline::textured(texture, 256, 192, shift);
-      Image stored(grey.width, grey.height, channels);
-      for (std::size_t i = 0; i < stored.data.size(); ++i) stored.data[i] = grey.data[i / channels];
+      const Image gray = pipeline::textured(texture, 256, 192, shift);
+      Image stored(gray.width, gray.height, channels);
+      for (std::size_t i = 0; i < stored.data.size(); ++i) stored.data[i] = gray.data[i / channels];
       return stored;
     };
     write_view(folder / "l.png", view(0));
@@ -216,11 +216,11 @@ TEST_P(RealPair, DisparityFollowsDepth) {
     std::vector<float> disparity, truth;
     for (int y = 0; y < found.height; ++y) {
       for (int x = 0; x < found.width; ++x) {  // depth may have more pixels
-        const float metres = 10 * depth.at((2 * x + 1) * depth.width / (2 * found.width),
+        const float meters = 10 * depth.at((2 * x + 1) * depth.width / (2 * found.width),
                                            (2 * y + 1) * depth.height / (2 * found.height));
-        if (!(metres > 0 && metres < 10)) continue;
+        if (!(meters > 0 && meters < 10)) continue;
         disparity.push_back(found.at(x, y));
-        truth.push_back(-1 / metres);
+        truth.push_back(-1 / meters);
       }
     }
     const auto [low, high] = std::minmax_element(truth.begin(), truth.end());
