@@ -37,7 +37,7 @@ TEST(MaskMetrics, AreTheirFormulas) {
   EXPECT_EQ(evaluation::mask_gradient_error(Image(8, 4, 1, 0.7F), Image(8, 4)), 0);
 }
 
-/// A held-out set of two: grey pictures whose masks are what the toy network draws, but for two squares in the second:
+/// A held-out set of two: gray pictures whose masks are what the toy network draws, but for two squares in the second:
 /// one of 10 x 10 beside the right wrist, and one of 6 x 6 over the head. The second is a composite with another
 /// person, and holds something.
 void write_followed(const std::string& folder) {
@@ -103,7 +103,7 @@ TEST(PeopleScores, AreTheirFormulas) {
     EXPECT_EQ(row(name).samples, 2U);
     EXPECT_DOUBLE_EQ(row(name).iou, (1 + second) / 2);
     EXPECT_NEAR(row(name).iou_error, (1 - second) / 2, 1e-12);  // of two draws: half of what they differ by
-    EXPECT_EQ(row(name).iou_without_face, 0);                   // the toy looks at nothing else
+    EXPECT_EQ(row(name).iou_without_face, 0);                   // the toy network ignores the picture
     EXPECT_NEAR(row(name).gradient_error, 32 / kArea, kStep);
   }
   // From a face's width around the boxes down to the chin: 90 x 60 and 120 x 80 pixels, but for those left of 0.
@@ -288,12 +288,12 @@ TEST(SlowPortraitPeople, AreFoundWithoutAMask) {
   EXPECT_EQ(found["person_network"], "f32");
   expect_one_line_refusal(run_program(portrait + "--mode dp --bf16"));
 
-  const nlohmann::json nobody = result_of(write_pair(folder, false) + "--mode dp+seg", folder, true);
-  EXPECT_EQ(nobody["mode"], "dp");
-  EXPECT_FALSE(nobody.contains("mask"));
+  const nlohmann::json no_face = result_of(write_pair(folder, false) + "--mode dp+seg", folder, true);
+  EXPECT_EQ(no_face["mode"], "dp");
+  EXPECT_FALSE(no_face.contains("mask"));
 }
 
-TEST(SlowPortraitPeople, MasksHaveTheShapeOfThePictureAndShowSomebody) {
+TEST(SlowPortraitPeople, MasksHaveTheShapeOfThePictureAndAreNotEmpty) {
   const TemporaryFolder folder;
   const std::string portrait = write_pair(folder, true) + "--mode dp+seg --mask '" + (folder / "mask.png") + "'";
   const Image picture = read_image(folder / "l.png");

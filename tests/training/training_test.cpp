@@ -22,7 +22,7 @@
 namespace dualpixel::tools {
 namespace {
 
-/// A network as training would leave it: normalisations that are not the identity.
+/// A network as training would leave it: normalizations that are not the identity.
 Network trained(const NetworkShape& shape) {
   torch::manual_seed(7);
   Network network(shape);
@@ -45,7 +45,7 @@ torch::Tensor masks_of(Network& network, const torch::Tensor& input) {
   return network->forward(input, true).back().mask.sigmoid();
 }
 
-/// `layers` in place of the network's own, its normalisations made the identity.
+/// `layers` in place of the network's own, its normalizations made the identity.
 void set_folded(Network& network, const std::vector<FoldedConv>& layers) {
   const torch::NoGradGuard no_gradients;
   const auto modules = network->named_modules();
@@ -181,7 +181,7 @@ TEST_F(ToyPeople, UnchangedSamplesAreTheFiles) {
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(input[4 * i + c], sample.picture[3 * i + c] / 255.0 - 0.5, 1e-6);
     ASSERT_NEAR(mask[i], sample.mask[i] / 255.0, 1e-6);
   }
-  // the Gaussian's peak: between the four pixels about the face's centre
+  // the Gaussian's peak: between the four pixels about the face's center
   const auto peak = std::max_element(input.begin(), input.end(), [&](const float& a, const float& b) {
     const auto is_face = [&](const float& v) { return (&v - input.data()) % 4 == 3; };
     return (is_face(a) ? a : -1) < (is_face(b) ? b : -1);
@@ -251,15 +251,15 @@ TEST_F(ToyPeople, PictureMaskFaceAndKeypointsMoveTogether) {
         const double d2 = std::pow(i % 256 + 0.5 - face[0], 2) + std::pow(i / 256 + 0.5 - face[1], 2);
         ASSERT_NEAR(input[4 * i + 3], std::exp(-d2 / (2 * 21.0 * 21.0)), 1e-5);
       }
-      // the person's colour lies where the mask is: its mean under the mask is what it was, but for outlines
-      double colour = 0, area = 0, was_colour = 0, was_area = 0;
+      // the person's color lies where the mask is: its mean under the mask is what it was, but for outlines
+      double color = 0, area = 0, was_color = 0, was_area = 0;
       for (int i = 0; i < 256 * 256; ++i) {
-        colour += mask[i] * (input[4 * i] + 0.5);
+        color += mask[i] * (input[4 * i] + 0.5);
         area += mask[i];
-        was_colour += before[i] * sample.picture[3 * i] / 255;
+        was_color += before[i] * sample.picture[3 * i] / 255;
         was_area += before[i];
       }
-      EXPECT_NEAR(colour / area, was_colour / was_area, 0.02);
+      EXPECT_NEAR(color / area, was_color / was_area, 0.02);
       EXPECT_NEAR(area / was_area, scale * scale, 0.01);
       EXPECT_EQ(input[0], -0.5F);  // beyond the picture
     }
@@ -362,7 +362,7 @@ TEST(InnerErrors, LookWellInsideOnly) {
   EXPECT_EQ(error(13, 0), 0);
   EXPECT_NEAR(error(14, 0), 1 - 72.0 * 72 / (74 * 74), 1e-6);
   EXPECT_NEAR(error(50, 0.25F), 0.75, 1e-6);
-  EXPECT_EQ(inner_errors_of(truth, torch::zeros_like(truth))[0].item<double>(), 0);  // nobody
+  EXPECT_EQ(inner_errors_of(truth, torch::zeros_like(truth))[0].item<double>(), 0);  // no person
 }
 
 TEST(Batches, HalvesAreMeansOfFour) {
