@@ -145,7 +145,7 @@ Image halved(const Image& image) {
 constexpr std::size_t kFew = 5;  // people, of whom a mean is asked for: as many as are alone in a set of 24
 
 // Two squares side by side: whoever's face is the seed is drawn, and the other is not. Mean IoU .93 with the person who
-// is meant, 0 with the other, .94 with both where both are seeds; five people's means scatter by some .03.
+// is meant, 0 with the other, .94 with both where both are seeds.
 TEST(SlowShippedWeights, TheSeedSaysWhoIsMeant) {
   NEEDS_SHIPPED_NETWORK();
   const TemporaryFolder folder;
