@@ -4,7 +4,7 @@
 
 namespace dualpixel {
 
-/// What captures and calibrations both say of a camera, each within the range that a capture may have: name, size,
+/// The camera fields that captures and calibrations share, with the ranges of a capture: name, size,
 /// pixel pitch, DP pixel, focal length, f-number and principal point (absent: the middle of the picture).
 void read_intrinsics(Fields& fields, Camera& camera);
 

@@ -74,7 +74,10 @@ class TiffFile {
 
  private:
   void require(bool holds) const {
-    if (!holds) throw InputError(fmt::format("{}: cannot be written: {}", printable(path_), printable(error_)));
+    if (holds) return;
+    const std::string prefix = path_ + ": ";  // of some of libtiff's messages
+    const std::string why = error_.starts_with(prefix) ? error_.substr(prefix.size()) : error_;
+    throw InputError(fmt::format("{}: cannot be written: {}", printable(final_path(path_)), printable(why)));
   }
 
   std::string path_, error_;

@@ -6,7 +6,7 @@
 
 namespace dualpixel {
 
-/// A scene, lens, capture or option that the user gave and that cannot be used. `what()` is one line that names the
+/// A scene, lens, capture or option from the user that cannot be used. `what()` is one line that names the
 /// file, the field, the value and what is allowed; the program prints it and exits with status 2.
 struct InputError : std::runtime_error {
   using std::runtime_error::runtime_error;

@@ -26,12 +26,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Temporaries under way and what each is to become: for remove_unfinished_outputs() and for messages.
+/// Temporary paths in use and their final paths: for remove_unfinished_outputs() and for messages.
 std::mutex unfinished_mutex;
 std::map<std::string, std::string> unfinished;
 
-/// What a path is, or is to become: nobody has asked for a temporary.
-std::string final_name(std::string path) {
+}  // namespace
+
+std::string final_path(std::string path) {
   const std::lock_guard lock(unfinished_mutex);
   // backwards: a temporary within a temporary before the outer one
   for (auto entry = unfinished.rbegin(); entry != unfinished.rend(); ++entry) {
@@ -41,8 +42,10 @@ std::string final_name(std::string path) {
   return path;
 }
 
+namespace {
+
 [[noreturn]] void fail(const std::string& path, const std::string& why) {
-  throw InputError(printable(final_name(path)) + ": " + why);
+  throw InputError(printable(final_path(path)) + ": " + why);
 }
 
 [[noreturn]] void fail_errno(const std::string& path, const std::string& what) {

@@ -3,11 +3,11 @@
 #include <string>
 #include <string_view>
 
-/// Files and folders, so that nothing is read that is no regular file and nothing half-written is ever left under its
-/// final name. All throw InputError with one line that names the path.
+/// Files and folders: only regular files are read, and nothing that is partly written ever has its final name. All
+/// throw InputError with one line that names the path.
 namespace dualpixel {
 
-/// Refuses what is missing, a folder, a pipe or a device (reading those would hang or never end).
+/// Throws where `path` is missing, or a folder, pipe or device (reading those could hang or never end).
 void require_regular_file(const std::string& path);
 
 inline constexpr std::size_t kLargestFileBytes = std::size_t{4} << 30;
@@ -15,33 +15,33 @@ inline constexpr std::size_t kLargestFileBytes = std::size_t{4} << 30;
 /// The bytes of a regular file of at most `most_bytes`.
 std::string read_file(const std::string& path, std::size_t most_bytes = kLargestFileBytes);
 
-/// XXH64 with seed 0 as 16 hexadecimal digits: tells whether bytes changed, not whether somebody forged them.
+/// XXH64 with seed 0 as 16 hexadecimal digits: detects changed bytes, not forgery.
 std::string hash_of(std::string_view bytes);
 std::string file_hash(const std::string& path);
 
 /// Writes a new file and waits until the bytes have reached the disk.
 void write_file(const std::string& path, std::string_view bytes);
 
-/// Makes the folders that `path` is to lie in, where they are missing.
+/// Creates the missing parent folders of `path`.
 void make_parents(const std::string& path);
 
 /// Writes a file under a temporary name beside `path`, then renames it: `path` is the old file or the new, whole.
-/// Missing folders on the way are made, as `mkdir -p` does.
+/// Missing parent folders are created.
 void replace_file(const std::string& path, std::string_view bytes);
 
-/// Throws what replace_file would, before the work whose result it is to write.
+/// Throws where replace_file would, so that a command can fail before its work instead of after it.
 void require_writable(const std::string& path);
 
 /// Waits until a file's (or folder's) bytes have reached the disk.
 void sync_to_disk(const std::string& path);
 
-/// How the names of the temporary siblings begin, which a killed program may leave.
+/// Prefix of the temporary siblings' names; a killed program may leave some.
 inline constexpr std::string_view kTemporaryPrefix = ".dualpixel-";
 
-/// A folder while it is being written. It lives as a temporary sibling of its final place: commit() moves it there in
-/// one step; without commit() the destructor removes it. Missing folders on the way are made, and stay. What stood
-/// there before is replaced where it is an empty folder, or a folder that holds the file `marker` ("capture.json"),
-/// which tells that it is one of ours; anything else is refused at construction.
+/// A folder that is being written: a temporary sibling of its final path. commit() moves it there in one step; without
+/// commit() the destructor removes it. Missing parent folders are created, and stay. An existing folder is replaced
+/// where it is empty or holds the file `marker` ("capture.json"), which identifies it as this program's output;
+/// anything else is refused at construction.
 class NewFolder {
  public:
   NewFolder(const std::string& final_path, const std::string& marker);
@@ -59,7 +59,10 @@ class NewFolder {
   std::string temporary_;
 };
 
-/// Removes what NewFolder and replace_file have under way in this process: for a program that a signal ends.
+/// The path to name in a message about `path`: the final one of a temporary, or of what lies in one.
+std::string final_path(std::string path);
+
+/// Removes the temporaries of NewFolder and replace_file in this process: for a program that a signal ends.
 void remove_unfinished_outputs();
 
 }  // namespace dualpixel

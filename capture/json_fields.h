@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-/// Strict reading of JSON: every value is range-checked, every key must be asked for, and whatever is wrong becomes
-/// one InputError line such as
+/// Strict reading of JSON: every value is range-checked, unknown keys are refused, and every fault becomes one
+/// InputError line such as
 ///   scenes/portrait.json: /camera/focus_distance_m: -1: must be a number in [0.01, inf]
 ///   scenes/portrait.json: /camera/focal_lenght_mm: unknown field; did you mean 'focal_length_mm'?
 namespace dualpixel {
@@ -21,7 +21,7 @@ nlohmann::json parse_json(const std::string& text, const std::string& file);
 void apply_override(nlohmann::json& root, const std::string& assignment);
 
 /// One JSON object being read. Each reader leaves its target unchanged when the key is absent (so the default in the
-/// struct holds), unless `required()` asked for it. Call `done()` last: it refuses keys that nobody asked for.
+/// struct holds), unless `required()` asked for it. Call `done()` last: it refuses keys that no reader asked for.
 class Fields {
  public:
   Fields(const nlohmann::json& object, std::string file, std::string pointer = "");

@@ -14,7 +14,7 @@ double seconds(const Work& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// CPU time that all threads of this process spend meanwhile: on a shared machine others count little.
+/// CPU time of all threads of this process during the work: affected little by other load.
 template <class Work>
 double cpu_seconds(const Work& work) {
   const auto now = [] {
@@ -29,13 +29,13 @@ double cpu_seconds(const Work& work) {
 
 struct Times {
   std::vector<double> ms;
-  std::vector<double> cpu_ms;  ///< of all threads together: what a busy machine changes least
+  std::vector<double> cpu_ms;  ///< of all threads together: affected least by other load
 };
 
-/// Best times of pieces of work done turn by turn, so that a busy machine slows all of them.
+/// Best times of several pieces of work, measured in turn so that other load affects all of them alike.
 Times times(const std::vector<std::function<void()>>& work, int repeats);
 
-/// How far the process' memory rises above what it held before, MB; 0 where the system doesn't say.
+/// Peak memory of the process during the work above that before it, MB; 0 where the system does not report it.
 double peak_mb(const std::function<void()>& work);
 
 }  // namespace dualpixel

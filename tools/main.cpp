@@ -16,22 +16,22 @@
 
 namespace {
 
-constexpr int kOurFault = 1;
+constexpr int kInternalError = 1;
 constexpr int kBadInput = 2;
 
 #if defined(__x86_64__) && defined(__AVX2__)
-/// Runs before any static initialiser, which may already hold an instruction that an older processor lacks.
+/// Runs before any static initializer, which may already hold an instruction that an older processor lacks.
 [[gnu::constructor(101)]] void require_avx2() {
   __builtin_cpu_init();
   if (__builtin_cpu_supports("avx2")) return;
   std::fputs("dualpixel: this build needs a processor with AVX2; build with -DDUALPIXEL_ARCH=x86-64 instead\n", stderr);
-  _exit(kOurFault);
+  _exit(kInternalError);
 }
 #endif
 
-/// SIGINT and SIGTERM are taken by a thread of their own, which removes half-written output and ends the process.
-/// A file grown past the shell's limit is a failed write (EFBIG), told and cleaned up as any other, instead of SIGXFSZ.
-/// Call before any other thread starts: they inherit the mask.
+/// A thread waits for SIGINT and SIGTERM, removes unfinished output and ends the process.
+/// A file that exceeds the shell's size limit is a failed write (EFBIG) like any other, instead of SIGXFSZ.
+/// Call before any other thread starts: threads inherit the signal mask.
 void end_cleanly_on_signals() {
   signal(SIGXFSZ, SIG_IGN);
   sigset_t signals;
@@ -62,7 +62,8 @@ int main(int argc, char** argv) {
   program.set_version_flag("--version", "dualpixel " DUALPIXEL_VERSION);
   program.require_subcommand(1);
   program.footer(
-      "Example:\n  dualpixel simulate scenes/portrait.json -o out/capture\n  dualpixel portrait out/capture -o out/dp");
+      "Example:\n  dualpixel simulate build/release/scenes/portrait.json -o out/capture\n  dualpixel portrait "
+      "out/capture -o out/dp");
   dualpixel::tools::add_simulate(program);
   dualpixel::tools::add_calibrate(program);
   dualpixel::tools::add_portrait(program);
@@ -78,7 +79,7 @@ int main(int argc, char** argv) {
 
   try {
     program.parse(argc, argv);
-    if (!std::cout.flush()) return report(kOurFault, "standard output cannot be written");
+    if (!std::cout.flush()) return report(kInternalError, "standard output cannot be written");
     return 0;
   } catch (const CLI::RuntimeError& status) {
     return status.get_exit_code();
@@ -96,6 +97,6 @@ int main(int argc, char** argv) {
   } catch (const dualpixel::InputError& error) {
     return report(kBadInput, error.what());
   } catch (const std::exception& error) {
-    return report(kOurFault, dualpixel::printable(error.what()));
+    return report(kInternalError, dualpixel::printable(error.what()));
   }
 }

@@ -7,7 +7,7 @@
 namespace dualpixel {
 
 /// A raster in memory. Rows run from top to bottom, pixels from left to right, channels are interleaved.
-/// Continuous coordinates put (0, 0) at the top-left corner of the image, so the centre of pixel (x, y) lies at
+/// Continuous coordinates put (0, 0) at the top-left corner of the image, so the center of pixel (x, y) lies at
 /// (x + 0.5, y + 0.5), and resampling by a factor keeps the corners aligned.
 /// Values are linear light unless a name says `srgb`.
 template <typename T>

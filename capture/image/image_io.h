@@ -5,14 +5,14 @@
 
 #include "capture/image/image.h"
 
-/// Reading and writing pictures through OpenImageIO, behind checks: the format is known by its magic bytes (EXR, PNG,
+/// Reading and writing images through OpenImageIO, with checks: the format is recognized by its magic bytes (EXR, PNG,
 /// TIFF, JPEG, HDR), sizes are checked before pixels are read (65536 a side, 500 million values), only regular files.
 /// All throw InputError with one line that names the file.
 namespace dualpixel {
 
-/// Any supported picture as float, values as stored (integers scaled to 0..1).
+/// Any supported image as float, values as stored (integers scaled to 0..1).
 Image read_image(const std::string& path);
-/// 8- or 16-bit integers as they stand; `channels` are required.
+/// 8- or 16-bit integers, unscaled; `channels` are required.
 ImageU16 read_image_u16(const std::string& path, int channels);
 
 struct PictureSize {
@@ -21,7 +21,7 @@ struct PictureSize {
   int height = 0;
   std::vector<std::string> channels;  ///< their names
 };
-/// What a picture's header says; no pixel is read.
+/// What an image's header says; no pixel is read.
 PictureSize picture_size(const std::string& path);
 
 struct NamedPlane {
@@ -39,9 +39,9 @@ void write_exr(const std::string& path, const std::vector<NamedPlane>& planes, b
 std::vector<Image> read_exr(const std::string& path, const std::vector<std::string>& channels);
 ImageU32 read_exr_ids(const std::string& path);
 
-/// 8-bit PNG; `image` holds display-ready values 0..1, one or three channels. By replace_file: it may stand alone.
+/// 8-bit PNG; `image` holds display-ready values 0..1, one or three channels. Written with replace_file.
 void write_png8(const std::string& path, const Image& image);
-/// 16-bit PNG of integers as they stand, one or three channels; the header calls them linear, or sRGB.
+/// 16-bit PNG of unscaled integers, one or three channels; the header declares them linear, or sRGB.
 void write_png16(const std::string& path, const ImageU16& image, bool srgb = false);
 
 /// sRGB transfer function (IEC 61966-2-1), clamped to 0..1.

@@ -8,7 +8,7 @@ namespace dualpixel {
 /// Each output pixel is the mean over the area that it covers: for reducing.
 Image resize_area(const Image& image, int width, int height);
 
-/// Bilinear interpolation between pixel centres, borders replicated: for enlarging.
+/// Bilinear interpolation between pixel centers, borders replicated: for enlarging.
 Image resize_bilinear(const Image& image, int width, int height);
 
 /// Where one output sample of resize_bilinear lies between two input samples.

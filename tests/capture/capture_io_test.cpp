@@ -296,6 +296,29 @@ TEST(CaptureIo, NoticesChangedFiles) {
   }
 }
 
+// Whatever another program recorded, its own fields and values of other types in ours, is written back as it was read.
+TEST(CaptureIo, KeepsTheProvenanceOfOtherPrograms) {
+  const TemporaryFolder folder;
+  const json foreign = {{"program", 3},
+                        {"scene_file", ""},
+                        {"noise_fraction_reached", 1},
+                        {"scene", {1, {{"b", nullptr}}}},
+                        {"lab", {{"who", "x"}, {"at", {1.5, -0.0, 1e300}}}}};
+  write_capture(small_capture(false), folder / "foreign");
+  edit(folder / "foreign", [&](json& document) { document["provenance"] = foreign; });
+  write_capture(read_capture(folder / "foreign", false), folder / "copy");
+  EXPECT_EQ(json::parse(read_bytes(folder / "copy/capture.json"))["provenance"].dump(), foreign.dump());
+}
+
+TEST(CaptureIo, RefusesProvenanceThatIsNoJson) {
+  const TemporaryFolder folder;
+  Capture capture = small_capture(false);
+  capture.provenance.scene = "{";
+  const std::string message = message_of<InputError>([&] { write_capture(capture, folder / "out"); });
+  EXPECT_NE(message.find("out: /provenance/scene: "), std::string::npos) << message;
+  EXPECT_TRUE(folder.names().empty());
+}
+
 TEST(CaptureIo, RefusesFoldersThatAreNoCapture) {
   const TemporaryFolder folder;
   EXPECT_EQ(read_refusal(folder / "none"), folder / "none" + ": is no capture: no such folder");

@@ -35,24 +35,23 @@ void run(const PlanCommandOptions& options) {
 void add_plan(CLI::App& program) {
   auto options = std::make_shared<PlanCommandOptions>();
   CLI::App* command = program.add_subcommand(
-      "plan", "Say which lens model, bounce count and sample count a scene needs, and what less would cost");
+      "plan", "Find the lens model, bounce count and sample count that a scene needs, and the error of cheaper ones");
   command->add_option("scene", options->scene, "Scene JSON file")->required()->type_name("SCENE.json");
   add_tolerance_option(*command, options->tolerance_dp_px);
   add_overrides_option(*command, options->overrides, "camera.focus_distance_m=0.9");
-  command->add_option("--seed", options->seed, "Seed of the pilot renders and of where they lie")
+  command->add_option("--seed", options->seed, "Seed of the pilot renders and of their positions")
       ->check(any_seed())
       ->type_name("N")
       ->capture_default_str();
   command->add_flag("--json", options->json, "Print JSON");
   command->add_option("-o,--output", options->output, "Also write that JSON to a file")->type_name("OUT.json");
   add_threads_option(*command);
-  command->footer("Example:\n  dualpixel plan scenes/portrait.json --tolerance-px 0.02");
+  command->footer("Example:\n  dualpixel plan build/release/scenes/portrait.json --tolerance-px 0.02");
   command->callback([options] { run(*options); });
 }
 
 CLI::Option* add_tolerance_option(CLI::App& command, double& tolerance_dp_px) {
-  return command
-      .add_option("--tolerance-px", tolerance_dp_px, "Disparity error that the plan may make, RMS in DP pixels")
+  return command.add_option("--tolerance-px", tolerance_dp_px, "Largest disparity error allowed, RMS in DP pixels")
       ->check(CLI::Range(1e-4, 10.0))
       ->type_name("DP_PX")
       ->capture_default_str();

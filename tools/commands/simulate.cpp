@@ -28,7 +28,7 @@ struct SimulateOptions {
   bool resume = false;
 };
 
-/// Where the journal of a capture lies: beside its folder, which is replaced as a whole, never in it.
+/// The journal lies beside the capture's folder, not in it, because the folder is replaced as a whole.
 std::string journal_beside(std::string folder) {
   while (folder.size() > 1 && folder.back() == '/') folder.pop_back();
   return folder + ".resume";
@@ -46,7 +46,7 @@ void run(const SimulateOptions& options) {
                     printable(options.scene), *simulation.time_budget_s));
   }
   const simulator::Scene scene = simulator::load_scene(simulation);
-  // a missing camera is refused before anything is rendered, and so is a folder that could not be written in the end
+  // reports a missing camera before anything is rendered, and an output folder that cannot be written
   simulator::CameraView camera = simulator::place_camera(simulation, scene);
   if (!options.dry_run) {
     const NewFolder writable(options.output, "capture.json");
@@ -60,7 +60,7 @@ void run(const SimulateOptions& options) {
     camera.lens = simulator::prepare_lens(simulation);
     plan_of_capture = simulator::plan_json(chosen, false).dump();
     const std::string text = simulator::plan_text(chosen);
-    std::cerr << text.substr(text.rfind('\n', text.size() - 2) + 1);  // the sentence that concludes it
+    std::cerr << text.substr(text.rfind('\n', text.size() - 2) + 1);  // its last sentence
   }
   if (options.dry_run) {
     const bool by_error = simulation.noise_fraction || simulation.render_error || simulation.time_budget_s;
@@ -90,7 +90,7 @@ void run(const SimulateOptions& options) {
   capture.provenance.gltf_xxh64 = file_hash(simulation.gltf_path);
   capture.provenance.plan = plan_of_capture;
   write_capture(capture, options.output);
-  std::error_code left_behind;  // the capture is there: not worth failing for
+  std::error_code left_behind;  // the capture is complete: a leftover journal is no failure
   if (options.resume) std::filesystem::remove(journal_path, left_behind);
 }
 
@@ -119,10 +119,10 @@ void add_simulate(CLI::App& program) {
         ->excludes(automatic);
   };
   const CLI::Range shares(1e-4, 100.0);
-  CLI::Option* by_noise = sampling_option(
-      "--noise-fraction", "noise_fraction",
-      "Sample the views until their error is this share of the sensor's noise, RMS; at 0.25 nobody sees it", shares,
-      "SHARE");
+  CLI::Option* by_noise =
+      sampling_option("--noise-fraction", "noise_fraction",
+                      "Sample the views until their error is this share of the sensor's noise, RMS; 0.25 is invisible",
+                      shares, "SHARE");
   CLI::Option* by_error =
       sampling_option("--error", "error",
                       "Sample the views until their error is this share of the white level's signal", shares, "SHARE");
@@ -132,14 +132,15 @@ void add_simulate(CLI::App& program) {
   by_time->excludes(by_noise)->excludes(by_error);
   command
       ->add_flag("--resume", options->resume,
-                 "Keep finished tiles in DIR.resume, and go on from there after an interruption: the same bytes come "
-                 "out. Tiles of another scene or of other options are refused")
+                 "Keep finished tiles in DIR.resume and continue from them after an interruption, with the same bytes "
+                 "as without one. Tiles of another scene or of other options are refused")
       ->excludes(by_time);
   command->add_flag("--dry-run", options->dry_run, "Check scene and options, render nothing");
   add_threads_option(*command);
   command->footer(
-      "Examples:\n  dualpixel simulate scenes/portrait.json -o out/capture --set camera.focus_distance_m=0.9 --seed 7\n"
-      "  dualpixel simulate scenes/occlusion_edges.json -o out/edges --auto --tolerance-px 0.05");
+      "Examples:\n  dualpixel simulate build/release/scenes/portrait.json -o out/capture --set "
+      "camera.focus_distance_m=0.9 --seed 7\n"
+      "  dualpixel simulate build/release/scenes/occlusion_edges.json -o out/edges --auto --tolerance-px 0.05");
   command->callback([options] { run(*options); });
 }
 
