@@ -11,6 +11,7 @@
 #include "evaluation/report/page.h"
 #include "evaluation/report/plot.h"
 #include "evaluation/report/report_images.h"
+#include "simulator/lens/prescription/pupil_bounds.h"
 #include "simulator/lens/prescription/ray_trace.h"
 #include "simulator/sampling/sobol.h"
 

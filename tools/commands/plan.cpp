@@ -4,6 +4,7 @@
 #include "capture/files.h"
 #include "capture/json_fields.h"
 #include "simulator/plan/plan_text.h"
+#include "simulator/simulate.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {

@@ -99,8 +99,8 @@ TEST(SlowCalibrationSweep, AThinLensHasTheClosedFormsLine) {
         ++count;
       }
     }
-    std::printf("thin lens, focus %g m: slope RMS error %.4f, worst position %.4f\n", focus_m, std::sqrt(squares / count),
-                worst);
+    std::printf("thin lens, focus %g m: slope RMS error %.4f, worst position %.4f\n", focus_m,
+                std::sqrt(squares / count), worst);
     EXPECT_NEAR(mean_slope / count / slope, 1, 0.01);
     EXPECT_LT(std::sqrt(squares / count), 0.01);
     EXPECT_NEAR(mean_intercept / count, -slope / focus_m, 0.01 * std::abs(slope / focus_m) + 0.003);

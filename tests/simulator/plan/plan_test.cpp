@@ -16,6 +16,7 @@
 #include "simulator/plan/match_error.h"
 #include "simulator/render/truth.h"
 #include "simulator/sampling/hash.h"
+#include "simulator/simulate.h"
 #include "tests/run_program.h"
 #include "tests/simulator/test_scenes.h"
 

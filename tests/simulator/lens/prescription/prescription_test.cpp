@@ -17,6 +17,7 @@
 #include "simulator/lens/aberrated/aberrated_twin.h"
 #include "simulator/lens/disparity_field.h"
 #include "simulator/lens/lens_file.h"
+#include "simulator/lens/prescription/pupil_bounds.h"
 #include "simulator/lens/prescription/ray_trace.h"
 #include "simulator/sampling/sobol.h"
 #include "tests/simulator/test_scenes.h"
