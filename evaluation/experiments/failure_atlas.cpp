@@ -77,7 +77,7 @@ FailureFigures measure_failure(const FailureCase& failure, const pipeline::Match
   if (sigmas.empty()) return figures;
   for (double* share :
        {&of_sigma.confident, &of_sigma.overconfident_errors, &of_sigma.within_one_sigma, &of_sigma.within_two_sigma}) {
-    *share /= count;
+    *share *= 1 / count;
   }
   of_sigma.median_sigma_dp_px = median(std::move(sigmas));
   figures.sigma = of_sigma;

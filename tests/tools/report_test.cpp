@@ -13,6 +13,10 @@
 namespace dualpixel::tools {
 namespace {
 
+using pipeline::synthetic_capture;
+using pipeline::synthetic_result;
+using pipeline::synthetic_stored;
+
 int count(const std::string& text, const std::string& part) {
   int found = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;

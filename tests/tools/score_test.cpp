@@ -13,6 +13,9 @@
 namespace dualpixel::tools {
 namespace {
 
+using pipeline::synthetic_capture;
+using pipeline::synthetic_result;
+
 TEST(ScoreCommand, WritesItsFiguresBesideTheResult) {
   const TemporaryFolder folder;
   const Capture capture = synthetic_capture();

@@ -14,6 +14,9 @@
 namespace dualpixel::evaluation {
 namespace {
 
+using pipeline::synthetic_capture;
+using pipeline::synthetic_stored;
+
 using Json = nlohmann::ordered_json;
 
 // synthetic.h: 64 x 48, the bottom row not valid; a jump of 1.5 DP px between columns 31 and 32.
