@@ -34,8 +34,8 @@ const std::string kHostile = "a</pre><script>alert(1)</script>\n\"'><img src=x o
 std::vector<evaluation::CaptureSection> hostile_sections() {
   const evaluation::Picture picture{kHostile, kHostile, "data:image/jpeg;base64,AAAA", "data:image/jpeg;base64,AAAA",
                                     kHostile, kHostile};
-  const Capture capture = synthetic_capture();
-  pipeline::StoredResult stored = synthetic_stored(capture);
+  const Capture capture = pipeline::synthetic_capture();
+  pipeline::StoredResult stored = pipeline::synthetic_stored(capture);
   stored.result.stages[0].name = kHostile;
   stored.mode = kHostile;
   evaluation::ResultSection result{kHostile, kHostile, {picture, picture}, {picture}, {}, {}, {}};
@@ -91,11 +91,11 @@ void run_report(std::vector<std::string> arguments) {
 
 TEST(Report, IsWrittenFromFoldersWithHostileNames) {
   const TemporaryFolder folder;
-  const Capture capture = synthetic_capture();
+  const Capture capture = pipeline::synthetic_capture();
   const std::string capture_path = folder / "c\n<script>alert(1)",
                     result_path = folder / "r\xff<img src=x onerror=alert(2)>";
   write_capture(capture, capture_path);
-  pipeline::write_result(synthetic_result(capture), {{"mode", "dp"}, {"capture", capture_path}}, result_path);
+  pipeline::write_result(pipeline::synthetic_result(capture), {{"mode", "dp"}, {"capture", capture_path}}, result_path);
   run_report({result_path, "-o", folder / "report.html"});
   const std::string page = read_bytes(folder / "report.html");
   EXPECT_EQ(count(page, "<script"), 1);
@@ -106,8 +106,8 @@ TEST(Report, IsWrittenFromFoldersWithHostileNames) {
 
 TEST(Report, OfRealDataHasNoTruth) {
   const TemporaryFolder folder;
-  Capture capture = synthetic_capture();
-  const pipeline::PortraitResult result = synthetic_result(capture);
+  Capture capture = pipeline::synthetic_capture();
+  const pipeline::PortraitResult result = pipeline::synthetic_result(capture);
   capture.truth.reset();
   write_capture(capture, folder / "c");
   pipeline::write_result(result, {{"mode", "dp"}}, folder / "r");
@@ -123,12 +123,13 @@ TEST(Report, NamesWhatIsMissing) {
     return message_of<InputError>([&] { run_report(arguments); });
   };
   EXPECT_EQ(message({folder / "r", "-o", folder / "x.html"}), folder / "r/result.json" + std::string(": no such file"));
-  const Capture capture = synthetic_capture();
-  pipeline::write_result(synthetic_result(capture), {{"mode", "dp"}}, folder / "r");
+  const Capture capture = pipeline::synthetic_capture();
+  pipeline::write_result(pipeline::synthetic_result(capture), {{"mode", "dp"}}, folder / "r");
   EXPECT_NE(message({folder / "r", "-o", folder / "x.html"}).find("does not name the capture"), std::string::npos);
-  pipeline::write_result(synthetic_result(capture), {{"mode", "dp"}, {"capture", folder / "gone"}}, folder / "r");
+  pipeline::write_result(pipeline::synthetic_result(capture), {{"mode", "dp"}, {"capture", folder / "gone"}},
+                         folder / "r");
   EXPECT_NE(message({folder / "r", "-o", folder / "x.html"}).find("gone: no such folder"), std::string::npos);
-  write_capture(synthetic_capture(32, 24), folder / "c");
+  write_capture(pipeline::synthetic_capture(32, 24), folder / "c");
   EXPECT_NE(message({folder / "r", "-o", folder / "x.html", "--capture", folder / "c"}).find("64 x 48 pixels"),
             std::string::npos);
   EXPECT_EQ(folder.names(), (std::set<std::string>{"c", "r"}));

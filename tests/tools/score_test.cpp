@@ -18,9 +18,9 @@ using pipeline::synthetic_result;
 
 TEST(ScoreCommand, WritesItsFiguresBesideTheResult) {
   const TemporaryFolder folder;
-  const Capture capture = synthetic_capture();
+  const Capture capture = pipeline::synthetic_capture();
   write_capture(capture, folder / "c");
-  pipeline::write_result(synthetic_result(capture), {{"mode", "dp"}}, folder / "r");
+  pipeline::write_result(pipeline::synthetic_result(capture), {{"mode", "dp"}}, folder / "r");
   CLI::App program;
   add_score(program);
   testing::internal::CaptureStdout();
@@ -34,13 +34,14 @@ TEST(ScoreCommand, WritesItsFiguresBesideTheResult) {
 
 TEST(ScoreCommand, RefusesAResultOfAnotherCapture) {
   const TemporaryFolder folder;
-  const Capture capture = synthetic_capture();
+  const Capture capture = pipeline::synthetic_capture();
   write_capture(capture, folder / "c");
   const std::string commands[] = {
       fmt::format("score '{}' '{}'", folder / "c", folder / "r"),
       fmt::format("report '{}' --capture '{}' -o '{}'", folder / "r", folder / "c", folder / "page.html")};
   const auto write_with_hash = [&](const std::string& hash) {
-    pipeline::write_result(synthetic_result(capture), {{"capture", "elsewhere"}, {"capture_hash", hash}}, folder / "r");
+    pipeline::write_result(pipeline::synthetic_result(capture), {{"capture", "elsewhere"}, {"capture_hash", hash}},
+                           folder / "r");
   };
   write_with_hash("0123456789abcdef");
   for (const std::string& command : commands) {
@@ -56,7 +57,7 @@ TEST(ScoreCommand, RefusesAResultOfAnotherCapture) {
 
 TEST(InfoCommand, KnowsAPortraitResult) {
   const TemporaryFolder folder;
-  pipeline::write_result(synthetic_result(synthetic_capture()), {{"mode", "dp"}}, folder / "r");
+  pipeline::write_result(pipeline::synthetic_result(pipeline::synthetic_capture()), {{"mode", "dp"}}, folder / "r");
   CLI::App program;
   add_info(program);
   testing::internal::CaptureStdout();
