@@ -6,6 +6,7 @@
 #include "capture/capture.h"
 #include "pipeline/calibration/flow.h"
 #include "pipeline/calibration/nodes.h"
+#include "pipeline/calibration/target_measurement.h"
 
 /// The same disparity everywhere for the same depth (Wadhwa et al. 2018, section 4.2 "Imaging Model and Calibration").
 /// A lens's aberrations leave disparity linear in inverse depth, but the line varies over the field:
@@ -13,14 +14,6 @@
 /// A sweep of a textured, fronto-parallel target over both distances gives S_z and I_z by least squares; correction.h
 /// uses them.
 namespace dualpixel::pipeline {
-
-/// Measured on one capture of the target.
-struct TargetMeasurement {
-  double focus_distance_m = 0;   ///< infinity is allowed
-  double target_distance_m = 0;  ///< planar depth on the axis
-  Image disparity_dp_px;         ///< at the nodes
-  Image usable;                  ///< 1 where the views matched, 0 elsewhere
-};
 
 /// `left` and `right` are the linear views. A node's disparity is that of the quadratic surface that fits the flow
 /// best as far as the nodes around it, with weights that fall to 0 there: a lens of many aspheres curves its field

@@ -6,6 +6,8 @@
 #include <map>
 #include <numbers>
 
+#include "pipeline/calibration/nodes.h"
+
 namespace dualpixel::pipeline {
 namespace {
 

@@ -1,7 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "pipeline/calibration/calibration.h"
+#include "capture/capture.h"
+#include "pipeline/calibration/target_measurement.h"
 
 namespace dualpixel::pipeline {
 

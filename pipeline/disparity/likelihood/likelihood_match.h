@@ -1,34 +1,11 @@
 #pragma once
-#include <optional>
-
 #include "capture/image/image.h"
-#include "pipeline/disparity/noise_model.h"
+#include "pipeline/disparity/likelihood/options.h"
 #include "pipeline/disparity/tile_disparity.h"
-#include "pipeline/option_field.h"
 
 /// Disparity of every tile by maximum likelihood, with the error that it is likely to have: beside the paper's method
 /// (match.h), for views as they are, not normalized.
 namespace dualpixel::pipeline {
-
-struct LikelihoodMatchOptions {
-  int range_px = 16;               ///< shifts from -range to range are tried, DP pixels; 2..64
-  std::optional<ViewNoise> noise;  ///< of one view's pixel; estimated from the views where not given
-  float clipped = 0.98f;           ///< pixels at or above it, normalized signal, are invalid
-  /// Standard deviation of the offset between the views that is left after the local gain is taken out, over the
-  /// signal.
-  float offset_search = 0.03f;  ///< while the disparity is unknown
-  float offset = 0.002f;        ///< once it is known
-  /// Share of the cost's contrast over the range by which an alternative may exceed the best and still be likely: what
-  /// kernels that are mirrored rather than equal, and whole-pixel steps, do to the cost of a true match.
-  float model_error = 0.02f;
-  float neighbor_weight = 0.25f;       ///< of the costs of each of four neighboring tiles
-  float confident_sigma_dp_px = 0.3f;  ///< predicted error at which confidence is 1/2, DP px
-};
-
-OptionFields fields(LikelihoodMatchOptions& options);
-
-/// Throws InputError where a value is out of its range, or the noise is negative or not finite.
-void check(const LikelihoodMatchOptions& options);
 
 /// `left` and `right` are linear views of one size, one channel, normalized signal. Returns d with right(x + d) =
 /// left(x) for each 8 x 8 tile, both views sampled half the shift away from it: right(x + d/2) = left(x - d/2), so that

@@ -182,12 +182,13 @@ float predicted_variance(const std::vector<RefinedTile>& tiles, int columns, int
   constexpr float kMostKernelError = 0.08f;  // ... and at most, DP px
   // A tile measures where its texture lies, not its mean. On a plane, texture at one position errs by 1/12 of the
   // squared change from tile to tile, 1/9 of the roughness; the portrait scene's foliage needs twice that.
-  constexpr float kPlace = 0.25f;
+  constexpr float kRoughnessShare = 0.25f;
   constexpr float kAgreement = 0.3f;  // difference on one surface, DP px, beside what both tiles' errors explain
   constexpr float kSupport = 0.625f;  // share of the neighbors that agree along a straight edge
   const RefinedTile& tile = tiles[static_cast<std::size_t>(row) * columns + column];
   const float kernel = std::min(kKernelError * square(tile.disparity), kMostKernelError);
-  const float own = tile.noise + tile.model + square(kernel) + kPlace * roughness(tiles, columns, rows, column, row);
+  const float own =
+      tile.noise + tile.model + square(kernel) + kRoughnessShare * roughness(tiles, columns, rows, column, row);
   if (!std::isfinite(own)) return own;
   float count = 0, agree = 0, against = 0;
   for (int y = std::max(row - 1, 0); y <= std::min(row + 1, rows - 1); ++y) {

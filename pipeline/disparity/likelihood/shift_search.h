@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "pipeline/disparity/likelihood/likelihood_match.h"
+#include "pipeline/disparity/likelihood/options.h"
 #include "pipeline/disparity/likelihood/prepared_views.h"
 
 /// The first step of the likelihood matcher: the most likely whole shift of every tile.
