@@ -73,11 +73,11 @@ struct Frame {
   ImageU16 left;    ///< dp_width x dp_height
   ImageU16 right;
   std::uint64_t seed = 0;                  ///< of this frame's noise
-  Matrix4 camera_from_world = kIdentity4;  ///< pose, metres
+  Matrix4 camera_from_world = kIdentity4;  ///< pose, meters
 };
 
 /// Raw digital numbers as the normalized signal.
-inline Image normalised(const ImageU16& raw, const Exposure& exposure) {
+inline Image normalized(const ImageU16& raw, const Exposure& exposure) {
   const double black = exposure.black_level_dn, range = exposure.white_level_dn - black;
   Image signal(raw.width, raw.height);
   for (std::size_t i = 0; i < raw.data.size(); ++i) signal.data[i] = static_cast<float>((raw.data[i] - black) / range);

@@ -10,8 +10,8 @@
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
+#include "capture/path_beside.h"
 #include "simulator/lens/lens_file.h"
-#include "simulator/path_beside.h"
 
 namespace dualpixel::simulator {
 namespace {

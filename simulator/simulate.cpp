@@ -12,10 +12,10 @@
 #include <utility>
 
 #include "capture/error.h"
-#include "simulator/lens/sensor_grid.h"
 #include "simulator/render/motion.h"
 #include "simulator/render/truth.h"
 #include "simulator/sampling/hash.h"
+#include "simulator/sampling/sensor_grid.h"
 #include "simulator/scene/gltf/gltf.h"
 #include "simulator/sensor/hand_shake.h"
 

@@ -1,29 +1,13 @@
 #pragma once
-#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "capture/image/image.h"
-#include "pipeline/disparity/noise_model.h"
-#include "pipeline/disparity/upsample.h"
+#include "evaluation/benchmarks/stereo_method.h"
 
 /// Matchers against true disparity on rendered pairs: error, and time.
 namespace dualpixel::evaluation {
-
-/// Two DP views, linear, normalized signal, with the noise of each pixel.
-struct StereoPair {
-  Image left, right;
-  pipeline::ViewNoise noise;
-};
-
-/// A matcher of the pipeline, or a peer. Gives the disparity of every pixel, NaN where it has none; sigma and
-/// confidence where it has them.
-struct StereoMethod {
-  std::string name;
-  std::function<pipeline::PixelDisparity(const StereoPair&)> match;
-};
 
 /// The pipeline's matchers, then OpenCV's where the build has them.
 std::vector<StereoMethod> stereo_methods();

@@ -9,7 +9,7 @@
 #include "capture/timing.h"
 #include "simulator/lens/disparity_field.h"
 #include "simulator/lens/lens_file.h"
-#include "simulator/plan/lens_ladder.h"
+#include "simulator/plan/lens_candidates.h"
 #include "simulator/simulate.h"
 
 namespace dualpixel::evaluation {
@@ -40,14 +40,16 @@ double disparity_error(const simulator::LensSampler& lens, const simulator::Lens
 LensBenchmark measure_lens(const std::string& file, const simulator::Simulation& s, const simulator::RenderScene& world,
                            const glm::mat4& pose) {
   const simulator::Lens lens = simulator::read_lens_file(file, s.lens.thin.focus_distance_m);
-  const double radius_m =
-      1e-3 * (lens.prescription ? lens.prescription->image_radius_mm : lens.aberrations.image_radius_mm);
+  if (simulator::image_radius_mm(lens) == 0) {
+    throw InputError(printable(file) + ": /model: a thin lens has no image circle to fill");
+  }
+  const double radius_m = 1e-3 * simulator::image_radius_mm(lens);
   const simulator::SensorGrid sensor{
       kWidth, kHeight, radius_m * 2 / std::hypot(kWidth, kHeight), {kWidth / 2, kHeight / 2}};
-  const std::vector<simulator::LensModel> models = simulator::lens_ladder(lens);
+  const std::vector<simulator::LensCandidate> models = simulator::lens_candidates(lens);
   std::vector<simulator::CameraView> cameras;
   std::vector<double> ready_s, render_s(models.size(), 1e30);
-  for (const simulator::LensModel& model : models) {
+  for (const simulator::LensCandidate& model : models) {
     ready_s.push_back(seconds([&] { cameras.push_back({pose, {model.lens, sensor}}); }));
   }
   // Models take turns, so that a busy machine slows all of them.

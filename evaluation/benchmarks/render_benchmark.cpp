@@ -10,9 +10,9 @@
 
 #include "capture/json_fields.h"
 #include "capture/timing.h"
-#include "simulator/lens/cfa.h"
 #include "simulator/render/adaptive.h"
 #include "simulator/sampling/hash.h"
+#include "simulator/sampling/sensor_grid.h"
 #include "simulator/simulate.h"
 
 namespace dualpixel::evaluation {

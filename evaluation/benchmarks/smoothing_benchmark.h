@@ -5,23 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "capture/image/image.h"
 #include "pipeline/edge_aware/smooth_disparity.h"
 
 /// Edge-aware smoothing of disparity against the truth of a rendered capture: error, time, and peers.
 namespace dualpixel::evaluation {
-
-/// A disparity with confidence for each pixel of the guide.
-struct SmoothingInput {
-  pipeline::SmoothingGuide guide;
-  pipeline::ConfidentMap map;
-};
-
-struct SmoothingMethod {
-  std::string family, name;
-  int divisor = 4;                                     ///< the capture's size over that which `smooth` works on
-  std::function<Image(const SmoothingInput&)> smooth;  ///< up to the median, before upsampling
-};
 
 /// Over the pixels with valid truth. Edges: within 3 px of a jump of the true disparity by more than 0.2 DP px.
 struct SmoothingErrors {

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "capture/capture_json.h"
 #include "capture/error.h"
+#include "capture/folder/capture_json.h"
 #include "evaluation/metrics/image_metrics.h"
 #include "evaluation/metrics/scoring.h"
 #include "evaluation/report/report_images.h"
@@ -135,8 +135,8 @@ CaptureSection make_capture_section(const Capture& capture, const std::string& p
       capture.frames.size() == 1 ? "" : "s");
   const PageSize to_page(camera);
   const Frame& frame = capture.frames.front();
-  const Image left = to_page(normalised(frame.left, capture.exposure));
-  const Image right = to_page(normalised(frame.right, capture.exposure));
+  const Image left = to_page(normalized(frame.left, capture.exposure));
+  const Image right = to_page(normalized(frame.right, capture.exposure));
   const float gain = display_gain(left);
   const std::string caption = fmt::format(
       "The two dual-pixel views of the first frame, shown at a gain of {:.3g}. "

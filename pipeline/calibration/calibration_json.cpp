@@ -4,7 +4,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "capture/camera_json.h"
+#include "capture/folder/camera_json.h"
 #include "capture/json_fields.h"
 #include "pipeline/calibration/calibration.h"
 

@@ -165,7 +165,7 @@ Mesh ball(vec3 center, float radius, vec3 pole) {
   return mesh;
 }
 
-/// A leaf: a folded blade of six triangles from `base` along `along`, `length` metres.
+/// A leaf: a folded blade of six triangles from `base` along `along`, `length` meters.
 void add_leaf(Mesh& mesh, std::uint32_t seed, int i, vec3 base, vec3 along, vec3 side, float length) {
   const vec3 up = glm::normalize(glm::cross(side, along));
   const float half = length * (0.2f + 0.1f * scene_hash01(seed + 1, i));

@@ -6,8 +6,8 @@
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
+#include "capture/path_beside.h"
 #include "simulator/lens/split/split_json.h"
-#include "simulator/path_beside.h"
 
 namespace dualpixel::simulator {
 namespace {

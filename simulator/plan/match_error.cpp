@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "simulator/lens/sensor_grid.h"
+#include "simulator/sampling/sensor_grid.h"
 
 namespace dualpixel::simulator {
 namespace {

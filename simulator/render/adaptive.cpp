@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "simulator/lens/sensor_grid.h"
 #include "simulator/sampling/hash.h"
+#include "simulator/sampling/sensor_grid.h"
 
 namespace dualpixel::simulator {
 namespace {

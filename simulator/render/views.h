@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "capture/image/image.h"
-#include "simulator/option_ranges.h"
+#include "capture/option_ranges.h"
 #include "simulator/render/pixel.h"
 #include "simulator/render/sample_map.h"
 #include "simulator/render/tile_store.h"

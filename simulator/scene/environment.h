@@ -2,7 +2,7 @@
 #include <string>
 
 #include "capture/names.h"
-#include "simulator/option_ranges.h"
+#include "capture/option_ranges.h"
 #include "simulator/scene/scene.h"
 
 namespace dualpixel::simulator {

@@ -4,8 +4,8 @@
 
 #include "capture/capture.h"
 #include "capture/image/image.h"
-#include "simulator/lens/sensor_grid.h"
-#include "simulator/option_ranges.h"
+#include "capture/option_ranges.h"
+#include "simulator/sampling/sensor_grid.h"
 
 /// From light to digital numbers. Each half of a photosite counts photons; the photosite's electrons are the sum of
 /// its halves, so mosaic and DP views share their shot noise as on a real sensor, and each read-out adds its own read

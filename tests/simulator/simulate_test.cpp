@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "capture/error.h"
-#include "simulator/lens/sensor_grid.h"
+#include "simulator/sampling/sensor_grid.h"
 #include "tests/simulator/scene/gltf/gltf_builder.h"
 #include "tests/simulator/test_scenes.h"
 #include "tests/temporary_folder.h"

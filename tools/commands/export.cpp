@@ -9,10 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/capture.h"
-#include "capture/capture_json.h"
 #include "capture/dng.h"
 #include "capture/error.h"
 #include "capture/files.h"
+#include "capture/folder/capture_json.h"
 #include "capture/image/image_io.h"
 #include "capture/image/npy.h"
 #include "capture/image/resample.h"
@@ -130,20 +130,20 @@ void export_dng(const Export& e) {
 
 void export_png16(const Export& e) {
   each_raw(e, [&](const std::string& name, const ImageU16& raw, bool) {
-    write_png16(e.file(name + ".png"), levels(normalised(raw, e.capture.exposure)));
+    write_png16(e.file(name + ".png"), levels(normalized(raw, e.capture.exposure)));
   });
 }
 
 void export_exr(const Export& e) {
   each_raw(e, [&](const std::string& name, const ImageU16& raw, bool) {
-    const Image image = normalised(raw, e.capture.exposure);
+    const Image image = normalized(raw, e.capture.exposure);
     write_exr(e.file(name + ".exr"), {{"Y", &image}}, false);
   });
 }
 
 void export_npy(const Export& e) {
   each_raw(e, [&](const std::string& name, const ImageU16& raw, bool) {
-    write_npy(e.file(name + ".npy"), normalised(raw, e.capture.exposure));
+    write_npy(e.file(name + ".npy"), normalized(raw, e.capture.exposure));
   });
   if (!e.capture.truth) return;
   const Truth& truth = *e.capture.truth;
@@ -163,8 +163,8 @@ void export_npy(const Export& e) {
 /// pixels are square.
 void export_dpdd(const Export& e) {
   const Capture& capture = e.capture;
-  const Image left = normalised(capture.frames[0].left, capture.exposure);
-  const Image right = normalised(capture.frames[0].right, capture.exposure);
+  const Image left = normalized(capture.frames[0].left, capture.exposure);
+  const Image right = normalized(capture.frames[0].right, capture.exposure);
   const int width = capture.camera.bayer_plane_width(), height = capture.camera.bayer_plane_height();
   const auto picture = [&](const Image& signal) {
     return e.dense() ? developed(signal, capture) : gray(resize_bilinear(signal, width, height));
@@ -198,7 +198,7 @@ void export_google_dp(const Export& e) {
   };
   view("left", capture.frames[0].left);
   view("right", capture.frames[0].right);
-  const Image rgb = developed(normalised(e.mosaic(), capture.exposure), capture);
+  const Image rgb = developed(normalized(e.mosaic(), capture.exposure), capture);
   write_file(e.file(fmt::format("scaled_images/{}/result_scaled_image_center.jpg", e.name)),
              evaluation::jpeg(rotated(srgb(rgb)), 95));
   Image depth = e.truth().depth_m;
@@ -214,11 +214,11 @@ void export_rgbd(const Export& e) {
   const auto path = [&](const char* kind, const char* ending) {
     return e.file(fmt::format("{}/{}.{}", kind, e.name, ending));
   };
-  const Image rgb = developed(normalised(e.mosaic(), capture.exposure), capture);
+  const Image rgb = developed(normalized(e.mosaic(), capture.exposure), capture);
   write_png16(path("rgb", "png"), levels(srgb(rgb)), true);
   write_exr(path("depth", "exr"), {{"Z", &e.truth().depth_m}}, false);
-  write_png16(path("left", "png"), levels(scaled(normalised(capture.frames[0].left, capture.exposure), 2)));
-  write_png16(path("right", "png"), levels(scaled(normalised(capture.frames[0].right, capture.exposure), 2)));
+  write_png16(path("left", "png"), levels(scaled(normalized(capture.frames[0].left, capture.exposure), 2)));
+  write_png16(path("right", "png"), levels(scaled(normalized(capture.frames[0].right, capture.exposure), 2)));
 }
 
 struct Format {

@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "capture/capture.h"
-#include "capture/capture_json.h"
 #include "capture/error.h"
 #include "capture/files.h"
+#include "capture/folder/capture_json.h"
 #include "evaluation/report/report_sections.h"
 #include "pipeline/portrait/result_io.h"
 #include "tools/commands/commands.h"

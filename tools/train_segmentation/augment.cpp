@@ -143,7 +143,7 @@ Planes warped(const Planes& source, int source_size, const Warp& warp) {
   return result;
 }
 
-/// A binomial blur of the colours, [1 2 1] / 4 along each axis in place; the border's pixels keep their values.
+/// A binomial blur of the colors, [1 2 1] / 4 along each axis in place; the border's pixels keep their values.
 void blur_colours(Planes& planes) {
   for (const int step : {kPlanes, kPlanes * kSize}) {
     for (int line = 0; line < kSize; ++line) {

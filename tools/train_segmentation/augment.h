@@ -9,13 +9,13 @@ namespace dualpixel::tools {
 
 /// How one sample is varied. The defaults leave it as it is.
 struct Augmentation {
-  // Geometry, about the picture's centre: mirror, then scale, rotate, shift.
+  // Geometry, about the picture's center: mirror, then scale, rotate, shift.
   bool mirror = false;  ///< left and right keypoints change places
   double rotation_rad = 0;
   double scale = 1;
   double shift_x_px = 0, shift_y_px = 0;
   double face_shift_x = 0, face_shift_y = 0;  ///< a detector's inaccuracy, in sizes of the face box
-  // Light and camera, on sRGB values: ((gain * v)^gamma - 0.5) * contrast + 0.5, then towards grey.
+  // Light and camera, on sRGB values: ((gain * v)^gamma - 0.5) * contrast + 0.5, then towards gray.
   std::array<double, 3> gain = {1, 1, 1};
   double gamma = 1;
   double contrast = 1;
@@ -26,7 +26,7 @@ struct Augmentation {
 };
 
 /// The paper's ranges for geometry: rotation +-10 degrees, scale 0.4 to 1.2, shift +-10 % of the side. It says nothing
-/// of mirrors, faces and colours: those are ours. A value depends on `key` alone.
+/// of mirrors, faces and colors: those are ours. A value depends on `key` alone.
 Augmentation draw_augmentation(std::uint64_t key);
 
 /// Writes one example, channels last:

@@ -7,7 +7,7 @@
 /// A trained network for inference: what pipeline/segmentation/network.h reads.
 namespace dualpixel::tools {
 
-/// A convolution whose batch normalisation is folded into it: y = weight * x + bias.
+/// A convolution whose batch normalization is folded into it: y = weight * x + bias.
 struct FoldedConv {
   std::string name;      ///< of the layer, as the network registers it: "stage0.down1"
   torch::Tensor weight;  ///< (out, in, kernel, kernel)

@@ -17,7 +17,7 @@
 ///   between  a stage's features, through a 1 x 1 kernel, are added to what it was given. Newell et al. 2016 also feed
 ///            the predictions back; heatmaps are a linear map of those features, so that says the same
 ///   mask     features at 64 x 64, enlarged and added to the fine map, convolved at 128 x 128, four sub-pixels each
-/// Every convolution but the heads' last is followed by batch normalisation, which export folds into its kernel.
+/// Every convolution but the heads' last is followed by batch normalization, which export folds into its kernel.
 namespace dualpixel::tools {
 
 inline constexpr int kNetworkSize_px = scenes::kPictureSide_px;
@@ -33,11 +33,11 @@ struct NetworkShape {
   std::array<int, 4> channels = {32, 64, 96, 64};  ///< at 64, 32, 16 and 8 px
 };
 
-/// Convolution (odd kernel, padded to keep the size), batch normalisation, and ReLU where asked for.
+/// Convolution (odd kernel, padded to keep the size), batch normalization, and ReLU where asked for.
 struct ConvImpl : torch::nn::Module {
   ConvImpl(int in, int out, int kernel, int stride, bool relu);
   torch::Tensor forward(const torch::Tensor& x);
-  /// Makes the normalisation's statistics those of the convolution's results `z`; in evaluation, the layer's results
+  /// Makes the normalization's statistics those of the convolution's results `z`; in evaluation, the layer's results
   /// stay as they were.
   void adopt_statistics(const torch::Tensor& z);
 

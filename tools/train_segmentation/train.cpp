@@ -159,7 +159,7 @@ bool starts_from_run(const TrainOptions& options) {
   return std::filesystem::is_directory(options.fine_tune, error);
 }
 
-/// What phase two starts from, with normalisation by the samples `of` the set where it lacks that.
+/// What phase two starts from, with normalization by the samples `of` the set where it lacks that.
 Network first_network(const TrainOptions& options, const scenes::PeopleSet& set, const std::vector<std::size_t>& of) {
   if (starts_from_run(options)) return read_checkpoint(options.fine_tune + "/checkpoint.pt").network;
   std::vector<std::size_t> measured = spread(of.size(), kMeasured);

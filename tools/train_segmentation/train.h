@@ -48,7 +48,7 @@ torch::Tensor soft_iou_loss(const torch::Tensor& logits, const torch::Tensor& ma
 double work_done(double samples, double total, double half_size);
 
 /// Writes to the output folder, again at every checkpoint (five minutes) and at the end, each file whole or not at all:
-///   checkpoint.pt       what --resume goes on from: weights, optimiser, samples seen
+///   checkpoint.pt       what --resume goes on from: weights, optimizer, samples seen
 ///   person.safetensors  for inference (export.h); not of the baseline
 ///   log.json            options, hashes of the data, and one entry for each checkpoint
 ///   chart.html          loss and held-out score

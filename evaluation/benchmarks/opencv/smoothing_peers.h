@@ -2,7 +2,7 @@
 #include <optional>
 #include <vector>
 
-#include "evaluation/benchmarks/smoothing_benchmark.h"
+#include "evaluation/benchmarks/smoothing_method.h"
 
 /// Filters of OpenCV's ximgproc; nothing where the build has none (DUALPIXEL_XIMGPROC).
 namespace dualpixel::evaluation {

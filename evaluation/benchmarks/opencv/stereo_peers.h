@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "evaluation/benchmarks/disparity_benchmark.h"
+#include "evaluation/benchmarks/stereo_method.h"
 
 namespace dualpixel::evaluation {
 

@@ -97,7 +97,7 @@ LightSample sample_light(const SceneModel& scene, const SceneObject& object, con
   // the irradiance of the whole dome times the unoccluded fraction: less noise than the radiance of single directions
   const vec3 ambient = dome_irradiance(scene.dome, n);
   lit.seen += kShare * color * ambient;
-  lit.hidden += kShare * 0.35f * color * ambient * glm::mix(vec3(1), color, 0.5f);  // what the neighbour gives back
+  lit.hidden += kShare * 0.35f * color * ambient * glm::mix(vec3(1), color, 0.5f);  // what the neighbor gives back
   return lit;
 }
 

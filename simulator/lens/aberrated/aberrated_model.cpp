@@ -7,7 +7,7 @@
 
 #include "capture/image/image_io.h"
 #include "capture/json_fields.h"
-#include "simulator/path_beside.h"
+#include "capture/path_beside.h"
 
 namespace dualpixel::simulator {
 namespace {

@@ -2,8 +2,8 @@
 #include <string>
 
 #include "simulator/lens/lens_packet.h"
-#include "simulator/lens/sensor_grid.h"
 #include "simulator/lens/thin/thin_lens.h"
+#include "simulator/sampling/sensor_grid.h"
 
 namespace dualpixel {
 class Fields;

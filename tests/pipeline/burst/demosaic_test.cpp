@@ -23,7 +23,7 @@ class DemosaicEachPattern : public testing::TestWithParam<std::string> {};
 TEST_P(DemosaicEachPattern, FlatColorIsExactUpToTheBorder) {
   const float flat[3] = {0.25f, 0.5f, 0.75f};
   const Image rgb = demosaic(mosaic_of(12, 8, GetParam(), [&](int, int, int c) { return flat[c]; }), GetParam());
-  // The gradient correction is a Laplacian of one colour: 0 here, so no channel leaks into another.
+  // The gradient correction is a Laplacian of one color: 0 here, so no channel leaks into another.
   for (int y = 0; y < 8; ++y) {
     for (int x = 0; x < 12; ++x) {
       for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb.at(x, y, c), flat[c], 1e-6) << x << ' ' << y << ' ' << c;

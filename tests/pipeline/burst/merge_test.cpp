@@ -35,7 +35,7 @@ MergeOptions strength(double c) {
 }
 
 /// One frame's signals.
-MergedBurst normalised(const Frame& frame, const Exposure& exposure) {
+MergedBurst normalized(const Frame& frame, const Exposure& exposure) {
   const auto normalise = [&](const ImageU16& raw) {
     Image image(raw.width, raw.height);
     for (std::size_t i = 0; i < raw.data.size(); ++i) {
@@ -83,7 +83,7 @@ TEST_P(StaticBurst, HasTheNoiseOfTheShrinkage) {
   for (int z = 0; z < GetParam().frames; ++z) frames.push_back(expose(flat, exposure, z + 1));
   const std::vector<MotionField> still = motions_of(std::vector<Pose>(frames.size()), 256, 256);
   const MergedBurst merged = merge_burst(frames, 0, still, exposure, strength(GetParam().strength));
-  const auto single = errors(normalised(frames[0], exposure), flat, {0, 0, 256, 256});
+  const auto single = errors(normalized(frames[0], exposure), flat, {0, 0, 256, 256});
   const auto many = errors(merged, flat, {0, 0, 256, 256});
   const auto ratio = [&](int plane) { return std::sqrt(many[plane] / single[plane]); };
   EXPECT_NEAR(ratio(0), GetParam().ratio, 0.02 * GetParam().ratio);
@@ -107,7 +107,7 @@ TEST(Merge, FractionsOfAPixelCostNoDenoising) {
   std::vector<Frame> frames;
   for (unsigned z = 1; z <= 6; ++z) frames.push_back(expose(flat, exposure, z));
   const std::vector<Pose> poses = {{0, 0}, {0.4, 0.3}, {-0.3, 0.8}, {1.45, -0.2}, {0.2, 0.4}, {-2.4, 1.6}};
-  const auto single = errors(normalised(frames[0], exposure), flat, {0, 0, 128, 128});
+  const auto single = errors(normalized(frames[0], exposure), flat, {0, 0, 128, 128});
   const auto many = errors(merge_burst(frames, 0, motions_of(poses, 128, 128), exposure), flat, {0, 0, 128, 128});
   for (int plane = 0; plane < 3; ++plane) EXPECT_LT(std::sqrt(many[plane] / single[plane]), 1.02 * 0.447) << plane;
 }
@@ -154,7 +154,7 @@ TEST(Merge, ShiftsByFractionsOfAPixel) {
     frames.push_back({raw(256, 192, 0.5, 0.5), raw(128, 48, 1, 2), raw(128, 48, 1, 2)});
   }
   const MergedBurst merged = merge_burst(frames, 0, motions_of(poses, 128, 96), exposure, strength(1e6));
-  const MergedBurst base = normalised(frames[0], exposure);
+  const MergedBurst base = normalized(frames[0], exposure);
   const auto worst = [](const Image& a, const Image& b, int rim) {
     double most = 0;
     for (int y = rim; y < a.height - rim; ++y) {
@@ -225,7 +225,7 @@ TEST_P(MovingObject, IsNeverWorseThanTheBase) {
     frames.push_back(expose(signals, exposure, 100 + z));
   }
   const MergedBurst merged = merge_burst(frames, 0, align_burst(frames, 0, exposure), exposure);
-  const MergedBurst single = normalised(frames[0], exposure);
+  const MergedBurst single = normalized(frames[0], exposure);
   for (const Box& box : {Box{24, 32, 88, 96}, {16, 24, 32, 104}, {80, 24, 96, 104}}) {  // all of it, and its sides
     const auto before = errors(single, truth, box), after = errors(merged, truth, box);
     for (int plane = 0; plane < 3; ++plane) {
@@ -254,7 +254,7 @@ TEST(Merge, DifferencesOfAnyStrengthDoNoHarm) {
     add_white_noise(changed.right, 3, deviations * of_view);
     std::vector<Frame> frames = {expose(flat, exposure, 4)};
     for (unsigned z = 1; z < 6; ++z) frames.push_back(expose(changed, exposure, 4 + z));
-    const auto before = errors(normalised(frames[0], exposure), flat, {0, 0, 64, 64});
+    const auto before = errors(normalized(frames[0], exposure), flat, {0, 0, 64, 64});
     const auto after =
         errors(merge_burst(frames, 0, motions_of(std::vector<Pose>(6), 64, 64), exposure), flat, {0, 0, 64, 64});
     for (int plane = 0; plane < 3; ++plane) EXPECT_LE(after[plane], before[plane] * (1 + 1e-5)) << deviations;
@@ -320,7 +320,7 @@ double greatest_difference(const Image& a, const Image& b) {
 TEST(Merge, OneFrameAndEqualFramesWithoutNoiseStayAsTheyAre) {
   Exposure exposure = exposure_at(100);
   const Frame frame = expose(see(Target(3), 50, 30, {}), exposure, 1);
-  const MergedBurst plain = normalised(frame, exposure);
+  const MergedBurst plain = normalized(frame, exposure);
   exposure.mosaic_noise = exposure.dp_noise = {};
   const std::vector<Frame> equal = {frame, frame, frame};
   for (const MergedBurst& merged :
@@ -336,7 +336,7 @@ TEST(Merge, LostFramesLeaveTheBase) {
   const Target target(9);
   const std::vector<Frame> frames = {expose(see(target, 128, 96, {}), exposure, 1),
                                      expose(see(Target(60), 128, 96, {}), exposure, 2)};
-  const MergedBurst base = normalised(frames[0], exposure);
+  const MergedBurst base = normalized(frames[0], exposure);
   const std::vector<MotionField> aligned = align_burst(frames, 0, exposure);
   std::vector<MotionField> beyond = aligned;
   for (float& m : beyond[1].data) m = 1e30f;

@@ -12,8 +12,8 @@
 /// Synthetic bursts whose motion is known exactly, for the tests of align and merge.
 namespace dualpixel::pipeline {
 
-/// A target lit by `lux`, grey of reflectance 0.18 at f/1.8 and 1/15 s: 4.06 e per lux on a photosite of 1.4 um. The
-/// ISO puts that grey at 0.108 of the white level; full well 6000 e at ISO 100, read noise 2 e, 10 bits.
+/// A target lit by `lux`, gray of reflectance 0.18 at f/1.8 and 1/15 s: 4.06 e per lux on a photosite of 1.4 um. The
+/// ISO puts that gray at 0.108 of the white level; full well 6000 e at ISO 100, read noise 2 e, 10 bits.
 inline constexpr double kGreyLevel = 0.108;
 inline Exposure exposure_at(double lux) {
   const double electrons = 4.06 * lux;
@@ -54,7 +54,7 @@ class Target {
   std::vector<Texture> octaves_;
 };
 
-/// Noiseless signals, normalised: a mosaic of 2 width x 2 height photosites (of colours 0.7, 1, 0.6), and DP views of
+/// Noiseless signals, normalized: a mosaic of 2 width x 2 height photosites (of colors 0.7, 1, 0.6), and DP views of
 /// width x height / 2 pixels with right(x + disparity) = left(x). Views average four rows of photosites.
 struct Signals {
   Image mosaic, left, right;

@@ -164,7 +164,7 @@ TEST(Aperture, ShapesFadeIntoEachOtherAndLieDown) {
   }
 }
 
-// Tenths of a pixel of difference between neighbours: no cells show.
+// Tenths of a pixel of difference between neighbors: no cells show.
 TEST(Aperture, CatsEyesChangeSmoothly) {
   constexpr int kSide = 200;
   const Aperture aperture{0, 0.9};

@@ -48,7 +48,7 @@ struct Plane {
 };
 
 /// Discs of the whole picture, none in layers, laid down from the farthest column to the nearest: each over what is
-/// there already ("ordered"), or added. At the working resolution, enlarged, of colours for display in 1/255.
+/// there already ("ordered"), or added. At the working resolution, enlarged, of colors for display in 1/255.
 Image exact(const Plane& plane, bool ordered) {
   Layer layer;
   cut_band(plane.rgb, plane.disparity, plane.radius, {-100, 100, 1, false}, layer);

@@ -291,7 +291,7 @@ TEST(Render, SubjectDoesNotBleedIntoTheBackgroundButABlurredFrontCoversTheSubjec
     for (int x = 82; x < 120; ++x) EXPECT_NEAR(out.rgb.at(x, y, 2), 1, 1e-5) << x;
     EXPECT_EQ(out.rgb.at(78, y, 1), 1);
     if (y < 15 || y >= 25) continue;  // elsewhere discs of radius 14 px are cut by the border
-    // Red spreads over green: a disc whose centre is 1.5 px beyond an edge has 43 % of its area across it.
+    // Red spreads over green: a disc whose center is 1.5 px beyond an edge has 43 % of its area across it.
     EXPECT_NEAR(out.rgb.at(41, y, 0), 0.43f, 0.04f);
     EXPECT_NEAR(out.rgb.at(41, y, 1), 0.57f, 0.04f);
   }
@@ -438,7 +438,7 @@ double mean_square(const Image& image, int x0, int x1) {
   return sum / ((image.height - 40.0) * (x1 - x0));
 }
 
-// A grey wall, its left half in focus: the noise that the blur takes from the right half comes back.
+// A gray wall, its left half in focus: the noise that the blur takes from the right half comes back.
 TEST(Noise, BlurredAndSharpHalvesAreAlikeUnderAHighPass) {
   constexpr int kWidth = 480, kHeight = 320;
   constexpr double kSignal = 0.4, kShot = 2e-4, kRead = 1e-5;

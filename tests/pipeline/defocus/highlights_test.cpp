@@ -12,7 +12,7 @@
 namespace dualpixel::pipeline {
 namespace {
 
-/// Grey pixels whose brightness has P(v > x) = (x / start)^-a.
+/// Gray pixels whose brightness has P(v > x) = (x / start)^-a.
 Image power_law(int side, double a, double start, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(0, 1);

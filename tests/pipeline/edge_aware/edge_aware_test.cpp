@@ -146,7 +146,7 @@ TEST(BilateralSolver, EqualsADenseSolve) {
 }
 
 TEST(BilateralGrid, CoordinatesNeverWrap) {
-  // A hash of small fields takes column 255's neighbour for column 0 of the next row.
+  // A hash of small fields takes column 255's neighbor for column 0 of the next row.
   const int width = 2100;
   const BilateralGrid grid = make_bilateral_grid(Image(width, 2, 3, 100.0f), {4, 8, 8});
   EXPECT_EQ(grid.vertices, width / 4);

@@ -106,7 +106,7 @@ double mean_of(const Image& image, bool subject) {
   return sum / count;
 }
 
-/// Mean square difference between horizontal neighbours in green.
+/// Mean square difference between horizontal neighbors in green.
 double detail_of(const Image& rgb, bool subject) {
   double sum = 0, count = 0;
   away_from_edges(subject, 24, [&](int x, int y) {

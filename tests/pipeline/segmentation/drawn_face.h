@@ -10,7 +10,7 @@ namespace dualpixel::pipeline {
 /// one.
 inline void draw_face(Image& picture, double center_x, double center_y, double size_px) {
   struct Oval {
-    double x, y, rx, ry, softness, value;  // in face sizes about the centre; linear light
+    double x, y, rx, ry, softness, value;  // in face sizes about the center; linear light
   };
   const Oval ovals[] = {
       {0, -0.12, 0.62, 0.78, 0.10, 0.03},                                                 // hair

@@ -307,7 +307,7 @@ TEST(NetworkInput, IsThePictureInTheMiddleOfBlackAndAGaussianOnTheFace) {
       for (int c = 0; c < 3; ++c) picture.at(x, y, c) = (x + y) % 2 == 0 ? 0.5F : 0;
     }
   }
-  const Face face{610, 182, 60, 60};  // centre (640, 212), in the square (160, 64 + 53)
+  const Face face{610, 182, 60, 60};  // center (640, 212), in the square (160, 64 + 53)
   const Image input = network_input(picture, face);
   EXPECT_EQ(input.at(100, 63, 0), -0.5F);
   EXPECT_EQ(input.at(100, 192, 2), -0.5F);
@@ -381,7 +381,7 @@ TEST(PersonMask, OddPictures) {
     EXPECT_GE(std::min(mask.width, mask.height), 1);
     for (const float value : mask.data) ASSERT_TRUE(value >= 0 && value <= 1);
   }
-  // one channel is grey in three
+  // one channel is gray in three
   const Face face{30, 20, 8, 8};
   EXPECT_EQ(person_mask(Image(64, 48, 1, 0.5F), {face}, network).data,
             person_mask(Image(64, 48, 3, 0.5F), {face}, network).data);

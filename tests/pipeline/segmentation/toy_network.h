@@ -60,7 +60,7 @@ inline NetworkWeights random_network(int stages, unsigned seed) {
 inline NetworkWeights face_follower() {
   NetworkWeights weights = empty_network(1);
   const auto pass = [&](const std::string& layer, int out, int in, float gain) {
-    weights.layers[layer].weight[(out * weights.layers[layer].in + in) * 9 + 4] = gain;  // the kernel's centre
+    weights.layers[layer].weight[(out * weights.layers[layer].in + in) * 9 + 4] = gain;  // the kernel's center
   };
   pass("stem_half", 0, 3, 1);
   pass("stem_fine", 0, 0, 1);

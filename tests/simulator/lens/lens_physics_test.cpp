@@ -26,7 +26,7 @@ Lens base_lens(SplitPixel::Kind split = SplitPixel::Kind::hard) {
 
 Aberrations& aberrations(Lens& lens) { return std::get<Aberrations>(lens.model); }
 
-/// A sensor whose photosite (0, 0) has its centre at (x, y), in field radii of the lens.
+/// A sensor whose photosite (0, 0) has its center at (x, y), in field radii of the lens.
 SensorGrid photosite_at(const Lens& lens, double x, double y) {
   const double radius_mm = image_radius_mm(lens) > 0 ? image_radius_mm(lens) : Aberrations{}.image_radius_mm;
   const double per_radius = field_radius_m(radius_mm, lens.thin) / kPitch;
@@ -126,7 +126,7 @@ TEST(Knobs, SplitOffsetMapIsBilinearBetweenItsCells) {
   FieldMap map;
   map.columns = 2;
   map.rows = 1;
-  map.cells = {-0.1f, 0.3f};  // cells centred on x = -1/2 and 1/2
+  map.cells = {-0.1f, 0.3f};  // cells centered on x = -1/2 and 1/2
   EXPECT_NEAR(map(-0.5, 0.7), -0.1, 1e-6);
   EXPECT_NEAR(map(0, 0), 0.1, 1e-6);
   EXPECT_NEAR(map(0.25, 0), 0.2, 1e-6);

@@ -32,7 +32,7 @@ MatchWindows windows_of(const DpViews& reference) { return match_windows(referen
 TEST(MatchError, FindsTheShiftThatWasMade) {
   const DpViews reference{waves(0), waves(0)};
   const MatchWindows windows = windows_of(reference);
-  EXPECT_EQ(windows.total, 8);  // 64 of the 66 columns have both neighbours
+  EXPECT_EQ(windows.total, 8);  // 64 of the 66 columns have both neighbors
   ASSERT_EQ(windows.textured.size(), 8u);
   constexpr double kShift = 0.02;
   for (const MatchWindow& w : windows.textured) {

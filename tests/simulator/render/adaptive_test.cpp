@@ -7,13 +7,13 @@
 #include <bit>
 #include <cmath>
 
-#include "simulator/lens/sensor_grid.h"
+#include "simulator/sampling/sensor_grid.h"
 #include "tests/simulator/test_scenes.h"
 
 namespace dualpixel::simulator::testing {
 namespace {
 
-/// A grey wall that a bar in front of it shades from an uneven sky; half of the picture is smooth, half is not.
+/// A gray wall that a bar in front of it shades from an uneven sky; half of the picture is smooth, half is not.
 Scene barred_wall() {
   Scene scene;
   scene.materials = {diffuse(0.7f)};

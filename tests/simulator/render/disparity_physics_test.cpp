@@ -13,7 +13,7 @@ namespace {
 constexpr int kSize = 80;         // pixels of the little sensor
 constexpr double kTargetPx = 22;  // the square's side on the sensor
 
-/// A glowing square, centred on the axis at the depth where the signed blur diameter is `blur_px`.
+/// A glowing square, centered on the axis at the depth where the signed blur diameter is `blur_px`.
 Scene square_with_blur(const CameraView& camera, double blur_px) {
   const ThinLens& lens = thin(camera);
   const double pitch_m = camera.lens.sensor().pixel_pitch_m;

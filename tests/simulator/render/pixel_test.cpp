@@ -10,7 +10,7 @@ namespace dualpixel::simulator::testing {
 namespace {
 
 // Before a wall that glows evenly both views are alike whatever the number of samples: the odd one of an odd number
-// must not favour a half of the pupil. Three standard errors of the photosites' own scatter.
+// must not favor a half of the pupil. Three standard errors of the photosites' own scatter.
 TEST(RenderPixel, SharesOddSamplesBetweenTheHalvesOfThePupil) {
   Scene scene;
   scene.materials = {glowing(100)};

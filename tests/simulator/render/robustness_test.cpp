@@ -179,7 +179,7 @@ TEST(Robustness, CoplanarSheetsDoNotShadowEachOther) {
   }
 }
 
-// Triangles a metre long and a micrometre wide, one without area, sheets through the lens's own plane and through its
+// Triangles a meter long and a micrometre wide, one without area, sheets through the lens's own plane and through its
 // pupil: numbers come out, and no more light than the sky has.
 TEST(Robustness, SliversAndSheetsThroughTheLensStayFinite) {
   Scene scene;

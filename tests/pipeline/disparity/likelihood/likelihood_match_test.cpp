@@ -339,7 +339,7 @@ TEST(LikelihoodMatch, RoughSurfacesAreDoubted) {
 
 TEST(LikelihoodMatch, BordersAreNoHighlights) {
   // What a border tile cannot use is outside, not clipped. With 6 columns of 8 its variance is 8/6 of an inner one's;
-  // with 4, at a shift that pools neighbours, theirs. Ratios of means over some fifty tiles: 5 % of sampling error.
+  // with 4, at a shift that pools neighbors, theirs. Ratios of means over some fifty tiles: 5 % of sampling error.
   for (const auto& [d, expected] : {std::pair{0.2, std::sqrt(8.0 / 6)}, {4.0, 1.0}}) {
     Pair pair = shifted_pair(62, 0.3, 0.2, d);
     add_view_noise(pair.left, 1);

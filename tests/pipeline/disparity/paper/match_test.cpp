@@ -69,7 +69,7 @@ TEST(Normalize, FlatAndBrokenInputsStayFinite) {
   }
 }
 
-/// Where the parabola through the least cost and its neighbours has its minimum, when every tile has the costs that
+/// Where the parabola through the least cost and its neighbors has its minimum, when every tile has the costs that
 /// the texture has on average: twice its variance less its correlation.
 double locked(const Texture& texture, double d) {
   const double nearest = std::round(d);

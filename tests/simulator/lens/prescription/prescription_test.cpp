@@ -28,7 +28,7 @@ namespace {
 
 std::string shipped(const std::string& name) { return DUALPIXEL_SOURCE_DIR "/lens_models/" + name + ".json"; }
 
-/// Without colour the pupils of one wavelength need to be found instead of three.
+/// Without color the pupils of one wavelength need to be found instead of three.
 Lens read_monochrome(const std::string& name, double focus_distance_m) {
   nlohmann::json json = read_json_file(shipped(name));
   json.erase("wavelengths_nm");
@@ -509,7 +509,7 @@ TEST(LensFiles, AllShippedOnesLoadFocusAndRoundTrip) {
   }
   const Lens lens = read_lens_file(shipped("phone_aberrated_4.4mm_f1.8"), 0.8);
   const Lens again = read_lens(aberrated_lens_json(lens), "again.json", "", 0.8);
-  // the focal length goes through metres and back
+  // the focal length goes through meters and back
   EXPECT_NEAR(again.thin.focal_length_m, lens.thin.focal_length_m, 1e-15);
   nlohmann::ordered_json a = aberrated_lens_json(lens), b = aberrated_lens_json(again);
   a.erase("focal_length_mm");

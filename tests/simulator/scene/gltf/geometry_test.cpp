@@ -180,7 +180,7 @@ TEST(GltfGeometry, NormalsFollowNonUniformScale) {
   const float h = std::sqrt(0.5f);
   gltf.primitive()["attributes"]["NORMAL"] = gltf.add_accessor<float>({h, h, 0, h, h, 0, h, h, 0}, "VEC3");
   gltf.node()["scale"] = {2, 1, 1};
-  // The inverse transpose: (1/2, 1, 0), normalised.
+  // The inverse transpose: (1/2, 1, 0), normalized.
   expect_near(gltf.read().meshes[0].normals[0], glm::normalize(glm::vec3(0.5f, 1, 0)));
 }
 

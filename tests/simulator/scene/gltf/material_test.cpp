@@ -52,7 +52,7 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-/// A triangle whose base colour is the embedded image.
+/// A triangle whose base color is the embedded image.
 GltfBuilder textured(const std::string& image) {
   GltfBuilder gltf = one_triangle();
   gltf.primitive()["attributes"]["TEXCOORD_0"] = gltf.add_accessor<float>({0, 0, 1, 0, 0, 1}, "VEC2");
@@ -179,7 +179,7 @@ TEST(GltfMaterial, ChannelsBecomeRgba) {
 TEST(GltfMaterial, JpegTexture) {
   const Scene scene = textured(encoded("jpg", 16, 8, 3, 200)).read();
   EXPECT_EQ(scene.textures[0].height, 8);
-  EXPECT_NEAR(scene.textures[0].rgba[0], 200, 2);  // JPEG's quantisation of an even grey
+  EXPECT_NEAR(scene.textures[0].rgba[0], 200, 2);  // JPEG's quantisation of an even gray
   EXPECT_EQ(scene.textures[0].rgba[3], 255);
 }
 

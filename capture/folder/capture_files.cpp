@@ -1,4 +1,4 @@
-#include "capture/capture_files.h"
+#include "capture/folder/capture_files.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>

@@ -1,4 +1,4 @@
-#include "capture/camera_json.h"
+#include "capture/folder/camera_json.h"
 
 namespace dualpixel {
 

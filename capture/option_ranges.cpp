@@ -1,10 +1,10 @@
-#include "simulator/option_ranges.h"
+#include "capture/option_ranges.h"
 
 #include <fmt/format.h>
 
 #include "capture/error.h"
 
-namespace dualpixel::simulator {
+namespace dualpixel {
 
 std::optional<std::string> out_of_range(double value, double low, double high) {
   if (value >= low && value <= high) return std::nullopt;
@@ -20,4 +20,4 @@ void require_valid(const std::optional<OptionProblem>& problem, const std::strin
   if (problem) throw InputError(fmt::format("{}: /{}: {}", printable(where), problem->field, problem->message));
 }
 
-}  // namespace dualpixel::simulator
+}  // namespace dualpixel

@@ -1,11 +1,11 @@
-#include "capture/capture_json.h"
+#include "capture/folder/capture_json.h"
 
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "capture/camera_json.h"
 #include "capture/color_filter_array.h"
+#include "capture/folder/camera_json.h"
 
 namespace dualpixel {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/capture_check.h"
+#include "capture/folder/capture_check.h"
 
 /// The files in a capture's folder: their names, and the manifest in capture.json ("files": path, bytes, xxh64).
 namespace dualpixel {

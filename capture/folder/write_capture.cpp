@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/capture.h"
-#include "capture/capture_check.h"
-#include "capture/capture_files.h"
-#include "capture/capture_json.h"
 #include "capture/files.h"
+#include "capture/folder/capture_check.h"
+#include "capture/folder/capture_files.h"
+#include "capture/folder/capture_json.h"
 #include "capture/image/image_io.h"
 
 namespace dualpixel {

@@ -10,7 +10,7 @@
 /// Options and what they may be, in one place for scene files, the command line, library users and tests: each options
 /// struct has a table of the ranges of its numbers, and a function check() for these and for whatever
 /// depends on several fields.
-namespace dualpixel::simulator {
+namespace dualpixel {
 
 /// Why options cannot be used.
 struct OptionProblem {
@@ -61,4 +61,4 @@ std::optional<OptionProblem> within(const char* parent, std::optional<OptionProb
 /// Throws InputError "where: /field: message" where there is a problem.
 void require_valid(const std::optional<OptionProblem>& problem, const std::string& where);
 
-}  // namespace dualpixel::simulator
+}  // namespace dualpixel

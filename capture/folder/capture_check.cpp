@@ -1,4 +1,4 @@
-#include "capture/capture_check.h"
+#include "capture/folder/capture_check.h"
 
 #include <algorithm>
 #include <cmath>
