@@ -162,7 +162,7 @@ double pair_over_undivided(const Patches& patches) {
   std::vector<CameraView> thin;
   for (int p = 0; p < kPatches; p += kEvery) {
     simulator::Lens lens = patches.cameras[p].lens.lens();
-    lens.model = simulator::Lens::Model::thin;
+    lens.model = simulator::ThinModel{};
     thin.push_back({patches.cameras[p].world_from_camera, {lens, patches.cameras[p].lens.sensor()}});
   }
   const auto render_all = [&](std::optional<double> ideal) {

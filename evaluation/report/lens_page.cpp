@@ -171,7 +171,7 @@ Plot cross_section(const simulator::Prescription& lens) {
         simulator::RayBatch<double, 1> ray{};
         ray.y[0] = fields[f] * lens.image_radius_mm;
         ray.z[0] = traced.sensor_z_mm();
-        ray.m[0] = e.centre_m + v * e.half_m;
+        ray.m[0] = e.center_m + v * e.half_m;
         ray.n[0] = -std::sqrt(1 - ray.m[0] * ray.m[0]);
         traced.trace(ray);
         passes = ray.end[0] == 0;

@@ -1,11 +1,8 @@
 #include "pipeline/defocus/methods.h"
 
-#include <fmt/format.h>
-
 #include <string>
 #include <utility>
 
-#include "capture/error.h"
 #include "capture/names.h"
 #include "pipeline/defocus/render.h"
 
@@ -35,8 +32,7 @@ std::span<const DefocusMethod> defocus_methods() { return kMethods; }
 
 const DefocusMethod& defocus_method_named(std::string_view name) {
   if (const DefocusMethod* method = find_named(kMethods, name)) return *method;
-  const std::string unknown(name);
-  throw InputError(fmt::format("defocus method: {}: {}", printable(unknown), must_be_one_of(kMethods, unknown)));
+  refuse_name("defocus method", std::string(name), names_of(kMethods));
 }
 
 }  // namespace dualpixel::pipeline

@@ -1,10 +1,7 @@
 #include "pipeline/disparity/matchers.h"
 
-#include <fmt/format.h>
-
 #include <string>
 
-#include "capture/error.h"
 #include "capture/names.h"
 
 namespace dualpixel::pipeline {
@@ -45,8 +42,7 @@ std::span<const Matcher> matchers() { return kMatchers; }
 
 const Matcher& matcher_named(std::string_view name) {
   if (const Matcher* matcher = find_named(kMatchers, name)) return *matcher;
-  const std::string unknown(name);
-  throw InputError(fmt::format("matcher: {}: {}", printable(unknown), must_be_one_of(kMatchers, unknown)));
+  refuse_name("matcher", std::string(name), names_of(kMatchers));
 }
 
 }  // namespace dualpixel::pipeline

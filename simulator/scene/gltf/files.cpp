@@ -167,7 +167,7 @@ bool move_bytes(std::vector<unsigned char>* out, std::string*, const std::string
 
 bool write_nothing(std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; }
 
-bool size_of_key(std::size_t* size, std::string*, const std::string& key, void* bytes) {
+[[maybe_unused]] bool size_of_key(std::size_t* size, std::string*, const std::string& key, void* bytes) {
   *size = static_cast<Bytes*>(bytes)->at(key).size();
   return true;
 }
