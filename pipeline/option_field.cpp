@@ -20,6 +20,10 @@ double number(const OptionField& field) {
 }
 
 bool allowed(const OptionField& field, double value) {
+  if (std::holds_alternative<float*>(field.value)) {  // the limits rounded as the value is
+    const auto rounded = static_cast<float>(value);
+    return rounded >= static_cast<float>(field.low) && rounded <= static_cast<float>(field.high);
+  }
   return is_flag(field) || (value >= field.low && value <= field.high);
 }
 

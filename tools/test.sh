@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs, builds with warnings as errors, and runs everything that must hold: format, lint, unit tests, end to end.
-#   tools/test.sh [--fast]            (--fast: the tests labelled fast only, no lint)
+#   tools/test.sh [--fast]            (--fast: the tests labeled fast only, no lint)
 fast=false
 if [ "${1:-}" = --fast ]; then fast=true; fi
 set --

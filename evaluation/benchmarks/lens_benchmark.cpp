@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "capture/error.h"
 #include "capture/json_fields.h"
 #include "capture/timing.h"
 #include "simulator/lens/disparity_field.h"
@@ -41,7 +42,7 @@ LensBenchmark measure_lens(const std::string& file, const simulator::Simulation&
                            const glm::mat4& pose) {
   const simulator::Lens lens = simulator::read_lens_file(file, s.lens.thin.focus_distance_m);
   if (simulator::image_radius_mm(lens) == 0) {
-    throw InputError(printable(file) + ": /model: a thin lens has no image circle to fill");
+    throw InputError(printable(file) + ": /model: has no image circle to fill");
   }
   const double radius_m = 1e-3 * simulator::image_radius_mm(lens);
   const simulator::SensorGrid sensor{

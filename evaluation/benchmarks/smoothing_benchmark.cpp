@@ -206,12 +206,13 @@ std::vector<SmoothingStages::MaskScore> score_masks(const Problem& problem, cons
 SmoothingStages measure_stages(const Problem& problem) {
   const SmoothingInput small = reduced(problem, 4);
   const Image guide = pipeline::encode_guide(problem.input, pipeline::guide_gain(problem.input));
+  const Image large_guide = pipeline::encode_guide(problem.input, small.guide.gain);
   Image mask(problem.person.width, problem.person.height);
   std::copy(problem.person.data.begin(), problem.person.data.end(), mask.data.begin());
   const Image coarse = resize_area(mask, 256, 256);
   Image solved, smooth, large, filtered;
   const auto [ms, cpu_ms] = times({[&] { solved = solve(small, {}); }, [&] { smooth = median_3x3(solved); },
-                                   [&] { large = pipeline::joint_upsample(smooth, small.guide.small, guide); },
+                                   [&] { large = pipeline::joint_upsample(smooth, small.guide.small, large_guide); },
                                    [&] { filtered = pipeline::filter_mask(coarse, guide); }},
                                   7);
   return {ms[0],

@@ -85,9 +85,9 @@ pipeline::Defocused blur_behind_mask(const pipeline::DefocusInput& input, const 
 }
 
 constexpr pipeline::DefocusMethod kBaselines[] = {
-    {"naive gather", "the mean over a disc of each pixel's own radius", gather},
-    {"single pass", "each pixel spread over a disc of its own radius, all at once", spread_in_one_pass},
-    {"mask and uniform blur", "the whole picture by one radius, the person laid over it", blur_behind_mask},
+    {"naive gather", "the mean over a disc of each pixel's own radius", false, gather},
+    {"single pass", "each pixel spread over a disc of its own radius, all at once", false, spread_in_one_pass},
+    {"mask and uniform blur", "the whole picture by one radius, the person laid over it", true, blur_behind_mask},
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/image/resample.h"
+#include "capture/names.h"
 #include "evaluation/experiments/defocus_baselines.h"
 #include "evaluation/metrics/image_metrics.h"
 #include "evaluation/simulated_scene.h"
@@ -198,12 +199,12 @@ SceneDefocus measure_defocus(const Capture& capture, const std::string& name) {
   add("mask", render(both.input, both.disparity_dp_px, from_picture));
   pipeline::SmoothOptions coarse;
   coarse.grid.cell_px = coarse.grid.cell_luma = coarse.grid.cell_chroma = 16;
-  const pipeline::DefocusMethod& uniform = defocus_baselines().back();
+  const pipeline::DefocusMethod& uniform = *find_named(defocus_baselines(), "mask and uniform blur");
   scene.ranked =
       rank({{"dp+seg", scene.steps.back().picture},
             {"dp", dp.portrait},
             {"seg", best_uniform(compare, pipeline::defocus_method_named("mask"), dp.input, person)},
-            {"mask and uniform blur", best_uniform(compare, uniform, dp.input, person)},
+            {std::string(uniform.name), best_uniform(compare, uniform, dp.input, person)},
             {"bilateral space, coarse, unweighted",
              render(dp.input, pipeline::smooth_disparity({matched, certain}, dp.input, coarse), from_picture)},
             {"not blurred", dp.input}},
@@ -240,9 +241,13 @@ std::vector<Halo> measure_halos(float radius_px) {
 
   const Image no_mask;
   const pipeline::DefocusInput input{rgb, disparity, no_mask, mapping};
-  std::vector<Halo> halos = {{"ours", 0, 0, pipeline::defocus_method_named("layers").render(input, {}).rgb, {}}};
-  for (const pipeline::DefocusMethod& baseline : defocus_baselines().first(2)) {
-    halos.push_back({std::string(baseline.name), 0, 0, baseline.render(input, {}).rgb, {}});
+  std::vector<Halo> halos;
+  for (const auto methods : {pipeline::defocus_methods(), defocus_baselines()}) {
+    for (const pipeline::DefocusMethod& method : methods) {
+      if (method.by_mask) continue;
+      const std::string name(method.name == "layers" ? "ours" : method.name);
+      halos.push_back({name, 0, 0, method.render(input, {}).rgb, {}});
+    }
   }
   for (Halo& halo : halos) {
     double inside = 0, outside = 0;

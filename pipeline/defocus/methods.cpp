@@ -22,8 +22,8 @@ Defocused blur_by_mask(const DefocusInput& input, const DefocusOptions& options)
 }
 
 constexpr DefocusMethod kMethods[] = {
-    {"layers", "bands of disparity, blurred from back to front", blur_layers},
-    {"mask", "the background of a person mask, by one radius", blur_by_mask},
+    {"layers", "bands of disparity, blurred from back to front", false, blur_layers},
+    {"mask", "the background of a person mask, by one radius", true, blur_by_mask},
 };
 
 }  // namespace

@@ -136,7 +136,7 @@ TEST(SlowEndToEnd, SameBytesForAnyNumberOfThreadsAndInEveryRun) {
   }
 }
 
-// The floors that the first version promised, on the default scene at full size.
+// Floors for the default scene at full size.
 TEST(SlowEndToEnd, DefaultSceneMeetsItsFloors) {
   const TemporaryFolder folder;
   must_run("simulate " + kScene + " -o '" + (folder / "capture") + "'");

@@ -61,12 +61,11 @@ void add_people(CLI::App& program) {
       ->check(any_seed())
       ->capture_default_str()
       ->type_name("SEED");
-  command->add_flag(
-      "--held-out", arguments->options.held_out,
-      "To judge with: kinds of poses, textures, places and lights, and numbers, that training sets never draw");
+  command->add_flag("--held-out", arguments->options.held_out,
+                    "For evaluation: poses, textures, environments and lights that training sets never use");
   command
       ->add_option("--composites", arguments->options.composites,
-                   "How many copies of each rendered picture to cut out and set before other backgrounds")
+                   "How many copies of each rendered picture to cut out and place in front of other backgrounds")
       ->capture_default_str()
       ->type_name("K");
   command

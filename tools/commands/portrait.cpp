@@ -214,7 +214,13 @@ void run(const PortraitCommand& command) {
 
   Capture capture = read_input(command, options);
   if (command.tap) {
-    options.tap = pipeline::tapped_region(command.tap->values[0], command.tap->values[1], capture.camera);
+    const double x = command.tap->values[0], y = command.tap->values[1];
+    int width = capture.camera.width_px, height = capture.camera.height_px;
+    if (options.transposed) std::swap(width, height);
+    if (!(x >= 0 && x <= width && y >= 0 && y <= height)) {
+      throw InputError(fmt::format("--tap {:g},{:g}: must lie in the picture of {} x {}", x, y, width, height));
+    }
+    options.tap = pipeline::tapped_region(x, y, capture.camera);
   }
   const pipeline::KnownSubject known = known_subject(capture, options);
   if (looks_for_people) {
