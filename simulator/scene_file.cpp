@@ -95,14 +95,21 @@ void read_environment_fields(Fields environment, Simulation& s, const std::strin
   environment.done();
 }
 
+/// What rendering may be asked to reach, in place of a number of samples.
+struct RenderGoal {
+  const char* name;
+  std::optional<double> Simulation::*value;
+  double low, high;
+};
+constexpr RenderGoal kRenderGoals[] = {{"noise_fraction", &Simulation::noise_fraction, 1e-4, 100},
+                                       {"error", &Simulation::render_error, 1e-4, 100},
+                                       {"time_budget_s", &Simulation::time_budget_s, 0, 1e7}};
+
 void read_render(Fields render, Simulation& s) {
   read_ranges(render, s.render, kRenderRanges);
-  const auto optional = [&](const char* key, std::optional<double>& value, double low, double high) {
-    if (render.has(key)) render.number(key, value.emplace(), low, high);
-  };
-  optional("noise_fraction", s.noise_fraction, 1e-4, 100);
-  optional("error", s.render_error, 1e-4, 100);
-  optional("time_budget_s", s.time_budget_s, 0, 1e7);
+  for (const auto& [name, goal, low, high] : kRenderGoals) {
+    if (render.has(name)) render.number(name, (s.*goal).emplace(), low, high);
+  }
   read_ranges(render, s, kTruthSampleRanges);
   render.integer("seed", s.render.seed, 0, kAnySeed);
   render.done();
@@ -129,6 +136,10 @@ std::optional<OptionProblem> check_render(const Simulation& s) {
   if (s.noise_fraction.has_value() + s.render_error.has_value() + s.time_budget_s.has_value() > 1) {
     return OptionProblem{s.time_budget_s ? "time_budget_s" : "error",
                          "give one of noise_fraction, error and time_budget_s"};
+  }
+  for (const auto& [name, goal, low, high] : kRenderGoals) {
+    if (!(s.*goal)) continue;
+    if (const auto why = out_of_range(*(s.*goal), low, high)) return OptionProblem{name, *why};
   }
   return check_ranges(s, kTruthSampleRanges);
 }

@@ -304,7 +304,7 @@ ErrorTarget sensor_noise(const Simulation& s, double lux_per_nit) {
 }
 
 Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& stage) {
-  check_memory(s, (s.animation ? 2 : 1) * bytes_of(scene));
+  require_valid(check(s), s.path);  // a lens can only be prepared for a sensor that can be
   return simulate(s, scene, place_camera(s, scene), stage);
 }
 

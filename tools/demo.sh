@@ -5,7 +5,7 @@ out=$(realpath -m "${1:-$(dirname "${BASH_SOURCE[0]}")/../demo-output}")
 set --  # setup.sh would take them for packages
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-cmake --preset release -DDUALPIXEL_TESTS=OFF >/dev/null
+cmake --preset release -DDUALPIXEL_TESTS=OFF -DDUALPIXEL_WERROR=OFF >/dev/null
 cmake --build --preset release >&2
 dualpixel=build/release/tools/dualpixel
 

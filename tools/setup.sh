@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing on Debian 12 or 13: sourced by demo.sh and test.sh.
+# Installs what is missing on Debian 12 or 13: sourced by demo.sh, test.sh and test_training.sh.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -9,7 +9,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" clang-format clang-tidy libraw-
 sources() { git ls-files '*.h' '*.cpp'; }
 sources | xargs clang-format --dry-run --Werror
 
-cmake --preset release -DDUALPIXEL_TESTS=ON -DDUALPIXEL_WERROR=ON >/dev/null
+cmake --preset release -DDUALPIXEL_TESTS=ON -DDUALPIXEL_WERROR=ON -DDUALPIXEL_TRAINER=OFF -DDUALPIXEL_ONNX=OFF >/dev/null
 cmake --build --preset release
 
 if ! $fast; then

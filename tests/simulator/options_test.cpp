@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "capture/error.h"
 #include "simulator/scene_file.h"
@@ -38,6 +39,9 @@ TEST(Options, EachProblemNamesFieldValueAndWhatIsAllowed) {
        }},
       {"truth/photograph_aperture_scale: -1: must", [](Simulation& s) { s.photograph_aperture_scale = -1; }},
       {"render/max_bounces: -1: must be a number in [0, 1000]", [](Simulation& s) { s.render.max_bounces = -1; }},
+      {"render/noise_fraction: 0: must be a number in [0.0001, 100]", [](Simulation& s) { s.noise_fraction = 0; }},
+      {"render/error: nan: must be a number", [](Simulation& s) { s.render_error = std::nan(""); }},
+      {"render/time_budget_s: -1: must be a number", [](Simulation& s) { s.time_budget_s = -1; }},
       {"render/error: give one of", [](Simulation& s) { s.noise_fraction = s.render_error = 1; }},
   };
   for (const auto& [expected, change] : cases) {

@@ -1,6 +1,6 @@
 // Real glTF files that we did not make are imported and rendered: something is seen, nothing is infinite. (The one that
 // is missing here, DenseSphere.glb, requires Draco compression and is refused by that name: see
-// scene/gltf_assets_test.cpp.)
+// tests/simulator/scene/gltf/assets_test.cpp.)
 #include <gtest/gtest.h>
 
 #include <cmath>

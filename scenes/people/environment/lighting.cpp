@@ -88,6 +88,7 @@ void apply_lighting(SceneModel& scene, RandomStream& rng, LightingKind kind, con
 std::string set_lighting(SceneModel& scene, RandomStream rng) {
   constexpr const char* kNames[] = {"overcast", "sun",  "sun behind", "window", "ceiling", "softbox",
                                     "flash",    "lamp", "neon",       "golden", "skylight"};
+  static_assert(std::size(kNames) == kLightingKinds);
   const int index = rng.choose(kLightingKinds, kReservedLightingKinds);
   Palette palette{};
   palette.side = rng.sign(), palette.turn = rng.uniform(0.2f, 1.3f), palette.up = rng.uniform(0.25f, 1.1f);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "scenes/procedural/noise.h"
 
@@ -11,6 +12,7 @@ namespace {
 constexpr const char* kStyleNames[] = {"bald", "cropped", "short", "parted", "curly",    "afro",
                                        "bob",  "long",    "wavy",  "bun",    "ponytail", "braids"};
 constexpr int kStyles = 12;
+static_assert(std::size(kStyleNames) == kStyles && static_cast<int>(HairStyle::braids) == kStyles - 1);
 constexpr int kShortStyles = 6;
 
 /// What the style changes.

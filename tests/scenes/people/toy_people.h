@@ -51,9 +51,9 @@ inline void write_toy_people(const std::string& folder, int count, std::uint64_t
     }
     std::array<double, 3> wall{};
     for (double& c : wall) c = draw(20, 240);
-    const auto inside = [&](const ToyFigure& f, double x, double y, bool head_rng) {
-      const double cy = head_rng ? f.head_y : f.head_y + f.head * 1.2 + 110;
-      const double rx = head_rng ? f.head * 0.8 : f.body, ry = head_rng ? f.head : 110;
+    const auto inside = [&](const ToyFigure& f, double x, double y, bool is_head) {
+      const double cy = is_head ? f.head_y : f.head_y + f.head * 1.2 + 110;
+      const double rx = is_head ? f.head * 0.8 : f.body, ry = is_head ? f.head : 110;
       return std::hypot((x - f.x) / rx, (y - cy) / ry) < 1;
     };
     for (int y = 0; y < kSize; ++y) {
