@@ -14,6 +14,8 @@
 #include "simulator/lens/disparity_field.h"
 #include "simulator/lens/lens_file.h"
 #include "simulator/plan/match_error.h"
+#include "simulator/plan/pilot_errors.h"
+#include "simulator/plan/plan.h"
 #include "simulator/render/truth.h"
 #include "simulator/sampling/hash.h"
 #include "simulator/simulate.h"

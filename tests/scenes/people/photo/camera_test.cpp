@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "scenes/people/photo/camera.h"
+#include "scenes/procedural/random_stream.h"
 
 namespace dualpixel::scenes {
 namespace {

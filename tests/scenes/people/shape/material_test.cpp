@@ -14,7 +14,7 @@ TEST(Materials, HaveReflectancesAtAllPositions) {
         material.kind = pool.kinds[i];
         material.scale_m = rng.uniform(0.01f, 0.6f);
         for (const float reach_m : {0.0f, 0.3f, 60.0f}) {
-          const vec3 color = reflectance(material, reach_m * rng.uniform3(-1, 1));
+          const glm::vec3 color = reflectance(material, reach_m * rng.uniform3(-1, 1));
           for (int c = 0; c < 3; ++c) EXPECT_TRUE(color[c] >= 0 && color[c] < 2) << i << " " << color[c];
         }
       }
