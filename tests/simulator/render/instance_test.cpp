@@ -49,8 +49,8 @@ std::array<glm::vec3, 3> corners(const Mesh& mesh, unsigned triangle) {
 }
 
 /// The largest difference between the float normals of a triangle in space and of one whose corners lie beside its own
-/// by the rounding of a placement (tests/simulator/scene/gltf/instance_test.cpp): twice that over the least height, for either of two edges,
-/// and the rounding of the cross product and its length.
+/// by the rounding of a placement (tests/simulator/scene/gltf/instance_test.cpp): twice that over the least height, for
+/// either of two edges, and the rounding of the cross product and its length.
 float normal_rounding(const std::array<glm::vec3, 3>& p, float magnitude) {
   const float area2 = glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
   const float longest = std::max({glm::distance(p[0], p[1]), glm::distance(p[1], p[2]), glm::distance(p[2], p[0])});
