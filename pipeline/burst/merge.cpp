@@ -193,18 +193,19 @@ TileNoise tile_noise(const ComplexTile& tile, const Window& window, const PairSh
           noise_energy(tile.re, window, shape) + noise_energy(tile.im, window, shape)};
 }
 
-/// The share of a frame's tile that is merged, by its energy over the expected: all up to `surely`, also of 0 over 0,
-/// which is what tiles are that are clipped in both frames.
-float trust(float energy, float expected, float surely) {
+/// The share of a frame's tile that is merged, from the ratio of its energy to the expected one: 1 up to a ratio of
+/// `full_trust`. Tiles that are clipped in both frames have 0 over 0, and are merged.
+float trust(float energy, float expected, float full_trust) {
   constexpr float kRamp = 0.4f;
-  if (energy <= surely * expected) return 1;
-  return std::clamp(surely + kRamp - energy / expected, 0.0f, kRamp) / kRamp;
+  if (energy <= full_trust * expected) return 1;
+  return std::clamp(full_trust + kRamp - energy / expected, 0.0f, kRamp) / kRamp;
 }
 
 /// trust() of each column of a spectrum from the columns' sums of |D|^2, taken together in `Bands` bands of |ky|.
 template <int Bands>
 void trust_columns(const Lanes (&energies)[kHalves], float noise_energy, Lanes (&trusted)[kHalves]) {
-  constexpr float kSurely = Bands == 1 ? 1.4f : 1.9f;  // noise alone spreads the ratio by 0.12 and 0.17
+  constexpr float kFullTrust =
+      Bands == 1 ? 1.4f : 1.9f;  // noise alone gives the ratio a standard deviation of 0.12 and 0.17
   float columns[kTile];
   std::memcpy(columns, energies, sizeof(columns));
   const auto band = [](int ky) { return std::min(std::min(ky, kTile - ky) * Bands / kHalfTile, Bands - 1); };
@@ -213,7 +214,7 @@ void trust_columns(const Lanes (&energies)[kHalves], float noise_energy, Lanes (
     energy[band(ky)] += columns[ky];
     expected[band(ky)] += kTile * noise_energy;
   }
-  for (int ky = 0; ky < kTile; ++ky) columns[ky] = trust(energy[band(ky)], expected[band(ky)], kSurely);
+  for (int ky = 0; ky < kTile; ++ky) columns[ky] = trust(energy[band(ky)], expected[band(ky)], kFullTrust);
   std::memcpy(trusted, columns, sizeof(columns));
 }
 

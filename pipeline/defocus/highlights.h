@@ -2,31 +2,40 @@
 #include "capture/image/image.h"
 #include "pipeline/option_field.h"
 
-/// Light beyond what the sensor could hold, guessed before the blur: a lamp that is blurred as if it were merely white
-/// gives a dull disc where a lens would have given a bright one.
+/// Recovers clipped highlights before the blur. Ours; not in the paper.
+///
+/// A sensor clips bright lamps to white. A wide lens would have spread the lamp's true light over a bright disc;
+/// blurring the clipped white gives a dull one. So clipped pixels are made brighter first, by a factor that is
+/// estimated from the picture's other bright pixels.
 namespace dualpixel::pipeline {
 
 struct HighlightOptions {
-  double clipped = 0.98;  ///< share of the white level from which a channel counts as clipped; demosaicking smears
-  /// The guess leans on exponent `expected` as if this many pixels had been seen to follow it, so that a picture with
-  /// few bright pixels has one.
+  /// Share of the white level from which a channel counts as clipped. Below 1, as demosaicking blends clipped values
+  /// with neighbors that are not.
+  double clipped = 0.98;
+  /// Prior for the exponent a (below): the estimate is as if `weight_px` more pixels had been seen that follow
+  /// a = `expected`. So a picture with few bright pixels gets a = `expected`.
   double expected = 2, weight_px = 100;
-  double full_blur_px = 5.5;  ///< radius, full-resolution px: where brute force ends (layers.h)
-  double most = 16;           ///< brightest light that is reckoned with, times white
+  /// Blur radius, full-resolution px, from which the whole factor applies. Where brute force ends (layers.h).
+  double full_blur_px = 5.5;
+  double most = 16;  ///< brightest light that the estimate allows for, over the white level
 };
 
 OptionFields fields(HighlightOptions& options);
 
-/// How much brighter than they look clipped pixels are on average. A picture's largest channels v are taken to follow a
-/// power law from half the white level on, P(v > x) ~ x^-a, of which clipped pixels show only that they lie beyond the
-/// level c = clipped * white: the likeliest a is the number of the others over the sum of ln(min(v, c) / (white / 2))
-/// over all (Hill's estimator, censored). Beyond c the mean over c, cut off at `most`, is 1 + (1 - most^(1 - a)) /
-/// (a - 1).
+/// The factor: the mean light of clipped pixels over the clipping level c = clipped * white.
+///
+/// Model: above half the white level, a pixel's largest channel v follows a power law, P(v > x) ~ x^-a. A clipped pixel
+/// shows only that v is at least c. The maximum-likelihood estimate of a for such censored data (Hill 1975) is
+///     a = (number of pixels that are not clipped) / (sum over all of ln(min(v, c) / (white / 2))),
+/// over the pixels above half the white level, plus the prior. Under the model, the mean of v / c beyond c, with v cut
+/// off at most * c, is
+///     1 + (1 - most^(1 - a)) / (a - 1).
 double highlight_gain(const Image& rgb, double white, const HighlightOptions& options = {});
 
-/// Clipped pixels of linear `rgb` multiplied by that gain where they are to be blurred by `full_blur_px` or more, by
-/// less down to half of it, and as they are below: a lamp nearly in focus is white either way, but noise that reaches
-/// white here and there, on a bright face, would be made much of. `radius_px` is of the picture's size.
+/// Multiplies the clipped pixels of linear `rgb` by that factor where `radius_px`, of the picture's size, is
+/// `full_blur_px` or more. The effect falls linearly to none at half that radius: a lamp nearly in focus is white with
+/// or without the factor, while noise that reaches white on a bright face would be amplified.
 Image recover_highlights(Image rgb, const Image& radius_px, double white, const HighlightOptions& options = {});
 
 }  // namespace dualpixel::pipeline

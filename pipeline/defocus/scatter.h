@@ -2,23 +2,33 @@
 #include "pipeline/defocus/aperture.h"
 #include "pipeline/defocus/layers.h"
 
-/// Blur by scattering: each pixel spreads its premultiplied color over a disc, or another aperture's shape, of its own
-/// radius, in parts that add up to the pixel (Wadhwa et al. 2018, section 5.2). What falls outside the picture is lost,
-/// so alpha falls near its borders: divide by alpha to see colors. The blurred layer is laid over `behind`,
-/// premultiplied RGBA of the layer's size ("over", Porter and Duff 1984); discs that pile up beyond alpha 1 keep their
-/// color.
+/// Blur by scattering (Wadhwa et al. 2018, section 5.2): each pixel spreads its premultiplied color [R, G, B, alpha]
+/// over a disc of its own radius, or over another aperture's shape (aperture.h).
+///
+/// The weights of a shape add up to 1, so an inner pixel loses no light. What falls outside the picture is lost, so
+/// alpha falls near the picture's borders: divide by alpha to get colors. Where discs pile up beyond alpha 1, all four
+/// channels are divided by it. The blurred layer is then composited over `behind` (premultiplied RGBA of the layer's
+/// size; "over" of Porter and Duff 1984).
+///
+/// Radii are in pixels of the layer, rounded to 1/16 px.
 namespace dualpixel::pipeline {
 
-/// Small radii, brute force: anti-aliased shapes of weight clamp(1/2 + distance inside the rim, 0, 1), normalized; r in
-/// steps of 1/16 px. Radius 0 leaves the pixel as it is. Work grows as the square of the largest radius.
+/// For small radii: adds every weight of every shape. A pixel's weight is clamp(1/2 + distance inside the rim, 0, 1),
+/// normalized, which makes the rim anti-aliased. Radius 0 leaves the pixel as it is. Time grows with the square of the
+/// radius.
 void scatter_direct(const Layer& layer, Image& behind, const Aperture& aperture = {});
 
-/// Large radii: shapes of rows that each have the area, the middle and the spread along the row that the ideal shape
-/// has within the row's height, scattered as their differences along x, which live on the rim alone, then summed along
-/// x. (The paper's rows end at whole pixels, which leaves three quarters of an ideal disc of radius 2.75. A row's end
-/// within a pixel is a pair of neighboring differences, and costs no more, as the two fit one register. The paper
-/// differentiates along y "without loss of generality": along x such pairs are neighbors in memory.) r in steps of
-/// 1/16 px. Equals direct scatter of the same shapes. Work grows as the radius.
+/// For large radii: scatters the derivative of each shape along x, then integrates along x (Eq. 7). The derivative
+/// differs from 0 only at both ends of a row, so time grows with the radius, not with its square.
+///
+/// Each row of a shape has one constant weight. The row's area, center of mass and spread along x equal those of the
+/// ideal shape within that row, so a row may end inside a pixel: its end is then a pair of neighboring differences.
+///
+/// Two departures from the paper. Its rows end at whole pixels, so that a disc of radius 2.75 shares only 77 % of its
+/// weight with the ideal disc; here it is 97 % (docs/defocus.md). And it differentiates along y "without loss of
+/// generality"; along x the two differences of a row's end are neighbors in memory and fit one register.
+///
+/// The result equals direct scattering of the same shapes, up to rounding.
 void scatter_gradient(const Layer& layer, Image& behind, const Aperture& aperture = {});
 
 }  // namespace dualpixel::pipeline
