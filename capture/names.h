@@ -1,5 +1,4 @@
 #pragma once
-#include <algorithm>
 #include <iterator>
 #include <stdexcept>
 #include <string>
@@ -72,19 +71,6 @@ void read_named(Reader& fields, const std::string& key, Value& value, const Tabl
   std::string name;
   fields.choice(key, name, names_of(table));
   value = find_named(table, name)->value;
-}
-
-/// One line a name, for help: "  ramp   the halves change over linearly".
-template <class Table>
-std::string describe_names(const Table& table) {
-  std::size_t widest = 0;
-  for (const auto& row : table) widest = std::max(widest, std::string_view(row.name).size());
-  std::string text;
-  for (const auto& row : table) {
-    const std::string name = row.name;
-    text += "  " + name + std::string(widest - name.size() + 2, ' ') + row.description + '\n';
-  }
-  return text;
 }
 
 }  // namespace dualpixel

@@ -11,6 +11,12 @@ std::optional<std::string> out_of_range(double value, double low, double high) {
   return fmt::format("{}: must be a number in [{:g}, {:g}]", value, low, high);
 }
 
+std::optional<std::string> out_of_range(int value, double low, double high) {
+  if (value >= low && value <= high) return std::nullopt;
+  return fmt::format("{}: must be an integer in [{}, {}]", value, static_cast<std::int64_t>(low),
+                     static_cast<std::int64_t>(high));
+}
+
 std::optional<OptionProblem> within(const char* parent, std::optional<OptionProblem> problem) {
   if (problem) problem->field = fmt::format("{}/{}", parent, problem->field);
   return problem;

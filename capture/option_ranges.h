@@ -26,14 +26,24 @@ struct OptionRange {
   double low, high;
 };
 
-/// "value: must be a number in [low, high]", where it is not.
+/// "value: must be a number in [low, high]", where it is not; the same words as Fields::number().
 std::optional<std::string> out_of_range(double value, double low, double high);
+/// "value: must be an integer in [low, high]", where it is not; the same words as Fields::integer().
+std::optional<std::string> out_of_range(int value, double low, double high);
 
 template <class Options, class Table>
 std::optional<OptionProblem> check_ranges(const Options& options, const Table& table) {
   for (const auto& row : table) {
-    const double value = std::visit([&](auto field) { return static_cast<double>(options.*field); }, row.field);
-    if (const auto why = out_of_range(value, row.low, row.high)) return OptionProblem{row.name, *why};
+    const auto why = std::visit(
+        [&](auto field) {
+          if constexpr (std::is_same_v<decltype(field), int Options::*>) {
+            return out_of_range(options.*field, row.low, row.high);
+          } else {
+            return out_of_range(static_cast<double>(options.*field), row.low, row.high);
+          }
+        },
+        row.field);
+    if (why) return OptionProblem{row.name, *why};
   }
   return std::nullopt;
 }

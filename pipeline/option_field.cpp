@@ -13,7 +13,7 @@
 namespace dualpixel::pipeline {
 namespace {
 
-bool is_flag(const OptionField& field) { return std::holds_alternative<bool*>(field.value); }
+bool is_integer(const OptionField& field) { return std::holds_alternative<int*>(field.value); }
 
 double number(const OptionField& field) {
   return std::visit([](const auto* value) { return static_cast<double>(*value); }, field.value);
@@ -24,20 +24,16 @@ bool allowed(const OptionField& field, double value) {
     const auto rounded = static_cast<float>(value);
     return rounded >= static_cast<float>(field.low) && rounded <= static_cast<float>(field.high);
   }
-  return is_flag(field) || (value >= field.low && value <= field.high);
+  return value >= field.low && value <= field.high;
 }
 
-/// A number without anything after it; for flags "true" and "false" alone.
+/// A number without anything after it.
 std::optional<double> parsed(const OptionField& field, const std::string& text) {
-  if (is_flag(field)) {
-    if (text == "true") return 1;
-    return text == "false" ? std::optional<double>(0) : std::nullopt;
-  }
   double value = 0;
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, value);
   if (error != std::errc() || stop != end) return {};
-  if (std::holds_alternative<int*>(field.value) && value != std::floor(value)) return {};
+  if (is_integer(field) && value != std::floor(value)) return {};
   return value;
 }
 
@@ -57,9 +53,8 @@ OptionFields grouped(const std::string& group, OptionFields fields) {
 }
 
 std::string allowed_text(const OptionField& field) {
-  if (is_flag(field)) return "must be true or false";
-  const bool integer = std::holds_alternative<int*>(field.value);
-  return fmt::format("must be {} in [{:g}, {:g}]", integer ? "an integer" : "a number", field.low, field.high);
+  return fmt::format("must be {} in [{:g}, {:g}]", is_integer(field) ? "an integer" : "a number", field.low,
+                     field.high);
 }
 
 std::string value_text(const OptionField& field) {

@@ -13,8 +13,8 @@ namespace dualpixel::pipeline {
 
 struct OptionField {
   std::string name;  ///< "range_px", or with its group before it: "match.range_px"
-  std::variant<int*, float*, double*, bool*> value;
-  double low = 0, high = 0;  ///< what is allowed, both included; not for bool
+  std::variant<int*, float*, double*> value;
+  double low = 0, high = 0;  ///< what is allowed, both included
   std::string unit;          ///< "DP px", ...; empty for numbers without one
   std::string source;        ///< section of the paper (S: its supplement), or "ours"
 };

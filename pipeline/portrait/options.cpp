@@ -58,8 +58,10 @@ std::string describe_fields() {
   const std::string line = "{:<38}{:>12}  {:<20}{:<24}{}\n";
   std::string text = fmt::format(fmt::runtime(line), "option", "default", "range", "unit", "source");
   for (const OptionField& field : fields(defaults)) {
-    text += fmt::format(fmt::runtime(line), field.name, value_text(field),
-                        fmt::format("{:g} .. {:g}", field.low, field.high), field.unit, field.source);
+    const std::string value =
+        std::visit([](const auto* v) { return fmt::format("{:.6g}", static_cast<double>(*v)); }, field.value);
+    text += fmt::format(fmt::runtime(line), field.name, value, fmt::format("{:g} .. {:g}", field.low, field.high),
+                        field.unit, field.source);
   }
   return text + "Source: a section of Wadhwa et al. 2018 with its value (S: its supplement), or ours.\n";
 }

@@ -54,9 +54,5 @@ TEST(Names, AreReadFromJson) {
             "lens.json: /lens/wrong: \"cos\": must be one of 'none', 'cos4'; did you mean 'cos4'?");
 }
 
-TEST(Names, HelpIsOneLineANameInColumns) {
-  EXPECT_EQ(describe_names(kFalloffs), "  none  the same light everywhere\n  cos4  fourth power of the cosine\n");
-}
-
 }  // namespace
 }  // namespace dualpixel

@@ -21,7 +21,7 @@ TEST(Options, DefaultsAreValid) { EXPECT_EQ(problem({}), ""); }
 TEST(Options, EachProblemNamesFieldValueAndWhatIsAllowed) {
   const std::pair<std::string, void (*)(Simulation&)> cases[] = {
       {"sensor/width_px: 335: must be even", [](Simulation& s) { s.sensor.width_px = 335; }},
-      {"sensor/width_px: 0: must be a number in [2, 32768]", [](Simulation& s) { s.sensor.width_px = 0; }},
+      {"sensor/width_px: 0: must be an integer in [2, 32768]", [](Simulation& s) { s.sensor.width_px = 0; }},
       {"sensor/height_px: 250: must be a multiple of 4", [](Simulation& s) { s.sensor.height_px = 250; }},
       {"sensor/dp_downsample_y: 2 x 3: a DP pixel must be", [](Simulation& s) { s.sensor.dp_downsample_y = 3; }},
       {"sensor/black_level_dn: 513: must be a number in [0, 512]",
@@ -30,7 +30,7 @@ TEST(Options, EachProblemNamesFieldValueAndWhatIsAllowed) {
       {"sensor/prnu: nan: must be a number in [0, 0.5]", [](Simulation& s) { s.sensor.prnu = std::nan(""); }},
       {"exposure/iso: 0: must be a number in [1, 1e+06]", [](Simulation& s) { s.exposure.iso = 0; }},
       {"burst/interval_s: 0.04: must be a number in [0.5, 100000]", [](Simulation& s) { s.exposure.time_s = 0.5; }},
-      {"burst/frames: 0: must be a number in [1, 1000]", [](Simulation& s) { s.burst_frames = 0; }},
+      {"burst/frames: 0: must be an integer in [1, 1000]", [](Simulation& s) { s.burst_frames = 0; }},
       {"environment/sun_glow_width_deg: 0: must", [](Simulation& s) { s.sky.sun_glow_width_deg = 0; }},
       {"environment/nits: -1: must lie in", [](Simulation& s) { s.environment_nits[2] = -1; }},
       {"face_px: must be x, y, width, height",
@@ -38,7 +38,7 @@ TEST(Options, EachProblemNamesFieldValueAndWhatIsAllowed) {
          s.face_px = {1, 1, 0, 1};
        }},
       {"truth/photograph_aperture_scale: -1: must", [](Simulation& s) { s.photograph_aperture_scale = -1; }},
-      {"render/max_bounces: -1: must be a number in [0, 1000]", [](Simulation& s) { s.render.max_bounces = -1; }},
+      {"render/max_bounces: -1: must be an integer in [0, 1000]", [](Simulation& s) { s.render.max_bounces = -1; }},
       {"render/noise_fraction: 0: must be a number in [0.0001, 100]", [](Simulation& s) { s.noise_fraction = 0; }},
       {"render/error: nan: must be a number", [](Simulation& s) { s.render_error = std::nan(""); }},
       {"render/time_budget_s: -1: must be a number", [](Simulation& s) { s.time_budget_s = -1; }},
