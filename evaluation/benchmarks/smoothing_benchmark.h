@@ -18,7 +18,8 @@ struct SmoothingErrors {
   double thin_mae_dp_px = 0;  ///< on thin structures, edge_metrics.h
 };
 
-/// Smoothing, median and joint upsampling together; the best of two.
+/// Solver, median and joint upsampling together, the best of two runs. Encoding the full-size guide for the upsampling
+/// is included, as in the pipeline's stage; reducing the guide and the map is not.
 struct SmoothingRun {
   double ms = 0, cpu_ms = 0;
   SmoothingErrors errors;
@@ -30,7 +31,8 @@ struct SmoothingComparison {
   SmoothingRun known;    ///< of the truth with noise of 0.15 DP px, 5 % outliers, and gaps of 16 px around depth edges
 };
 
-/// Times of the stages that the pipeline runs, and how well the mask's outline is met: boundary F-scores at 2 px.
+/// Times of the single steps, and how well the mask's outline is met: boundary F-scores at 2 px. Upsampling is timed
+/// here without encoding its guide.
 struct SmoothingStages {
   double solve_ms = 0, median_ms = 0, upsample_ms = 0, mask_ms = 0;
   double disparity_cpu_ms = 0;  ///< of the first three

@@ -50,6 +50,7 @@ void print(const evaluation::SmoothingBenchmark& benchmark) {
                  e.edge_width_px, e.thin_mae_dp_px);
     }
   };
+  fmt::print("times below: solver, median and upsampling, encoding the full-size guide included\n");
   table("matched", &evaluation::SmoothingComparison::matched);
   table("known", &evaluation::SmoothingComparison::known);
 }
@@ -71,7 +72,7 @@ void run(const BenchEdgesOptions& options) {
 void add_bench_edges(CLI::App& bench) {
   auto options = std::make_shared<BenchEdgesOptions>();
   CLI::App* command = bench.add_subcommand(
-      "edges", "Time edge-aware smoothing, and OpenCV's where it was built in; errors on a rendered capture");
+      "edges", "Time and error of edge-aware smoothing, and of OpenCV's where built in, on a rendered capture");
   command->add_option("capture", options->capture, "Capture folder that holds truth")->type_name("CAPTURE")->required();
   command->add_option("-o,--output", options->page, "Write a page with the charts")->type_name("PAGE.html");
   command->add_flag("--json", options->json, "Print JSON");
