@@ -135,9 +135,9 @@ Mesh hair_strands(int count) {
   return mesh;
 }
 
-Mesh placed(Mesh mesh, const glm::mat4& place) {
-  for (vec3& p : mesh.positions) p = vec3(place * glm::vec4(p, 1));
-  for (vec3& n : mesh.normals) n = glm::normalize(glm::mat3(place) * n);
+Mesh placed(Mesh mesh, const glm::mat4& pose) {
+  for (vec3& p : mesh.positions) p = vec3(pose * glm::vec4(p, 1));
+  for (vec3& n : mesh.normals) n = glm::normalize(glm::mat3(pose) * n);
   return mesh;
 }
 

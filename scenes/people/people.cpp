@@ -61,7 +61,7 @@ std::vector<PeopleSample> make_samples(const PeopleOptions& options, const Rando
     RandomStream own = rng.substream(7);
     out[k].seed = own.seed();
     if (!out[k].composite) out[k].tags.insert(out[k].tags.end(), picture.tags.begin(), picture.tags.end());
-    if (picture.domain_randomized) out[k].tags.emplace_back("strange");
+    if (picture.domain_randomized) out[k].tags.emplace_back("domain_randomized");
   }
   return out;
 }

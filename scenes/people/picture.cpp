@@ -138,7 +138,7 @@ std::vector<Figure> add_people(SceneModel& scene, RandomStream rng, RandomStream
     options.meters_per_px = framing.height_m / static_cast<float>(framing.size.height);
     options.person = i;
     const float x = (static_cast<float>(i) - 0.5f * static_cast<float>(people - 1)) * spacing;
-    options.place = vec3(x, 0, people > 1 ? 0.12f * framing_rng.normal() : 0);
+    options.position = vec3(x, 0, people > 1 ? 0.12f * framing_rng.normal() : 0);
     options.yaw = people > 1 ? -0.5f * x + 0.25f * framing_rng.normal() : 0.35f * framing_rng.normal();
     options.head_yaw = -0.75f * options.yaw + 0.16f * framing_rng.normal();
     RandomStream gesture = rng.substream(10 + i);
@@ -167,7 +167,7 @@ void add_bystanders(SceneModel& scene, RandomStream& rng, const Framing& framing
   for (int i = 0; i < bystanders; ++i) {
     FigureOptions other;
     const float behind = rng.uniform(kNearest_m, room_m);
-    other.place = {rng.sign() * rng.uniform(0.15f, 0.45f) * (behind + distance) * height_m / distance, 0, -behind};
+    other.position = {rng.sign() * rng.uniform(0.15f, 0.45f) * (behind + distance) * height_m / distance, 0, -behind};
     other.yaw = 6.2831853f * rng.uniform();
     other.meters_per_px = height_m / static_cast<float>(framing.size.height) * (behind + distance) / distance;
     other.person = kBystander;

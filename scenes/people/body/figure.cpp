@@ -20,7 +20,7 @@ Figure draw_body_and_pose(RandomStream& body_rng, RandomStream& pose_rng, const 
 Figure pose_figure(RandomStream rng, const FigureOptions& options) {
   RandomStream body_rng = rng.substream(1), pose_rng = rng.substream(2);
   Figure figure = draw_body_and_pose(body_rng, pose_rng, options);
-  figure.skeleton = make_skeleton(figure.body, figure.pose, options.place, options.yaw, proportions_of(figure.body));
+  figure.skeleton = make_skeleton(figure.body, figure.pose, options.position, options.yaw, proportions_of(figure.body));
   return figure;
 }
 

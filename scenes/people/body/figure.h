@@ -26,7 +26,7 @@ struct Figure {
 };
 
 struct FigureOptions {
-  vec3 place{0};
+  vec3 position{0};    ///< of the point on the floor below the pelvis, meters
   float yaw = 0;       ///< of the body, to its left; 0: towards +z
   float head_yaw = 0;  ///< added to the pose's
   float meters_per_px = 0.004f;

@@ -17,11 +17,11 @@ vec3 Skeleton::rest_position_of(vec3 p) const {
   return sum / total;
 }
 
-Skeleton make_skeleton(const Body& body, const Pose& pose, vec3 place, float yaw, const Proportions& proportions) {
+Skeleton make_skeleton(const Body& body, const Pose& pose, vec3 position, float yaw, const Proportions& proportions) {
   const float h = body.stature_m;
   Skeleton k;
   k.pelvis.axes = rotation(yaw, {0, 1, 0});
-  k.pelvis.origin = place + vec3(0, pose.sitting ? proportions.sitting_pelvis_m : proportions.pelvis_m, 0);
+  k.pelvis.origin = position + vec3(0, pose.sitting ? proportions.sitting_pelvis_m : proportions.pelvis_m, 0);
   k.chest.axes = k.pelvis.axes * rotation(pose.twist, {0, 1, 0}) * rotation(pose.lean, {1, 0, 0}) *
                  rotation(-pose.side, {0, 0, 1});
   k.chest.origin = k.pelvis.to_world(proportions.chest) + 0.06f * h * vec3(k.chest.axes[1] - vec3(0, 1, 0));
@@ -67,7 +67,8 @@ Skeleton make_skeleton(const Body& body, const Pose& pose, vec3 place, float yaw
 
     k.hip[side] = k.pelvis.to_world(mirrored(proportions.hip));
     const vec3 foot = pose.foot[side];
-    k.ankle[side] = place + k.pelvis.axes * vec3(x * foot.x * h, 0.045f * h, (foot.z + (pose.sitting ? 0.22f : 0)) * h);
+    k.ankle[side] =
+        position + k.pelvis.axes * vec3(x * foot.x * h, 0.045f * h, (foot.z + (pose.sitting ? 0.22f : 0)) * h);
     k.knee[side] = bend_limb(k.hip[side], k.ankle[side], proportions.thigh_m, proportions.shank_m,
                              k.pelvis.axes * (pose.sitting ? vec3(0.15f * x, 0.6f, 1) : vec3(0.1f * x, 0, 1)));
     k.toe[side] = k.ankle[side] + k.pelvis.axes * vec3(0.25f * x * 0.1f * h, -0.028f * h, 0.1f * h);

@@ -27,7 +27,7 @@ struct Skeleton {
   vec3 rest_position_of(vec3 p) const;
 };
 
-/// The person stands (or sits) at `place`, turned by `yaw` (radians, to its left).
-Skeleton make_skeleton(const Body& body, const Pose& pose, vec3 place, float yaw, const Proportions& proportions);
+/// The person stands (or sits) at `position`, turned by `yaw` (radians, to its left).
+Skeleton make_skeleton(const Body& body, const Pose& pose, vec3 position, float yaw, const Proportions& proportions);
 
 }  // namespace dualpixel::scenes

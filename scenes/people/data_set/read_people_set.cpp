@@ -78,7 +78,7 @@ void PeopleSet::add_shard(const std::string& shard) {
     const float* const face = sample.face;
     const auto in_picture = [](float center) { return center >= 0 && center <= static_cast<float>(kSide); };
     if (!(face[2] > 0 && face[3] > 0 && in_picture(face[0] + face[2] / 2) && in_picture(face[1] + face[3] / 2))) {
-      throw InputError(fmt::format("{}: face {}: {} {} {} {}: must have a size, and its centre in the picture",
+      throw InputError(fmt::format("{}: face {}: {} {} {} {}: must have a size, and its center in the picture",
                                    printable(faces->path()), i, face[0], face[1], face[2], face[3]));
     }
     Fields fields(samples[i], list, fmt::format("/{}", i));
@@ -112,7 +112,7 @@ PeopleSet::PeopleSet(const std::vector<std::string>& folders, bool held_out) {
     }
     if (field("held_out") != held_out) {
       throw InputError(
-          fmt::format("{}: /held_out: {}: must be {}: a network is judged with what it has not learnt from",
+          fmt::format("{}: /held_out: {}: must be {}: a network is evaluated on data that it was not trained on",
                       printable(index), printable(field("held_out").dump()), held_out));
     }
     std::vector<std::string> shards;

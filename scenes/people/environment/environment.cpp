@@ -61,15 +61,15 @@ std::string add_environment(SceneModel& scene, RandomStream rng, float back_m) {
                 static_cast<int>(EnvironmentKind::library) == kEnvironmentKinds - 1);
   constexpr EnvironmentKind kRandomized[] = {EnvironmentKind::painted, EnvironmentKind::jumble, EnvironmentKind::rows,
                                              EnvironmentKind::mixed, EnvironmentKind::mixed};
-  const EnvironmentKind place =
+  const EnvironmentKind kind =
       rng.domain_randomized() && rng.chance(0.6f)
           ? kRandomized[rng.below(static_cast<int>(std::size(kRandomized)))]
           : static_cast<EnvironmentKind>(rng.choose(kEnvironmentKinds, kReservedEnvironmentKinds));
   EnvironmentBuilder build(scene, rng);
   scene.dome.seed = rng.seed();
-  add_kind(build, rng, place, back_m);
+  add_kind(build, rng, kind, back_m);
   build.turn(0.22f * rng.normal());
-  return std::string("place:") + kNames[static_cast<int>(place)];
+  return std::string("place:") + kNames[static_cast<int>(kind)];
 }
 
 }  // namespace dualpixel::scenes

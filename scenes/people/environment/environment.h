@@ -26,7 +26,7 @@ enum class EnvironmentKind : std::uint8_t {
 inline constexpr int kEnvironmentKinds = 13, kReservedEnvironmentKinds = 2;
 
 /// Adds walls, ground and objects behind and beside the people; the farthest wall is about `back_m` behind them.
-/// Returns its tag, "place:room".
+/// Returns the tag that says which kind it is: "place:room".
 std::string add_environment(SceneModel& scene, RandomStream rng, float back_m);
 
 }  // namespace dualpixel::scenes

@@ -8,8 +8,8 @@
 namespace dualpixel::scenes {
 namespace {
 
-/// The same random shape at each of `places`; it reaches up to 1.5 `size_m` from there.
-void add_things(EnvironmentBuilder& build, RandomStream& rng, const std::vector<vec3>& places, float size_m) {
+/// The same random shape at each of `positions`; it reaches up to 1.5 `size_m` from there.
+void add_things(EnvironmentBuilder& build, RandomStream& rng, const std::vector<vec3>& positions, float size_m) {
   Material material = rng.chance(0.5f) ? wall_material(rng) : cloth_material(rng);
   const vec3 half = size_m * rng.uniform3(0.15f, 1), along = size_m * rng.uniform3(-1, 1),
              rest_shift = rng.uniform3(0, 1);
@@ -19,7 +19,7 @@ void add_things(EnvironmentBuilder& build, RandomStream& rng, const std::vector<
   const int shape = rng.below(kShapes);
   if (shape == kBall) material.scale_m /= half.y;  // rest positions of an ellipsoid have radius 1
   SceneObject& object = build.object(material);
-  for (const vec3& at : places) {
+  for (const vec3& at : positions) {
     switch (shape) {
       case kBox:
         add_box(object, at, axes, half, rest_shift);
@@ -89,17 +89,17 @@ float add_rows(EnvironmentBuilder& build, RandomStream& rng, float back) {
     const int aside = 4, up = rng.chance(0.5f) ? 1 : 4, deep = 1 + rng.below(3);
     const float low = rng.uniform(0, 1.2f), size_m = rng.uniform(0.25f, 0.7f) * std::min(across, upwards);
     const float first = -back * rng.uniform(0.6f, 1) - 0.5f - size_m;
-    std::vector<vec3> places;
+    std::vector<vec3> positions;
     for (int z = 0; z < deep; ++z) {
       for (int y = 0; y < up; ++y) {
         for (int x = -aside; x <= aside; ++x) {
-          places.emplace_back(across * static_cast<float>(x), low + upwards * static_cast<float>(y),
-                              first - inwards * static_cast<float>(z));
+          positions.emplace_back(across * static_cast<float>(x), low + upwards * static_cast<float>(y),
+                                 first - inwards * static_cast<float>(z));
         }
       }
     }
-    deepest_m = std::max(deepest_m, 1.5f * size_m - places.back().z);
-    add_things(build, rng, places, size_m);
+    deepest_m = std::max(deepest_m, 1.5f * size_m - positions.back().z);
+    add_things(build, rng, positions, size_m);
   }
   return deepest_m;
 }

@@ -179,7 +179,7 @@ Figure add_makehuman_figure(SceneModel& scene, const MakeHumanAssets& assets, Ra
   const Proportions proportions = proportions_of(morphed, rest, figure.body.stature_m);
   figure.body.shoulder_half_m = proportions.shoulder.x;
   figure.body.hip_half_m = proportions.hip.x;
-  figure.skeleton = make_skeleton(figure.body, figure.pose, options.place, options.yaw, proportions);
+  figure.skeleton = make_skeleton(figure.body, figure.pose, options.position, options.yaw, proportions);
   figure.top_cloth_m = figure.legs_cloth_m = 0.04f;  // of shell clothes; suits are about as wide
   figure.bare.cones = torso_cones(figure, 0);
 

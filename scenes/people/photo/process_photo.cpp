@@ -79,9 +79,9 @@ std::vector<std::uint8_t> process_photo(Image light, RandomStream rng) {
         const float electrons = std::max(rgb[c] * gain[c] * shade, 0.0f) * white_e;
         rgb[c] = (electrons + std::sqrt(electrons + read_e * read_e) * deviate(key + c)) / white_e;
       }
-      const float grey_level = luminance(rgb);
+      const float gray_level = luminance(rgb);
       for (int c = 0; c < 3; ++c) {
-        const float value = gray ? grey_level : grey_level + saturation * (rgb[c] - grey_level);
+        const float value = gray ? gray_level : gray_level + saturation * (rgb[c] - gray_level);
         const float code = srgb_from_linear(value);
         const float curved = code + contrast * (code * code * (3 - 2 * code) - code);
         rgb[c] = lift + (1 - lift) * curved;

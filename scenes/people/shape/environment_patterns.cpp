@@ -84,9 +84,9 @@ vec3 foliage(const Material& material, vec3 p) {
 }
 
 vec3 crowd(const Material& material, vec3 p) {
-  const float place = p.x / material.scale_m;
-  const int n = static_cast<int>(std::floor(place));
-  const float tall = material.scale_m * (2.6f + 0.9f * hash01(material.seed, n)), x = saw(place) - 0.5f;
+  const float across = p.x / material.scale_m;
+  const int n = static_cast<int>(std::floor(across));
+  const float tall = material.scale_m * (2.6f + 0.9f * hash01(material.seed, n)), x = saw(across) - 0.5f;
   const float y = p.y;
   const vec3 cloth(hash01(material.seed, n, 1), hash01(material.seed, n, 2), hash01(material.seed, n, 3));
   if (std::abs(x) < 0.38f * smooth_step(tall - y, 0.5f * material.scale_m)) return cloth * cloth * 0.7f;

@@ -52,9 +52,9 @@ vec3 skin_color(RandomStream& rng) {
   const vec3 mean[kMeans] = {{0.055f, 0.028f, 0.018f}, {0.13f, 0.065f, 0.04f},  {0.25f, 0.135f, 0.085f},
                              {0.38f, 0.22f, 0.145f},   {0.53f, 0.335f, 0.245f}, {0.66f, 0.45f, 0.36f}};
   // the middle and pale half of the scale somewhat more often; none is rare
-  const float place = (kMeans - 1.001f) * std::pow(rng.uniform(), 0.75f);
-  const int i = static_cast<int>(place);
-  const vec3 color = glm::mix(mean[i], mean[i + 1], place - static_cast<float>(i));
+  const float tone = (kMeans - 1.001f) * std::pow(rng.uniform(), 0.75f);
+  const int i = static_cast<int>(tone);
+  const vec3 color = glm::mix(mean[i], mean[i + 1], tone - static_cast<float>(i));
   const float red = 0.06f * rng.normal(), yellow = 0.06f * rng.normal();
   return color * vec3(1 + 0.5f * red, 1 - red, 1 - red - yellow) * (1 + 0.08f * rng.normal());
 }

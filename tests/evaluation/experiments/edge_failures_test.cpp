@@ -16,7 +16,7 @@ TEST(EdgeFailures, StayWithinTheirBounds) {
   EXPECT_LT(figures.at("255 cells across"), 1e-6);                   // .49: the other border's value
   EXPECT_LT(figures.at("edge of 16 levels"), 1);                     // 0
   EXPECT_LE(figures.at("edge of 8 levels"), 2);                      // 0
-  EXPECT_LT(figures.at("edge of 2 levels"), 144);                    // 144: no filter that quantises sees it
+  EXPECT_LT(figures.at("edge of 2 levels"), 144);                    // 144: no filter that quantizes sees it
   EXPECT_LT(figures.at("region that no confidence reaches"), 1e-6);  // 0 or NaN
   EXPECT_LT(figures.at("no confidence at all"), 1e-6);               // 0 or NaN
   // A quadratic loss follows the mean, whoever solves: share x 0.7, less what smoothing at borders does.

@@ -19,9 +19,9 @@ struct Pair {
     SceneModel scene;
     FigureOptions options;
     options.meters_per_px = 0.009f;
-    options.place = {0.22f, 0, 0};
+    options.position = {0.22f, 0, 0};
     Figure one = add_figure(scene, RandomStream(seed, false), options);
-    options.place = {-0.22f, 0, -0.1f};
+    options.position = {-0.22f, 0, -0.1f};
     options.person = 1;
     Figure two = add_figure(scene, RandomStream(seed + 1, false), options);
     CameraSetup plan;

@@ -54,22 +54,22 @@ TEST(SlowPeople, SamplesOfOnePictureShareItAndNotTheirPeople) {
 }
 
 TEST(SlowPeople, OnlyTrainingSetsAreDomainRandomized) {
-  const auto strange_of = [](bool held_out) {
+  const auto randomized_of = [](bool held_out) {
     const auto samples = make_people_shard({.count = 16, .seed = 3, .held_out = held_out, .composites = 1}, 0, 16);
-    std::map<int, std::set<bool>> strange;  // of each figure, its rendering and its composites
+    std::map<int, std::set<bool>> randomized_by_figure;  // of each figure, its rendering and its composites
     for (const PeopleSample& s : samples) {
-      const bool is_strange = std::count(s.tags.begin(), s.tags.end(), "strange") == 1;
-      strange[s.picture_index / 2].insert(is_strange);
+      const bool randomized = std::count(s.tags.begin(), s.tags.end(), "domain_randomized") == 1;
+      randomized_by_figure[s.picture_index / 2].insert(randomized);
     }
     std::set<bool> seen;
-    for (const auto& [picture, kinds] : strange) {
+    for (const auto& [picture, kinds] : randomized_by_figure) {
       EXPECT_EQ(kinds.size(), 1u) << picture;
       seen.insert(kinds.begin(), kinds.end());
     }
     return seen;
   };
-  EXPECT_EQ(strange_of(false), (std::set<bool>{false, true}));
-  EXPECT_EQ(strange_of(true), std::set<bool>{false});
+  EXPECT_EQ(randomized_of(false), (std::set<bool>{false, true}));
+  EXPECT_EQ(randomized_of(true), std::set<bool>{false});
 }
 
 TEST(SlowPeople, SameSeedSameBytesForOneThreadAndTwo) {

@@ -48,9 +48,9 @@ TEST(PeopleTruth, KeypointsOfAKnownPoseAreAtTheirComputedPositions) {
                                                          {kRightHip, at(-0.085f, 0.8925f)},
                                                          {kLeftAnkle, at(0.102f, 0.0765f)},
                                                          {kRightAnkle, at(-0.102f, 0.0765f)}}};
-  for (const auto& [i, place] : expected) {
-    EXPECT_NEAR(truth.keypoints[i].x, place.x, 0.01f) << i;  // float sums of terms up to 256
-    EXPECT_NEAR(truth.keypoints[i].y, place.y, 0.01f) << i;
+  for (const auto& [i, position] : expected) {
+    EXPECT_NEAR(truth.keypoints[i].x, position.x, 0.01f) << i;  // float sums of terms up to 256
+    EXPECT_NEAR(truth.keypoints[i].y, position.y, 0.01f) << i;
   }
   for (int left = 1; left < kKeypoints; left += 2) {
     EXPECT_GT(truth.keypoints[left].x, truth.keypoints[left + 1].x) << left;

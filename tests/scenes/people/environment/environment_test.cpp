@@ -20,26 +20,25 @@ TEST(Environments, DomainRandomizedPicturesAreMostlyGenericAndNeverHeldOut) {
     for (int i = 0; i < kDraws; ++i) {
       RandomStream part = rng.substream(static_cast<std::uint64_t>(i));
       SceneModel scene;
-      const std::string place = add_environment(scene, part.substream(1), 2);
+      const std::string tag = add_environment(scene, part.substream(1), 2);
       const Gesture gesture = random_gesture(part);
       share[0] += cloth_material(part).kind == Material::Kind::medley;
       share[1] += wall_material(part).kind == Material::Kind::medley;
       share[2] += gesture == Gesture::anywhere || gesture == Gesture::with_thing;
-      share[3] +=
-          place == "place:painted" || place == "place:jumble" || place == "place:rows" || place == "place:mixed";
+      share[3] += tag == "place:painted" || tag == "place:jumble" || tag == "place:rows" || tag == "place:mixed";
     }
     for (double& s : share) s /= kDraws;
     return share;
   };
-  RandomStream strange(3, false), strange_held_out(3, true);
-  strange.set_domain_randomized(), strange_held_out.set_domain_randomized();
-  const auto usual = shares(RandomStream(3, false)), odd = shares(strange), held_out = shares(strange_held_out);
+  RandomStream randomized(3, false), randomized_held_out(3, true);
+  randomized.set_domain_randomized(), randomized_held_out.set_domain_randomized();
+  const auto usual = shares(RandomStream(3, false)), odd = shares(randomized), held_out = shares(randomized_held_out);
   for (int i = 0; i < 4; ++i) {
     EXPECT_GT(odd[i], 0.6 - 4 * std::sqrt(0.6 * 0.4 / kDraws)) << i;  // .6 of them, and some of the others
     EXPECT_LT(usual[i], 0.45) << i;
     EXPECT_EQ(held_out[i], 0) << i;
   }
-  EXPECT_FALSE(strange_held_out.domain_randomized());
+  EXPECT_FALSE(randomized_held_out.domain_randomized());
 }
 
 TEST(SlowEnvironments, AreNotInFrontOfPeople) {
@@ -57,8 +56,8 @@ TEST(Environments, WallsAreBehindRowsAndJumbles) {
   int walls = 0;
   for (int seed = 0; seed < 200; ++seed) {
     SceneModel scene;
-    const std::string place = add_environment(scene, RandomStream(seed, false), 2);
-    if (place != "place:rows" && place != "place:jumble") continue;
+    const std::string tag = add_environment(scene, RandomStream(seed, false), 2);
+    if (tag != "place:rows" && tag != "place:jumble") continue;
     for (const SceneObject& wall : scene.objects) {
       const float width_m = glm::distance(wall.positions[0], wall.positions[1]);
       if (wall.positions.size() != 4 || std::abs(width_m - 40) > 0.1f) continue;
@@ -67,7 +66,7 @@ TEST(Environments, WallsAreBehindRowsAndJumbles) {
       for (const SceneObject& object : scene.objects) {
         if (&object == &wall || std::abs(object.normals[0].y) > 0.999f) continue;  // the ground
         for (const vec3& p : object.positions) {
-          ASSERT_GT(glm::dot(p - wall.positions[0], normal), 0) << seed << " " << place;
+          ASSERT_GT(glm::dot(p - wall.positions[0], normal), 0) << seed << " " << tag;
         }
       }
     }

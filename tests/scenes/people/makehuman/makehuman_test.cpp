@@ -116,7 +116,7 @@ TEST(SlowMakeHuman, FiguresAreWhereTheirJointsAre) {
     SceneModel scene;
     FigureOptions options;
     options.meters_per_px = 0.009f;
-    options.place = {0.3f, 0, 0.2f};
+    options.position = {0.3f, 0, 0.2f};
     const Figure figure = add_makehuman_figure(scene, assets, RandomStream(seed, false), options);
     const RayTracer tracer(scene);
     // a ray from in front of the face meets the person within 2 cm of the nose, for any rotation of the head
