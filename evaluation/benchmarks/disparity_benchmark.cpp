@@ -18,7 +18,7 @@
 namespace dualpixel::evaluation {
 namespace {
 
-constexpr float kWrongDpPx = 0.5f, kSureDpPx = 0.2f;
+constexpr float kWrongDpPx = 0.5f, kConfidentDpPx = 0.2f;
 
 /// A quarter of the scene's photosites, one frame, 64 samples each: rendering noise is common to both views, and fewer
 /// samples would bias every matcher toward 0.
@@ -35,7 +35,7 @@ double mean_of(const std::vector<double>& curve) {
 
 double area_over_oracle(const Sparsification& curves) { return mean_of(curves.error) / mean_of(curves.oracle); }
 
-/// The area over the oracle's if every error were drawn from its predicted sigma: no confidence can tell more about an
+/// The area over the oracle's if every error were drawn from its predicted sigma: no confidence can say more about an
 /// error than its scale.
 double area_of_exact_sigma(const std::vector<float>& sigma) {
   std::mt19937 random(1);
@@ -69,7 +69,7 @@ MatcherBenchmark errors_of(const pipeline::PixelDisparity& found, const Image& t
       sigmas.push_back(sigma);
       within_one += error.back() < sigma;
       within_two += error.back() < 2 * sigma;
-      overconfident += error.back() > kWrongDpPx && sigma < kSureDpPx;
+      overconfident += error.back() > kWrongDpPx && sigma < kConfidentDpPx;
     }
   }
   const auto count = static_cast<double>(estimate.size());
@@ -128,7 +128,7 @@ nlohmann::ordered_json to_json(const MatcherBenchmark& m) {
     json["sparsification_area_over_oracle_of_exact_sigma"] = m.sigma->area_of_exact_sigma;
     json["within_one_sigma_share"] = m.sigma->within_one_sigma;
     json["within_two_sigma_share"] = m.sigma->within_two_sigma;
-    json["wrong_and_sure_share"] = m.sigma->overconfident_errors;
+    json["overconfident_error_share"] = m.sigma->overconfident_errors;
   }
   return json;
 }

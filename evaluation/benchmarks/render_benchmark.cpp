@@ -282,7 +282,7 @@ nlohmann::ordered_json to_json(const RenderRun& run) {
   nlohmann::ordered_json json = {{"samples", run.samples}, {"time_s", run.time_s},
                                  {"error", run.error},     {"left", run.left},
                                  {"right", run.right},     {"left_minus_right", run.left_minus_right}};
-  if (run.target_error) json["error_asked_for"] = *run.target_error;
+  if (run.target_error) json["requested_error"] = *run.target_error;
   return json;
 }
 
@@ -315,7 +315,7 @@ SceneRenderBenchmark measure_rendering(const std::string& scene_file, const Rend
 nlohmann::ordered_json to_json(const SceneRenderBenchmark& benchmark) {
   nlohmann::ordered_json saved = nlohmann::ordered_json::array(), lines = nlohmann::ordered_json::object();
   for (const TimeSaved& row : benchmark.time_saved) {
-    saved.push_back({{"error", row.error}, {"ratio", row.ratio}, {"random_drawn_on", row.extrapolated}});
+    saved.push_back({{"error", row.error}, {"ratio", row.ratio}, {"random_extrapolated", row.extrapolated}});
   }
   for (const RenderCurve& curve : benchmark.curves) {
     for (const RenderRun& run : curve.runs) lines[curve.name].push_back(to_json(run));

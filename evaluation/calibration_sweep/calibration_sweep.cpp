@@ -134,7 +134,7 @@ std::vector<pipeline::TargetMeasurement> run_sweep(const simulator::Simulation& 
       if (kept(j)) {
         measurement = pipeline::read_measurement(read_json_file(file(j)), file(j));
       } else {
-        // through JSON, kept or not: a sweep that went on must end as one that was not interrupted
+        // through JSON, kept or not: a resumed sweep must give the result of an uninterrupted one
         const nlohmann::json json =
             to_json(sweep->measure(sweep->target_distances_m()[j], simulator::hash(kSeed, i * 1000 + j)));
         if (!folder.empty()) replace_file(file(j), json.dump() + "\n");

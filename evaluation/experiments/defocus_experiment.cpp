@@ -299,12 +299,12 @@ Json to_json(const SceneDefocus& scene) {
                {"highlights_recovered", to_json(scene.recovered.psnr)}};
   double before = 0;
   for (const AblationStep& step : scene.steps) {
-    json["rungs"][step.name] = to_json(step.psnr);
-    if (before > 0) json["rungs"][step.name]["loss_db"] = before - step.psnr.all_db;
+    json["steps"][step.name] = to_json(step.psnr);
+    if (before > 0) json["steps"][step.name]["loss_db"] = before - step.psnr.all_db;
     before = step.psnr.all_db;
   }
   for (const RankedMethod& m : scene.ranked) {
-    json["preference"].push_back(
+    json["ranking"].push_back(
         {{"method", m.name}, {"psnr_rim_db", m.rim_db}, {"psnr_subject_db", m.subject_db}, {"psnr_db", m.all_db}});
   }
   return json;

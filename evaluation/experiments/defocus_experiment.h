@@ -42,7 +42,7 @@ struct SceneDefocus {
 /// `capture` has truth. Blur is that of the photograph's lens (match_lens.h) and the focus the capture's own, whatever
 /// faces there are. The steps:
 ///   renderer       the true all-in-focus picture, blurred by true disparity
-///   picture        the merged burst in its place: noise, and the phone lens's own blur
+///   picture        the merged burst instead of the all-in-focus picture: noise, and the phone lens's own blur
 ///   smoothing      true disparity at DP resolution, through the edge-aware stages
 ///   matching       matched disparity, brought to the truth's scale and offset by least squares, through the same
 ///   calibration    the same without that fit: the pipeline's mode dp

@@ -20,8 +20,8 @@ nlohmann::ordered_json to_json(const FailureFigures& figures) {
   nlohmann::ordered_json json = {
       {"rmse_dp_px", figures.rmse_dp_px}, {"wrong_share", figures.wrong}, {"mean_confidence", figures.confidence}};
   if (!figures.sigma) return json;
-  json["sure_share"] = figures.sigma->confident;
-  json["wrong_and_sure_share"] = figures.sigma->overconfident_errors;
+  json["confident_share"] = figures.sigma->confident;
+  json["overconfident_error_share"] = figures.sigma->overconfident_errors;
   json["median_sigma_dp_px"] = figures.sigma->median_sigma_dp_px;
   json["within_one_sigma_share"] = figures.sigma->within_one_sigma;
   json["within_two_sigma_share"] = figures.sigma->within_two_sigma;

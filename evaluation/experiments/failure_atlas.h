@@ -8,7 +8,7 @@
 #include "evaluation/experiments/failure_cases.h"
 #include "pipeline/disparity/matchers.h"
 
-/// How each matcher fails on the cases of failure_cases.h, and whether its confidence tells.
+/// How each matcher fails on the cases of failure_cases.h, and whether its confidence shows it.
 namespace dualpixel::evaluation {
 
 /// Of the pixels' errors relative to the sigma that the matcher predicts. Shares of pixels.

@@ -3,21 +3,22 @@
 
 #include "pipeline/calibration/calibration.h"
 
-/// A calibration, applied. What the principal point would have seen of what is at x is
+/// Corrects disparity by a calibration: converts the disparity d measured at x to that which a point of the same depth
+/// has at the principal point,
 ///     d_corrected = I_z(0) + S_z(0) (d - I_z(x)) / S_z(x)             (Wadhwa et al. 2018, section 4.2)
 namespace dualpixel::pipeline {
 
-/// S_z and I_z at any focus distance within the calibrated range: linear between its neighbors in 1/z, in which both
-/// are nearly linear (the thin lens's intercept is -S/z), and which has room for infinity. Outside the nearest's.
-/// Residual and r_squared stay empty.
+/// S_z and I_z at a focus distance z, interpolated linearly in 1/z between the calibrated focus distances: both are
+/// nearly linear in 1/z (the thin lens's intercept is -S/z), and 1/z is finite for a focus at infinity. Outside the
+/// calibrated range: those of the nearest focus distance. Residual and r_squared stay empty.
 FocusCalibration focus_at(const Calibration& calibration, double focus_distance_m);
 
 /// The correction for one capture, ready to be applied to its maps.
 struct Correction {
-  /// At the nodes: d_corrected = gain d + offset. Nodes that are not usable hold what the nearest usable ones do, so
-  /// that interpolation beside them goes on smoothly.
+  /// At the nodes: d_corrected = gain d + offset. Nodes that are not usable hold the values of the nearest usable
+  /// ones, so that interpolation beside them stays smooth.
   Image gain, offset_dp_px;
-  Image usable;          ///< 0: no line, or a slope below a fifth of the principal point's: what is left there is noise
+  Image usable;          ///< 0: no fitted line, or a slope below a fifth of the principal point's, where noise dominates
   float confidence = 1;  ///< exp(-distance / 0.5 per meter) to the calibrated range of 1/z; 1 inside
   std::string warning;   ///< names both where the focus distance lies outside the range; else empty
 };

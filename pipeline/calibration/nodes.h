@@ -21,7 +21,7 @@ struct NodeInterval {
 NodeInterval node_interval(double fraction, int count);
 
 /// Coefficients of 1, t, t^2, t^3 of the Catmull-Rom spline over interval `first` of `count` nodes that lie `stride`
-/// floats apart. Beyond the border the nodes go on as a parabola.
+/// floats apart. Beyond the border the nodes are extrapolated by a parabola.
 std::array<float, 4> cubic_over(const float* nodes, int stride, int count, int first);
 
 inline float evaluate(const std::array<float, 4>& cubic, float t) {

@@ -1,7 +1,7 @@
 #pragma once
 #include "capture/image/image.h"
 
-/// The picture as edge-aware filters look at it: brightness steps about as large as an eye takes them to be.
+/// The guide of the edge-aware filters: the picture encoded so that equal steps look about equally large.
 namespace dualpixel::pipeline {
 
 /// The gain that brings the mean of a linear picture up to 0.2, never below 1: dark pictures have edges too.

@@ -92,7 +92,7 @@ const char* model_name(const Lens& lens) { return name_of(kLensModels, lens.mode
 nlohmann::ordered_json cut_json(const std::vector<CutPoint>& points) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const CutPoint& p : points) {
-    rows.push_back({{"place", p.field},
+    rows.push_back({{"field", p.field},
                     {"slope_dp_px_m", p.coefficients.slope_dp_px_m},
                     {"intercept_dp_px", p.coefficients.intercept_dp_px},
                     {"alpha", alpha(p.coefficients)},

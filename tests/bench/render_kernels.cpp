@@ -65,8 +65,8 @@ Scene wall() {
   Scene scene;
   Texture texture{512, 512};
   for (int i = 0; i < 512 * 512; ++i) {
-    const auto grey = static_cast<std::uint8_t>(hash(i));
-    texture.rgba.insert(texture.rgba.end(), {grey, grey, grey, 255});
+    const auto gray = static_cast<std::uint8_t>(hash(i));
+    texture.rgba.insert(texture.rgba.end(), {gray, gray, gray, 255});
   }
   keep_decoded(texture);
   scene.textures = {texture};
@@ -129,7 +129,7 @@ void light_samples(benchmark::State& state) {
 BENCHMARK(light_samples);
 
 /// A ball of 6760 triangles, its texture wrapped around it.
-Mesh make_ball(glm::vec3 centre, float radius, int material) {
+Mesh make_ball(glm::vec3 center, float radius, int material) {
   constexpr int kAround = 65, kDown = 53;
   Mesh mesh;
   mesh.material = material;
@@ -139,7 +139,7 @@ Mesh make_ball(glm::vec3 centre, float radius, int material) {
       const float u = static_cast<float>(i) / kAround, v = static_cast<float>(j) / kDown;
       const float ring = std::sin(glm::pi<float>() * v), angle = glm::two_pi<float>() * u;
       const glm::vec3 n(ring * std::cos(angle), -std::cos(glm::pi<float>() * v), ring * std::sin(angle));
-      mesh.positions.push_back(centre + radius * n);
+      mesh.positions.push_back(center + radius * n);
       mesh.normals.push_back(n);
       mesh.uv0.emplace_back(u, v);
       if (i == kAround || j == kDown) continue;
@@ -189,12 +189,12 @@ void balls_in_direct_light(benchmark::State& state) {
   constexpr int kSamples = 64;
   // tile by tile of 16 x 16, as pictures are rendered; the tiles all over the picture
   constexpr int kColumns = 640 / 16, kTiles = kColumns * (480 / 16);
-  int tile = 0, place = 0;
+  int tile = 0, pixel = 0;
   for ([[maybe_unused]] auto _ : state) {
-    const int x = tile % kColumns * 16 + place % 16, y = tile / kColumns * 16 + place / 16;
+    const int x = tile % kColumns * 16 + pixel % 16, y = tile / kColumns * 16 + pixel / 16;
     benchmark::DoNotOptimize(render_pixel(world, camera, {}, x, y, kSamples, hash(x, y)));
-    place = (place + 1) % 256;
-    if (place == 0) tile = (tile + 769) % kTiles;
+    pixel = (pixel + 1) % 256;
+    if (pixel == 0) tile = (tile + 769) % kTiles;
   }
   state.SetItemsProcessed(state.iterations() * kSamples);
 }

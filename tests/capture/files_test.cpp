@@ -82,7 +82,7 @@ TEST(NewFolder, TwoWritersAtOnceLeaveOneWholeFolder) {
   EXPECT_EQ(read_bytes(folder / "out/capture.json"), "1");
 }
 
-TEST(NewFolder, RefusesPlacesThatCannotBeWritten) {
+TEST(NewFolder, RefusesPathsThatCannotBeWritten) {
   const TemporaryFolder folder;
   write_bytes(folder / "file", "text");
   for (const std::string& path :
@@ -162,7 +162,7 @@ TEST(RequireWritable, RefusesWhatReplaceFileWouldAndLeavesNothing) {
   EXPECT_EQ(folder.names(), (std::set<std::string>{"sub", "loop"}));
 }
 
-TEST(NewFolder, MessagesNameThePlaceThatWasAskedFor) {
+TEST(NewFolder, MessagesNameThePathThatWasAskedFor) {
   const TemporaryFolder folder;
   const NewFolder out(folder / "out", "marker");
   const std::string direct = message_of<InputError>([&] { write_file(out.path() + "/none/a.txt", "x"); });

@@ -123,7 +123,7 @@ TEST(PeopleScores, AreTheirFormulas) {
       evaluation::mask_gradient_error(evaluation::filtered_mask_of(set[1], network), evaluation::mask_of(set[1])));
 
   EXPECT_TRUE(std::isnan(row("groups").iou_error));  // one draw says nothing of its error
-  // Another two samples of the same two scenes, with the same scores, tell nothing new.
+  // Another two samples of the same two scenes, with the same scores, do not reduce the standard error.
   const evaluation::PeopleScores twice =
       evaluation::score_people(scenes::PeopleSet({folder / "set", folder / "set"}, true), network);
   EXPECT_EQ(twice.samples.front().samples, 4U);

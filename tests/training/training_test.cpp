@@ -546,7 +546,7 @@ TEST(SlowTraining, FineTuningResumesAndBaselinesTrain) {
             read_file(folder.path.string() + "/parts/person.safetensors"));
 
   fine.resume = false;
-  fine.fine_tune = fine.output + "/person.safetensors";  // the 48 samples' weights, gone on with
+  fine.fine_tune = fine.output + "/person.safetensors";  // the weights after 48 samples
   fine.output = folder.path.string() + "/not_at_all";
   train(fine, [](std::uint64_t) { return true; });
   const pipeline::NetworkWeights given = pipeline::read_weights(fine.fine_tune);

@@ -139,7 +139,7 @@ void add_calibrate(CLI::App& program) {
                        "[{\"capture\": \"FOLDER\", \"target_distance_m\": 0.5}, ...]}")
           ->type_name("DIR");
   captures->excludes(camera);
-  command->add_option("-o,--output", options->output, "Folder to write; an interrupted sweep goes on where it was")
+  command->add_option("-o,--output", options->output, "Folder to write; an interrupted sweep is resumed")
       ->required()
       ->type_name("DIR");
   add_overrides_option(*command, options->overrides, "lens.f_number=2.8");

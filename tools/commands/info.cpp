@@ -123,7 +123,7 @@ json describe_calibration(const std::string& path) {
           {"focus_distances_m", focuses},
           {"nearest_target_m", calibration.nearest_target_m},
           {"farthest_target_m", calibration.farthest_target_m},
-          {"places_with_a_line", static_cast<double>(lines) / static_cast<double>(nodes)},
+          {"fitted_position_share", static_cast<double>(lines) / static_cast<double>(nodes)},
           {"median_residual_dp_px", evaluation::median(std::move(residuals))},
           {"least_r_squared", least_r_squared},
           {"warnings", calibration.warnings}};

@@ -54,7 +54,7 @@ void add_people(CLI::App& program) {
       "people", "Make pictures of people with masks, keypoints and face boxes, to train segmentation with");
   command
       ->add_option("-o,--output", arguments->folder,
-                   "Folder for the set; one that was begun with the same options is gone on with")
+                   "Folder for the set; an unfinished set of the same options is resumed")
       ->type_name("DIR");
   command->add_option("--count", arguments->options.count, "How many samples")->capture_default_str()->type_name("N");
   command->add_option("--seed", arguments->options.seed, "Which set: the same seed gives the same bytes")

@@ -176,7 +176,7 @@ nlohmann::ordered_json describe_run(const PortraitCommand& command, const Portra
     provenance["capture_hash"] = file_hash(command.capture + "/capture.json");
   }
   provenance["mode"] = name_of(pipeline::kModes, result.mode);
-  if (result.mode != options.mode) provenance["mode_asked_for"] = command.mode;
+  if (result.mode != options.mode) provenance["requested_mode"] = command.mode;
   provenance["matcher"] = command.matcher;
   provenance["seed"] = command.seed;
   if (options.match_pupil_mm) provenance["match_lens"] = command.match_lens;

@@ -64,11 +64,11 @@ Planes relit(const scenes::PersonSample& sample, const Augmentation& a) {
       const int i = y * kSize + x;
       const std::uint8_t* p = sample.picture + 3 * i;
       const float r = curve[0][p[0]], g = curve[1][p[1]], b = curve[2][p[2]];
-      const float grey = 0.299F * r + 0.587F * g + 0.114F * b;
+      const float gray = 0.299F * r + 0.587F * g + 0.114F * b;
       float* out = planes.data() + kPlanes * i;
-      out[0] = std::clamp(grey + saturation * (r - grey), 0.F, 1.F);
-      out[1] = std::clamp(grey + saturation * (g - grey), 0.F, 1.F);
-      out[2] = std::clamp(grey + saturation * (b - grey), 0.F, 1.F);
+      out[0] = std::clamp(gray + saturation * (r - gray), 0.F, 1.F);
+      out[1] = std::clamp(gray + saturation * (g - gray), 0.F, 1.F);
+      out[2] = std::clamp(gray + saturation * (b - gray), 0.F, 1.F);
       out[4] = 1;
     }
   }
@@ -144,7 +144,7 @@ Planes warped(const Planes& source, int source_size, const Warp& warp) {
 }
 
 /// A binomial blur of the colors, [1 2 1] / 4 along each axis in place; the border's pixels keep their values.
-void blur_colours(Planes& planes) {
+void blur_colors(Planes& planes) {
   for (const int step : {kPlanes, kPlanes * kSize}) {
     for (int line = 0; line < kSize; ++line) {
       float* const first = planes.data() + line * (step == kPlanes ? kPlanes * kSize : kPlanes);
@@ -226,7 +226,7 @@ void make_example(const scenes::PersonSample& sample, const Augmentation& a, flo
   const Warp warp(a);
   Planes planes = relit(sample, a);
   planes = a.scale < kHalveBelowScale ? warped(halved(planes, kSize), kSize / 2, warp) : warped(planes, kSize, warp);
-  for (int i = 0; i < a.blur_passes; ++i) blur_colours(planes);
+  for (int i = 0; i < a.blur_passes; ++i) blur_colors(planes);
 
   const double face_x = sample.face[0] + (0.5 + a.face_shift_x) * sample.face[2];
   const double face_y = sample.face[1] + (0.5 + a.face_shift_y) * sample.face[3];

@@ -17,8 +17,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kWeightDecay = 1e-4;
+constexpr const char* kOptimizerKey = "optimiser";  // as checkpoints of earlier builds spell it
 
-/// Names, types and shapes of all that a network holds: loading a file puts its own tensors in their place unasked.
+/// Names, types and shapes of all tensors of a network. Loading a file replaces them whatever their shapes, so these
+/// are compared before and after.
 std::string layout_of(Network& network) {
   std::string layout;
   for (const auto& items : {network->named_parameters(), network->named_buffers()}) {
@@ -45,14 +47,14 @@ Checkpoint of_shape(const NetworkShape& shape) {
   for (torch::Tensor& parameter : checkpoint.network->parameters()) {
     if (parameter.dim() == 4) parameter.set_data(parameter.data().contiguous(torch::MemoryFormat::ChannelsLast));
   }
-  forget_optimiser(checkpoint);
+  forget_optimizer(checkpoint);
   return checkpoint;
 }
 
 }  // namespace
 
-void forget_optimiser(Checkpoint& checkpoint) {
-  checkpoint.optimiser = std::make_unique<torch::optim::AdamW>(checkpoint.network->parameters(),
+void forget_optimizer(Checkpoint& checkpoint) {
+  checkpoint.optimizer = std::make_unique<torch::optim::AdamW>(checkpoint.network->parameters(),
                                                                torch::optim::AdamWOptions().weight_decay(kWeightDecay));
 }
 
@@ -73,7 +75,7 @@ std::string weights_hash(Network& network) {
 }
 
 void write_checkpoint(const Checkpoint& checkpoint, const std::string& path) {
-  torch::serialize::OutputArchive archive, network, optimiser;
+  torch::serialize::OutputArchive archive, network, optimizer;
   const NetworkShape& shape = checkpoint.network->shape;
   const Json text = {{"fcn", shape.fcn},
                      {"stages", shape.stages},
@@ -85,8 +87,8 @@ void write_checkpoint(const Checkpoint& checkpoint, const std::string& path) {
   archive.write("text", c10::IValue(text.dump()));
   checkpoint.network->save(network);
   archive.write("network", network);
-  checkpoint.optimiser->save(optimiser);
-  archive.write("optimiser", optimiser);
+  checkpoint.optimizer->save(optimizer);
+  archive.write(kOptimizerKey, optimizer);
   std::ostringstream bytes;
   archive.save_to(bytes);
   replace_file(path, bytes.str());
@@ -95,7 +97,7 @@ void write_checkpoint(const Checkpoint& checkpoint, const std::string& path) {
 Checkpoint read_checkpoint(const std::string& path) {
   require_regular_file(path);
   try {
-    torch::serialize::InputArchive archive, network, optimiser;
+    torch::serialize::InputArchive archive, network, optimizer;
     archive.load_from(path);
     c10::IValue value;
     archive.read("text", value);
@@ -113,13 +115,13 @@ Checkpoint read_checkpoint(const std::string& path) {
     if (!are_points(checkpoint.points) || !checkpoint.recipe.is_object()) fields.fail("points", "are not a log's");
     Checkpoint fresh = of_shape(shape);
     checkpoint.network = fresh.network;
-    checkpoint.optimiser = std::move(fresh.optimiser);
+    checkpoint.optimizer = std::move(fresh.optimizer);
     const std::string layout = layout_of(checkpoint.network);
     archive.read("network", network);
     checkpoint.network->load(network);
     if (layout_of(checkpoint.network) != layout) fields.fail("network", "its layers are of other sizes");
-    archive.read("optimiser", optimiser);
-    checkpoint.optimiser->load(optimiser);
+    archive.read(kOptimizerKey, optimizer);
+    checkpoint.optimizer->load(optimizer);
     return checkpoint;
   } catch (const InputError&) {
     throw;

@@ -8,12 +8,12 @@
 
 #include "tools/train_segmentation/network.h"
 
-/// What a training run goes on from, and a second one starts from.
+/// What an interrupted training run resumes from, and a fine-tuning run starts from.
 namespace dualpixel::tools {
 
 struct Checkpoint {
   Network network{nullptr};
-  std::unique_ptr<torch::optim::AdamW> optimiser;
+  std::unique_ptr<torch::optim::AdamW> optimizer;
   std::uint64_t samples = 0;                                        ///< seen
   double seconds = 0;                                               ///< of training
   nlohmann::ordered_json recipe;                                    ///< what the weights depend on
@@ -23,8 +23,8 @@ struct Checkpoint {
 /// Untrained, of the seed's weights.
 Checkpoint new_checkpoint(const NetworkShape& shape, std::uint64_t seed);
 
-/// The network's weights as they are, nothing learnt about their steps.
-void forget_optimiser(Checkpoint& checkpoint);
+/// Keeps the network's weights and starts the optimizer afresh, without the moments of earlier steps.
+void forget_optimizer(Checkpoint& checkpoint);
 
 /// Of all numbers that a network holds.
 std::string weights_hash(Network& network);

@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
                                  ->check(CLI::Range(1e-4, 1e4))
                                  ->excludes(samples)
                                  ->type_name("H");
-  program.add_flag("--resume", options.resume, "Go on from the folder's checkpoint; scores again where it is finished");
+  program.add_flag("--resume", options.resume, "Resume from the folder's checkpoint; a finished run is scored again");
   CLI::Option* const stages = program.add_option("--stages", options.shape.stages, "Stacked U-Nets")
                                   ->check(CLI::Range(1, 3))
                                   ->capture_default_str();

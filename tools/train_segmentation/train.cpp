@@ -32,7 +32,7 @@ using Json = nlohmann::ordered_json;
 constexpr int kBatch = 16;          // as the paper
 constexpr double kPoseWeight = 5;   // as the paper
 constexpr double kIouWeight = 0.5;  // makes the two terms about as large
-constexpr double kIouFloor_px = 8;  // a few pixels more or less of somebody hardly seen weigh no more than of others
+constexpr double kIouFloor_px = 8;  // limits the weight of a few wrong pixels where hardly anything of a person is seen
 constexpr double kPeakRate = 3e-3, kFineTuneRate = 3e-4, kLastRate = 1e-6, kWarmUp = 0.05;
 constexpr const char* kWeightsFile = "person.safetensors";
 constexpr double kCheckpointEvery_s = 300;
@@ -212,19 +212,19 @@ Checkpoint start_of(const TrainOptions& options, const std::string& path, const 
     for (const auto& [name, value] : wanted.items()) {
       if (!state.recipe.contains(name)) {
         throw InputError(
-            fmt::format("{}: an older program wrote it, without its {}: it can be fine-tuned from "
-                        "(--fine-tune), not gone on with",
+            fmt::format("{}: an older version wrote it, without its {}: it cannot be resumed; "
+                        "--fine-tune can start from it",
                         printable(path), name));
       }
       const Json was = state.recipe[name];
       if (was == value) continue;
-      throw InputError(fmt::format("{}: is of another run: its {} is {}, not {}; give that to go on with it",
+      throw InputError(fmt::format("{}: is of another run: its {} is {}, not {}; give that to resume it",
                                    printable(path), name, printable(was.dump()), value.dump()));
     }
     return state;
   }
   if (std::filesystem::exists(path)) {
-    throw InputError(printable(options.output) + ": holds a run; go on with it by --resume, or name another folder");
+    throw InputError(printable(options.output) + ": holds a run; resume it with --resume, or name another folder");
   }
   std::error_code error;
   if (std::filesystem::equivalent(options.fine_tune, options.output + "/" + kWeightsFile, error)) {
@@ -235,7 +235,7 @@ Checkpoint start_of(const TrainOptions& options, const std::string& path, const 
     state = new_checkpoint(options.shape, options.seed);
   } else {
     state.network = first_network(options, set, from);
-    forget_optimiser(state);
+    forget_optimizer(state);
   }
   state.recipe = recipe_of(options, state.network->shape, set, held_out, threads);
   return state;
@@ -262,7 +262,7 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
   }
   const bool fine_tune = !options.fine_tune.empty();
   if (fine_tune && options.prune > 0) {
-    // by the first phase's network, also where the second is gone on with
+    // by the first phase's network, also when the second phase is resumed
     Network judge = options.resume ? first_network(options, set, kept) : state.network;
     kept = kept_samples(judge, set, kept, options.prune);
   }
@@ -339,15 +339,15 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
       half = false;
     }
     if (half) batch = halved(batch);
-    for (auto& group : state.optimiser->param_groups()) group.options().set_lr(learning_rate(fraction(), peak));
+    for (auto& group : state.optimizer->param_groups()) group.options().set_lr(learning_rate(fraction(), peak));
     state.network->train();
     const Losses losses = [&] {
       const Autocast autocast(options.bf16);
       return losses_of(state.network->forward(batch.input), batch, fine_tune);
     }();
-    state.optimiser->zero_grad();
+    state.optimizer->zero_grad();
     losses.total().backward();
-    state.optimiser->step();
+    state.optimizer->step();
     state.samples += kBatch;
     state.seconds = now_s() - started_s;
     tally.mask += losses.mask.item<double>();

@@ -10,7 +10,8 @@
 ///
 /// Loss of each stage, added over the stages: cross-entropy of the mask, mean over pixels, plus 5 times that of the
 /// heatmaps, mean over pixels and keypoints. In phase two the pose loss is left out, as in the paper, and half the soft
-/// IoU loss is added, which is ours: pixels alone weigh somebody far away little, scores do not.
+/// IoU loss is added, which is ours: a person far away has few pixels and so little weight in the cross-entropy, but as
+/// much as any other in the score.
 ///
 /// Where else it differs from the paper, since two cores for hours stand against 40 GPUs for a month: Adam with
 /// decoupled weight decay in place of stochastic gradient descent, and one cycle of learning rates (up over the first
@@ -48,7 +49,7 @@ torch::Tensor soft_iou_loss(const torch::Tensor& logits, const torch::Tensor& ma
 double work_done(double samples, double total, double half_size);
 
 /// Writes to the output folder, again at every checkpoint (five minutes) and at the end, each file whole or not at all:
-///   checkpoint.pt       what --resume goes on from: weights, optimizer, samples seen
+///   checkpoint.pt       what --resume continues from: weights, optimizer, samples seen
 ///   person.safetensors  for inference (export.h); not of the baseline
 ///   log.json            options, hashes of the data, and one entry for each checkpoint
 ///   chart.html          loss and held-out score

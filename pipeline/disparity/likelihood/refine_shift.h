@@ -4,37 +4,37 @@
 
 #include "pipeline/disparity/likelihood/prepared_views.h"
 
-/// The second step of the likelihood matcher: from a whole shift to a fraction of a pixel and its variance, and what
-/// tiles tell about each other.
+/// The second step of the likelihood matcher: refines a whole shift to a fraction of a pixel, predicts the error's
+/// variance, and combines neighboring tiles.
 namespace dualpixel::pipeline::likelihood {
 
 struct RefinedTile {
   float disparity = 0;     ///< DP px
-  float noise = INFINITY;  ///< variance of the error that the views' noise makes: each tile's own
-  float model = 0;         ///< and of that from what no shift explains: partly common to neighbors
+  float noise = INFINITY;  ///< variance of the error due to the views' noise; independent between tiles
+  float model = 0;         ///< variance of the error due to differences that no shift explains; partly shared by neighbors
 };
 
-/// Gauss-Newton from `start`, both views interpolated symmetrically, at most `farthest` away. `offset`, with its
-/// standard deviation, is what the right view is brighter by. A tile without information comes back with infinite
-/// noise.
+/// Gauss-Newton from `start`, at most `farthest` away from it, with both views interpolated symmetrically. `offset` is
+/// how much brighter the right view is, with its standard deviation. A tile without information gets infinite noise.
 RefinedTile refine_shift(const PreparedViews& views, int x0, int y0, float start, float offset, float offset_sigma,
                          float farthest);
 
-/// Where blur is wider than a tile, the tiles around see much of the same light through other parts of the mirrored
-/// kernels, and err differently: the mean over those that agree, by a weight that reaches as far as the shift is large.
+/// The weighted mean over those tiles around that agree; the weight's reach grows with the shift. Where blur is wider
+/// than a tile, neighboring tiles see much of the same light through other parts of the mirrored kernels, and their
+/// errors differ, so that the mean has less error.
 RefinedTile pooled_with_neighbors(const std::vector<RefinedTile>& tiles, int columns, int rows, int column, int row);
 
-/// Correlation of two neighboring tiles' errors after pooling: that of means under its weights, as far as they reach.
+/// Correlation of two neighboring tiles' errors after pooling: that of two means whose weights overlap.
 float pooled_share(float disparity);
 
 /// Variance of disparity over the 3 x 3 tiles around, beyond what their errors explain, where that is three standard
 /// deviations or more; else 0. Slopes, edges, foliage.
 float roughness(const std::vector<RefinedTile>& tiles, int columns, int rows, int column, int row);
 
-/// Variance of the error as it is predicted: the tile's own, what mirrored kernels and rough surfaces do to any, and
-/// what its neighbors raise against it. A surface that is seen goes on in at least one half of the tiles around; a
-/// tile that differs from all of them shows a highlight, a structure narrower than its blur, or a mistake, and may be
-/// as wrong as it is different.
+/// The predicted variance of a tile's error: its own variance, that which mirrored kernels and rough surfaces add to
+/// every tile, and that due to disagreement with its neighbors. A visible surface extends into at least half of the
+/// tiles around. So a tile that differs from all of them shows a highlight, a structure narrower than its blur, or a
+/// mismatch, and its error may be as large as the difference.
 float predicted_variance(const std::vector<RefinedTile>& tiles, int columns, int rows, int column, int row);
 
 }  // namespace dualpixel::pipeline::likelihood

@@ -298,7 +298,7 @@ Lens aberrated_twin(const Lens& lens) {
   Lens twin = lens;
   auto& a = twin.model.emplace<Aberrations>();
   twin.name = lens.name + ", aberrated twin";
-  twin.derived = "knobs fitted to the traced prescription";
+  twin.derived = "parameters fitted to the traced prescription";
   a.image_radius_mm = p->image_radius_mm;
   a.falloff = Aberrations::Falloff::cos4;
   std::vector<double> h = fit_rays(*p, lens.thin, a);

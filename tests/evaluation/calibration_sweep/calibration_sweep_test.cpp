@@ -136,7 +136,7 @@ TEST_P(CalibrationLens, AgreesWithTheTracedLens) {
                 GetParam(), focus_m, a.slope_rms, a.slope_within, a.intercept_rms_dp_px, a.intercept_within);
     EXPECT_LT(a.slope_rms, 0.02);
     EXPECT_LT(a.intercept_rms_dp_px, 0.03);
-    // no few places that make up for many: of normal errors with this root mean square 68 % lie within
+    // the RMS hides no few large errors: of normal errors with this root mean square 68 % lie within
     EXPECT_GT(a.slope_within, 0.68);
     EXPECT_GT(a.intercept_within, 0.95);  // readings by planes left 91 % behind the 7p
     EXPECT_GT(calibration.focuses[0].r_squared, 0.999);
@@ -206,7 +206,7 @@ FieldError field_error(const pipeline::PortraitResult& result, const Image& want
 class CalibratedScene : public testing::TestWithParam<const char*> {};
 
 // A wall that runs away to the right, rendered in full, exposed, matched and corrected, with a texture of its own.
-TEST_P(CalibratedScene, HasAnErrorAtThePeripheryLikeTheCentres) {
+TEST_P(CalibratedScene, HasAnErrorAtThePeripheryLikeTheCenters) {
   simulator::Simulation simulation = camera_with(GetParam());
   const double focus_m = 0.69;
   std::vector<pipeline::TargetMeasurement> measurements;
@@ -250,8 +250,8 @@ simulator::Simulation small_camera(const std::string& lens) {
 }
 
 // The sweep's renderer casts few rays, spread over whole blocks, and takes the shading from a fit. The real one,
-// through the same lens and with the same print, must give the same disparity. They differ by 0.0064 from
-// place to place with 256 samples a photosite, by 0.012 with 64.
+// through the same lens and with the same print, must give the same disparity. Their
+// difference varies over the field by 0.0064 with 256 samples a photosite, by 0.012 with 64.
 TEST(SlowCalibrationTarget, LooksAsTheRendererSeesIt) {
   simulator::Simulation simulation = small_camera("phone_aberrated_4.4mm_f1.8");
   const FocusSweep sweep(simulation, 0.6, {});
@@ -340,7 +340,7 @@ TEST(SlowCalibrateCommand, CalibratesFromCapturesWhatPortraitThenCorrects) {
   EXPECT_LT(after, 0.03);
   EXPECT_LT(after, before);
 
-  // a calibration of photographs is no sweep to go on with
+  // a calibration from photographs is no sweep to resume
   expect_one_line_refusal(
       run_program("calibrate '" DUALPIXEL_SCENES_DIR "/calibration_target.json' -o '" + calibration + "'"));
 }

@@ -99,7 +99,7 @@ TEST(SlowFailureAtlas, TheExperimentWritesChartsAndFigures) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const auto json = nlohmann::json::parse(read_bytes(folder / "new/failures.json"));
   EXPECT_EQ(json["rows"].size(), failure_rows().size());
-  EXPECT_GT(json["rows"][0]["steps"][0]["likelihood"]["sure_share"], 0.9);
+  EXPECT_GT(json["rows"][0]["steps"][0]["likelihood"]["confident_share"], 0.9);
   const std::string page = read_bytes(folder / "new/failures.html");
   EXPECT_EQ(page.find("http:"), std::string::npos);
   for (const FailureRow& row : failure_rows()) EXPECT_NE(page.find(row.title), std::string::npos) << row.title;

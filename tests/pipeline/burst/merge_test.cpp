@@ -36,7 +36,7 @@ MergeOptions strength(double c) {
 
 /// One frame's signals.
 MergedBurst normalized(const Frame& frame, const Exposure& exposure) {
-  const auto normalise = [&](const ImageU16& raw) {
+  const auto normalize = [&](const ImageU16& raw) {
     Image image(raw.width, raw.height);
     for (std::size_t i = 0; i < raw.data.size(); ++i) {
       image.data[i] = static_cast<float>((raw.data[i] - exposure.black_level_dn) /
@@ -44,7 +44,7 @@ MergedBurst normalized(const Frame& frame, const Exposure& exposure) {
     }
     return image;
   };
-  return {normalise(frame.mosaic), normalise(frame.left), normalise(frame.right)};
+  return {normalize(frame.mosaic), normalize(frame.left), normalize(frame.right)};
 }
 
 /// x0, y0, x1, y1 in Bayer px, of even y.
@@ -113,7 +113,7 @@ TEST(Merge, FractionsOfAPixelCostNoDenoising) {
 }
 
 TEST(Merge, LeaksAsTheShrinkageSays) {
-  // Flat frames differ at frequency 0 alone, once their tiles' other frequencies have cancelled: D = W1 * step with W1
+  // Flat frames differ at frequency 0 alone, once their tiles' other frequencies have canceled: D = W1 * step with W1
   // the sum of the window, 64, so that |D|^2 / V = 64^2 step^2 / (2 * 36 * sigma^2), 64 at a step of 3/sqrt(8) sigma.
   Exposure exposure;
   exposure.white_level_dn = 4000;

@@ -14,13 +14,13 @@ namespace dualpixel::pipeline {
 
 /// A target lit by `lux`, gray of reflectance 0.18 at f/1.8 and 1/15 s: 4.06 e per lux on a photosite of 1.4 um. The
 /// ISO puts that gray at 0.108 of the white level; full well 6000 e at ISO 100, read noise 2 e, 10 bits.
-inline constexpr double kGreyLevel = 0.108;
+inline constexpr double kGrayLevel = 0.108;
 inline Exposure exposure_at(double lux) {
   const double electrons = 4.06 * lux;
   Exposure exposure;
   exposure.black_level_dn = 64;
   exposure.white_level_dn = 1023;
-  const double gain = kGreyLevel * 959 / electrons;  // DN per electron
+  const double gain = kGrayLevel * 959 / electrons;  // DN per electron
   exposure.mosaic_noise = {gain, gain * gain * 4 + 1.0 / 12};
   exposure.dp_noise = {gain / 4, gain * gain + 1.0 / 12};
   return exposure;
@@ -67,7 +67,7 @@ inline Signals see(const Target& target, int width, int height, const Pose& pose
   Signals signals{Image(2 * width, 2 * height), Image(width, height / 2), Image(width, height / 2)};
   for (int v = 0; v < 2; ++v) {
     for (int u = 0; u < 2; ++u) {
-      const double level = kGreyLevel * (u != v ? 1.0 : u == 0 ? 0.7 : 0.6);
+      const double level = kGrayLevel * (u != v ? 1.0 : u == 0 ? 0.7 : 0.6);
       const Image plane = raster(width, height, (u + 0.5) / 2, (v + 0.5) / 2, 1);
       for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
@@ -81,7 +81,7 @@ inline Signals see(const Target& target, int width, int height, const Pose& pose
     for (int row = 0; row < 4; ++row) {
       const Image rows = raster(width, height / 2, 0.5 - side * disparity_dp_px / 2, (row + 0.5) / 2, 2);
       for (std::size_t i = 0; i < view.data.size(); ++i) {
-        view.data[i] += static_cast<float>(kGreyLevel / 8) * rows.data[i];
+        view.data[i] += static_cast<float>(kGrayLevel / 8) * rows.data[i];
       }
     }
   }

@@ -131,9 +131,9 @@ TEST(Calibration, AMeasurementOfViewsOfOnePixelIsFinite) {
   for (const float usable : m.usable.data) ASSERT_EQ(usable, 0);
 }
 
-// One place's targets all say a slope that is 0.1 more. The smoothing spreads that over the places around, none of it
-// lost; the place's line still goes through the middle of its own targets.
-TEST(Calibration, AveragesSlopesOverPlacesButNotWhatTargetsSaw) {
+// At one field position the targets all say a slope that is 0.1 more. Smoothing spreads that over the positions around,
+// and loses none of it; the position's line still goes through the middle of its own targets.
+TEST(Calibration, AveragesSlopesOverTheFieldButNotWhatTargetsSaw) {
   constexpr int kColumn = 8, kRow = 6;  // so far from the border that every window that holds it is whole
   std::vector<TargetMeasurement> measurements = sweep({0.5});
   const Calibration even = fit_calibration(test_camera(), measurements);

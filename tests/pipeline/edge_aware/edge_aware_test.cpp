@@ -211,7 +211,7 @@ TEST(BilateralSolver, BrokenAndEmptyInputsStayFinite) {
 }
 
 TEST(BilateralSolver, ConfidenceOfTheResult) {
-  // Left and right of an edge the targets agree and differ; in the middle an island that nobody tells anything.
+  // Left and right of an edge the targets agree and differ; in the middle is an island without confidence.
   Image guide = two_tone(96, 64, 48), target(96, 64), confidence(96, 64, 1, 1.0f);
   for (int y = 0; y < 64; ++y) {
     for (int x = 0; x < 96; ++x) target.at(x, y) = x < 48 ? 0.5f : (x + y) % 2 == 0 ? 0.2f : 0.8f;

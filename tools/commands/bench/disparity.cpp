@@ -41,7 +41,7 @@ void run(const BenchDisparityOptions& options) {
 void add_bench_disparity(CLI::App& bench) {
   auto options = std::make_shared<BenchDisparityOptions>();
   CLI::App* command = bench.add_subcommand(
-      "disparity", "Time both matchers, and OpenCV's where it was built in; errors on rendered pairs");
+      "disparity", "Time and error of every matcher, and of OpenCV's where built in, on rendered pairs");
   command->add_option("scene", options->scenes, "Scene JSON files (default: the portrait and the slanted planes)")
       ->type_name("SCENE.json");
   command->add_option("-o,--output", options->page, "Write a page with the chart")->type_name("PAGE.html");

@@ -130,8 +130,8 @@ double mean_of(const Image& image) {
   return sum / static_cast<double>(image.data.size());
 }
 
-/// Share of inner tiles whose error is over 0.5 px though less than 0.2 px was predicted.
-double deceived(const TileDisparity& tiles, double d) {
+/// Share of inner tiles that err by more than 0.5 px although the predicted sigma is under 0.2 px.
+double overconfident_errors(const TileDisparity& tiles, double d) {
   int wrong = 0, count = 0;
   for (int y = 0; y < tiles.sigma_dp_px.height; ++y) {
     for (int x = kBorder; x < tiles.sigma_dp_px.width - kBorder; ++x) {
@@ -408,17 +408,17 @@ TEST(LikelihoodMatch, RepetitionIsNotBelieved) {
     add_view_noise(right, 2);
     const TileDisparity tiles = match_by_likelihood(left, right, {.noise = kNoise});
     EXPECT_LT(mean_of(tiles.confidence), 0.05) << period;
-    EXPECT_LT(deceived(tiles, 0.6), 0.01) << period;
+    EXPECT_LT(overconfident_errors(tiles, 0.6), 0.01) << period;
   }
 }
 
-TEST(LikelihoodMatch, NothingBeyondTheRangeIsBelieved) {
+TEST(LikelihoodMatch, DisparityBeyondTheRangeHasLowConfidence) {
   for (const double d : {17.0, 20.0, -25.0}) {
     Pair pair = shifted_pair(9, 0.3, 0.2, d);
     add_view_noise(pair.left, 1);
     add_view_noise(pair.right, 2);
     const TileDisparity tiles = match_by_likelihood(pair.left, pair.right, {.noise = kNoise});
-    EXPECT_LT(deceived(tiles, d), 0.01) << d;
+    EXPECT_LT(overconfident_errors(tiles, d), 0.01) << d;
     EXPECT_LT(mean_of(tiles.confidence), 0.1) << d;
   }
 }

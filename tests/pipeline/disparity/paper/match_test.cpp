@@ -215,7 +215,7 @@ TEST(Upsample, SigmaIsThatOfTheBlend) {
   tiles.disparity_dp_px.at(1, 0) = tiles.disparity_dp_px.at(1, 1) = 2.5f;
   const double spread = 2 * std::sqrt(9.0 / 16 * 7 / 16);
   EXPECT_NEAR(upsample_tiles(tiles, 16, 16).sigma_dp_px.at(7, 7), std::hypot(spread, 0.1), 1e-4);
-  tiles.confidence = Image(2, 2);  // nobody knows: the plain blend of variances
+  tiles.confidence = Image(2, 2);  // no confidence anywhere: the plain blend of variances
   EXPECT_NEAR(upsample_tiles(tiles, 16, 16).sigma_dp_px.at(7, 7), 0.1, 1e-5);
   tiles.sigma_dp_px = tiles.shared = {};
   EXPECT_TRUE(upsample_tiles(tiles, 16, 16).sigma_dp_px.empty());
