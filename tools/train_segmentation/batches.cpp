@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kBatchesAhead = 4;
 
-/// Buffers laid out channels last, and the tensors in the network's order of dimensions that look at them.
+/// Buffers laid out channels last, and tensors that view them in the network's order of dimensions.
 struct Buffers {
   Buffers(std::int64_t count, bool with_heatmaps)
       : input(torch::empty({count, kNetworkSize_px, kNetworkSize_px, 4})),
