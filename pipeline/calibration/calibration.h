@@ -8,17 +8,18 @@
 #include "pipeline/calibration/nodes.h"
 #include "pipeline/calibration/target_measurement.h"
 
-/// The same disparity everywhere for the same depth (Wadhwa et al. 2018, section 4.2 "Imaging Model and Calibration").
+/// Calibration of disparity over the field, so that equal depth gives equal disparity (Wadhwa et al. 2018, section 4.2
+/// "Imaging Model and Calibration").
 /// A lens's aberrations leave disparity linear in inverse depth, but the line varies over the field:
 ///     d(x, z, D) = S_z(x) / D + I_z(x),       z focus distance, D depth, x position on the sensor.
 /// A sweep of a textured, fronto-parallel target over both distances gives S_z and I_z by least squares; correction.h
 /// uses them.
 namespace dualpixel::pipeline {
 
-/// `left` and `right` are the linear views. A node's disparity is that of the quadratic surface that fits the flow
-/// best as far as the nodes around it, with weights that fall to 0 there: a lens of many aspheres curves its field
-/// within three nodes, which a plane would flatten. It is usable where the matched views' mismatch there, by the same
-/// weights, is at most 0.5.
+/// `left` and `right` are the linear views. A node's disparity is the value there of a quadratic surface that is fitted
+/// to the flow around it, with weights that fall to 0 at the neighboring nodes. (A plane would flatten the field of a
+/// lens with many aspheres, which curves within three nodes.) A node is usable where the mean mismatch of the matched
+/// views, by the same weights, is at most 0.5.
 TargetMeasurement measure_target(const Image& left, const Image& right, double focus_distance_m,
                                  double target_distance_m, const FlowOptions& options = {});
 

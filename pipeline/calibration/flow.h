@@ -7,16 +7,16 @@
 namespace dualpixel::pipeline {
 
 struct FlowOptions {
-  /// The views are averaged over blocks of this many DP pixels before anything else. Coarse on purpose: the mirrored
-  /// kernels of the two views match at their centroids only where the texture is coarse against the blur (finer texture
-  /// reads up to 12 % too much), and there noise weighs least.
+  /// The views are first averaged over blocks of this many DP pixels. Coarse on purpose: the mirrored kernels of the
+  /// two views match at their centroids only where the texture is coarse against the blur (finer texture gives up to 12
+  /// % too much disparity), and averaging reduces noise.
   int block_width_px = 4;
   int block_height_px = 2;
   int window_blocks = 33;    ///< normalization window, blocks a side, odd
   float charbonnier = 0.1f;  ///< difference at which the data term turns from square to linear, in local deviations
-  float smooth_blocks = 8;   ///< distance over which average texture gives way to its neighbors, blocks
+  float smooth_blocks = 8;   ///< distance over which the flow is smoothed where texture is average, blocks
   int warps = 4;             ///< linearizations a level
-  int refinements = 3;       ///< repetitions with the light of both views evened out, 1 or more
+  int refinements = 3;       ///< repetitions with both views brought to the same light, 1 or more
   int sweeps = 40;           ///< over-relaxation sweeps a linearization (Liu 2009: 30 and more)
 };
 
@@ -29,13 +29,17 @@ struct Flow {
 
 /// `left` and `right` are linear views of one size. Minimizes over d
 ///     sum sqrt((right(x + d) - left(x))^2 + charbonnier^2) + lambda sum |grad d|^2
-/// over the normalized blocks, from coarse to fine by halves, each level linearized `warps` times. lambda is smooth^2
-/// times the mean curvature of the data term, so that contrast and noise leave the smoothness alone. All of it once and
-/// then `refinements` times more, with the right view moved by the answer so far before it is normalized, so that
-/// windows which the border cuts short hold the same of the target in both views, and scaled to the left view's light
-/// by a smooth fit of their ratio, which has no texture in it where they match. The same bytes for any number of
-/// threads. Throws InputError where the views differ in size, are empty or have colors, and where an option
-/// is not positive.
+/// over the normalized blocks, coarse to fine on a pyramid of halved sizes, with `warps` linearizations a level. lambda
+/// is smooth_blocks^2 times the mean curvature of the data term, so that the smoothness does not depend on contrast and
+/// noise.
+///
+/// This is done once, and then `refinements` times more. Each repetition first moves the right view by the flow so far,
+/// so that normalization windows that the border cuts short show the same part of the target in both views. It also
+/// scales the right view to the left view's light by a smooth fit of their ratio; where the views match, that ratio
+/// holds shading but no texture.
+///
+/// The same bytes for any number of threads. Throws InputError where the views differ in size, are empty or have more
+/// than one channel, and where an option is not positive.
 Flow match_target(const Image& left, const Image& right, const FlowOptions& options = {});
 
 }  // namespace dualpixel::pipeline

@@ -6,9 +6,10 @@
 
 namespace dualpixel::pipeline {
 
-/// How far the target of a sweep was from fronto-parallel, degrees; x: its right side farther, y: its lower side. The
-/// standard errors are a jackknife's over the targets of each focus distance: what texture and sensor noise do differs
-/// from target to target, a tilt does not. They are infinite where fewer than three targets are usable.
+/// How far the target of a sweep was from fronto-parallel, in degrees. x > 0: its right side is farther; y > 0: its
+/// lower side. The standard errors come from a jackknife over the targets of each focus distance: errors from texture
+/// and sensor noise differ from target to target, while a tilt does not. They are infinite where fewer than three
+/// targets are usable.
 struct TargetTilt {
   double x_deg = 0, y_deg = 0;
   double x_error_deg = 0, y_error_deg = 0;
@@ -20,9 +21,9 @@ struct TargetTilt {
 /// often.
 double significant_errors(int degrees_of_freedom);
 
-/// Mean over the focus distances. A tilted plane's inverse depth is linear in the picture, so a tilt makes the slope's
-/// part that is odd about the middle; what is even is the lens's. A lens that is not symmetric itself looks like a
-/// tilt.
+/// Mean over the focus distances. A tilted plane's inverse depth is linear in the picture. So a tilt shows in the part
+/// of the slope S that is odd about the middle, while a symmetric lens contributes only to the even part. A lens that
+/// is not symmetric looks like a tilt.
 TargetTilt estimate_tilt(const Camera& camera, const std::vector<TargetMeasurement>& measurements);
 
 }  // namespace dualpixel::pipeline

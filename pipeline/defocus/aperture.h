@@ -7,9 +7,9 @@ namespace dualpixel::pipeline {
 
 struct Aperture {
   int blades = 0;  ///< 0: round (the paper's disc); 3 to 16: a regular polygon
-  /// 0 to 0.9: how much of the blur's radius the lens's rims cut off on either side in the picture's corners,
-  /// proportionally less towards the middle: the cat's eye of a lens that vignettes. Two circles through the blades'
-  /// corners, shifted apart, bound it.
+  /// Cat's eye of a lens that vignettes: share of the blur's radius, 0 to 0.9, that the lens's rims cut off on either
+  /// side in the picture's corners; proportionally less towards the middle. The shape is cut by two circles through the
+  /// blades' corners, shifted apart.
   double cats_eye = 0;
   bool lying = false;  ///< the picture lies on its side, transposed: its x axis points down
 };

@@ -4,11 +4,11 @@
 
 namespace dualpixel::pipeline {
 
-/// How what is out of focus looks, beyond how large its blur is.
+/// The look of blurred areas apart from their radius: aperture shape and clipped highlights.
 struct Bokeh {
   Aperture aperture;
-  /// Clipped pixels are blurred as bright as they may have been; where the blurred picture shows, it is then cut off at
-  /// white. What is sharp is never touched.
+  /// Brighten clipped pixels before the blur (highlights.h). The blurred picture is clipped at white again; sharp
+  /// pixels stay as they are.
   bool recover_highlights = false;
   HighlightOptions highlights;
   double white = 1;  ///< the linear picture's clipping level

@@ -23,8 +23,8 @@ OptionFields fields(UpsampleOptions& options);
 /// exp(-variance / (2 spread^2)) of their weighted disparities: between tiles that disagree lies an edge, and a blend
 /// of two surfaces is on neither. The edge-aware solver decides there.
 ///
-/// sigma_dp_px^2 is the variance of that blend, each tile's sigma and what they share given, plus what the tiles
-/// disagree by beyond twice what their sigmas explain.
+/// sigma_dp_px^2 is the variance of that blend, from each tile's sigma and the share of error that neighbors have in
+/// common, plus the variance between the tiles beyond twice what their sigmas explain.
 PixelDisparity upsample_tiles(const TileDisparity& tiles, int width, int height, const UpsampleOptions& options = {});
 
 }  // namespace dualpixel::pipeline

@@ -21,16 +21,16 @@ OptionFields fields(SmoothOptions& options);
 /// Throws InputError where a value is out of its range.
 void check(const SmoothOptions& options);
 
-/// A map of one channel and how far each pixel is to be trusted, 0..1; both of one size.
+/// A map of one channel and the confidence of each pixel, 0..1; both of one size.
 struct ConfidentMap {
   Image value;
   Image confidence;
 };
 
-/// What the solver sees of a linear RGB picture.
+/// The guide that the solver uses, made from a linear RGB picture.
 struct SmoothingGuide {
   Image small;     ///< RGB, 0..255 (guide.h), ceil(size / divisor)
-  float gain = 1;  ///< that it was brightened by; the full picture takes the same
+  float gain = 1;  ///< by which the picture was brightened; the full-size guide uses the same
 };
 
 SmoothingGuide make_smoothing_guide(const Image& linear_rgb, const SmoothOptions& options = {});
