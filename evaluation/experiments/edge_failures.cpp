@@ -66,7 +66,7 @@ EdgeFailure outliers(double share, int robust_rounds) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> uniform;
   EdgeFailure failure;
-  failure.name = fmt::format("{:g} % sure outliers{}", 100 * share, robust_rounds > 0 ? ", robust" : "");
+  failure.name = fmt::format("{:g} % confident outliers{}", 100 * share, robust_rounds > 0 ? ", robust" : "");
   failure.figure_name = "mean error";
   failure.guide = constant(100, 3);
   failure.target = painted(kSize, kSize, 1, [&](int, int) { return uniform(random) < share ? 0.9 : 0.2; });

@@ -297,7 +297,7 @@ std::vector<FailureRow> edge_rows() {
   return {
       {"edges",
        "Depth edges",
-       "blur of the front less that of the back, DP px",
+       "blur of the front minus that of the back, DP px",
        "blur_step_dp_px",
        {0, 1, 2, 4, 6, 8, 12},
        [](double step) { return layered(-step / 2, step / 2, 64, 128); }},

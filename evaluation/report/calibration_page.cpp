@@ -87,7 +87,7 @@ std::string map_figure(const Image& nodes, const Image& slope, std::size_t princ
   for (int y = 0; y < bar.height; ++y) {
     for (int x = 0; x < bar.width; ++x) bar.at(x, y) = limit * (static_cast<float>(x) / 127.5f - 1);
   }
-  return html_figure({name, fmt::format("less the principal point's {:.3f}", middle),
+  return html_figure({name, fmt::format("minus the principal point's {:.3f}", middle),
                       jpeg_data_uri(diverging_colors(large, limit), 92),
                       jpeg_data_uri(diverging_colors(bar, limit), 92), fmt::format("{:+.2f}", -limit),
                       fmt::format("{:+.2f} {}", limit, unit)});

@@ -85,7 +85,7 @@ void warn_of_empty_mask(Run& run) {
   const float least = run.result.mode == Mode::dp_seg ? run.options.merge_mask.interior : 0.5f;
   const std::vector<float>& mask = run.person->data;
   if (std::any_of(mask.begin(), mask.end(), [&](float m) { return m > least; })) return;
-  run.result.warnings.push_back(fmt::format("the person mask has no pixel above {}: it keeps nobody sharp", least));
+  run.result.warnings.push_back(fmt::format("the person mask has no pixel above {}: nothing is kept sharp", least));
 }
 
 /// Section 4.1: the burst aligned and merged (Hasinoff et al. 2016).
@@ -134,7 +134,7 @@ void fall_back_to_disparity(Run& run, const FoundPeople& found) {
   }
   const std::string_view why = found.detected.empty() ? "no face found"
                                : found.faces.empty()  ? "no face is large enough to be the subject's"
-                                                      : "nobody is seen there";
+                                                      : "the network finds no person there";
   run.result.warnings.push_back(fmt::format("{}: blurred in mode dp, by disparity alone", why));
 }
 

@@ -17,9 +17,9 @@ using PortraitProgress = std::function<void(const std::string& stage, double fra
 
 /// Runs all stages on `capture`; its truth is never used. `person_mask` (one channel, 0..1, of any size: it is
 /// stretched over the picture) serves the modes dp_seg and seg; without it, options.find_people makes one from the
-/// merged picture, and where it finds nobody the mode becomes dp, with a warning. A capture without mosaic gives a gray
-/// picture where none is given. Mask and face that are given are those of the first frame; where the base is the second
-/// or third they are used as they are, a hand's motion of a few pixels aside.
+/// merged picture, and where it finds no person the mode becomes dp, with a warning. A capture without mosaic gives a
+/// gray picture where none is given. Mask and face that are given are those of the first frame; where the base is the
+/// second or third they are used as they are, a hand's motion of a few pixels aside.
 ///
 /// d_focus (section 5.1) is the median disparity over the largest face that is well focused; where there is none, over
 /// the region tapped; without either the person's disparity in mode dp_seg, and 0 (trust the autofocus) in mode dp,

@@ -168,7 +168,7 @@ TEST(PlainPair, PortraitFindsTheShiftAlongTheSplit) {
   }
 }
 
-TEST(PlainPair, EmptyPicturesAreNotBelieved) {
+TEST(PlainPair, EmptyPicturesHaveLowConfidence) {
   const TemporaryFolder folder;
   write_png8(folder / "white.png", Image(40, 24, 1, 1.0f));
   write_png8(folder / "line.png", Image(200, 1, 1, 0.3f));

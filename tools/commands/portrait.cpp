@@ -96,7 +96,8 @@ PortraitOptions options_of(const PortraitCommand& command) {
   }
   if (!command.match_lens.empty()) {
     options.match_pupil_mm = pipeline::pupil_mm_of_lens("--match-lens", command.match_lens);
-    if (options.mode == pipeline::Mode::seg) throw InputError("--match-lens: needs disparity, which mode seg has not");
+    if (options.mode == pipeline::Mode::seg)
+      throw InputError("--match-lens: needs disparity, which mode seg does not compute; choose dp or dp+seg");
   }
   if (options.mode == pipeline::Mode::dp && command.mask_given()) {
     throw InputError("--mode dp: uses no person mask; leave out --mask and --true-mask, or choose dp+seg or seg");
@@ -254,7 +255,7 @@ void add_portrait(CLI::App& program) {
   CLI::Option* capture = sub->add_option("capture", command->capture, "Capture folder")->type_name("CAPTURE_DIR");
   pipeline::PlainPair& pair = command->pair;
   CLI::Option* left =
-      sub->add_option("--left", pair.left, "In place of a capture, the left view: PNG, TIFF or JPEG, sRGB-encoded")
+      sub->add_option("--left", pair.left, "Instead of a capture, the left view: PNG, TIFF or JPEG, sRGB-encoded")
           ->type_name("FILE")
           ->excludes(capture);
   CLI::Option* right =
@@ -274,10 +275,9 @@ void add_portrait(CLI::App& program) {
       ->type_name("TEXT")
       ->needs(left);
   sub->add_option("-o,--output", command->output, "Result folder to write")->required()->type_name("DIR");
-  sub->add_option(
-         "--mode", command->mode,
-         "dp: disparity alone; dp+seg: with a person mask; seg: mask alone. Where no mask is given, people are "
-         "found; where there are none, it becomes dp")
+  sub->add_option("--mode", command->mode,
+                  "dp: disparity alone; dp+seg: with a person mask; seg: mask alone. Without a mask, people are "
+                  "detected; where none are found, the mode becomes dp")
       ->check(CLI::IsMember(names_of(pipeline::kModes)))
       ->capture_default_str();
   std::string matchers = "How to match the views";
@@ -294,9 +294,8 @@ void add_portrait(CLI::App& program) {
       ->excludes(mask)
       ->excludes(left);
   sub->add_flag("--bf16", command->bf16,
-                "Find people, where any are looked for, in 16-bit floats: several times as fast where the processor "
-                "has AMX, but not the same bytes "
-                "on every one");
+                "Run the person network in 16-bit floats: several times as fast on processors with AMX, but the result "
+                "depends on the processor");
   sub->add_option("--face", command->faces, "A face of a person to keep sharp, in pixels; repeat for several")
       ->type_name("X,Y,WIDTH,HEIGHT")
       ->check(must_read<4>("X,Y,WIDTH,HEIGHT"))
@@ -305,7 +304,7 @@ void add_portrait(CLI::App& program) {
       ->allow_extra_args(false);
   sub->add_option(
          "--tap", command->tap,
-         "A point to focus on where no face is sharp, in pixels; without --face it also says whose mask to find")
+         "Point to focus on where no face is in focus, in pixels; without --face, the person there gets the mask")
       ->type_name("X,Y")
       ->check(must_read<2>("X,Y"));
   sub->add_option("--calibration", command->calibration,
@@ -313,25 +312,25 @@ void add_portrait(CLI::App& program) {
       ->type_name("DIR")
       ->excludes(left);
   sub->add_option("--match-lens", command->match_lens,
-                  "Physically true blur: that of this lens in front of a full frame, e.g. f/1.4@50mm-equivalent")
+                  "Physically true blur: that of this lens on a full-frame camera, e.g. f/1.4@50mm-equivalent")
       ->type_name("LENS");
   sub->add_option("--blades", command->aperture.blades,
-                  "Blur to regular polygons of so many sides, 3 to 16, one corner up behind the focus; 0: discs")
+                  "Aperture blades: blur to polygons of 3 to 16 sides, one corner up behind the focus; 0: discs")
       ->check(CLI::Range(0, 16))
       ->type_name("N");
   sub->add_option("--cats-eye", command->aperture.cats_eye,
-                  "Blur to cat's eyes towards the corners: share of the radius cut off there on either side")
+                  "Cat's-eye blur towards the corners: share of the radius that is cut off there on either side")
       ->check(CLI::Range(0.0, 0.9))
       ->type_name("SHARE");
   sub->add_flag("--recover-highlights", command->recover_highlights,
-                "Blur clipped highlights as bright as they are likely to have been");
+                "Estimate the true brightness of clipped highlights before the blur");
   sub->add_flag("--no-noise", command->no_noise, "Leave out the synthetic noise on what the blur has smoothed");
   sub->add_option("--seed", command->seed, "Seed of the synthetic noise")
       ->check(any_seed())
       ->type_name("N")
       ->capture_default_str();
   sub->add_option("--set", command->assignments,
-                  "Set a number of one of the stages, e.g. match.range_px=5; --options lists them")
+                  "Set an option of a stage, e.g. match.range_px=5; --options lists them")
       ->type_name("FIELD=VALUE")
       ->take_all()
       ->expected(1)

@@ -41,7 +41,7 @@ void run(const SimulateOptions& options) {
   simulator::Simulation simulation = simulator::read_simulation(json, options.scene);
   if (options.resume && simulation.time_budget_s && !options.automatic) {
     throw InputError(
-        fmt::format("{}: /render/time_budget_s: {} cannot go with --resume, whose bytes must not depend on "
+        fmt::format("{}: /render/time_budget_s: {} cannot be combined with --resume, whose bytes must not depend on "
                     "the clock; leave either out",
                     printable(options.scene), *simulation.time_budget_s));
   }
@@ -119,10 +119,10 @@ void add_simulate(CLI::App& program) {
         ->excludes(automatic);
   };
   const CLI::Range shares(1e-4, 100.0);
-  CLI::Option* by_noise =
-      sampling_option("--noise-fraction", "noise_fraction",
-                      "Sample the views until their error is this share of the sensor's noise, RMS; 0.25 is invisible",
-                      shares, "SHARE");
+  CLI::Option* by_noise = sampling_option(
+      "--noise-fraction", "noise_fraction",
+      "Sample the views until their error is this share of the sensor's noise, RMS; 0.25 is hard to see", shares,
+      "SHARE");
   CLI::Option* by_error =
       sampling_option("--error", "error",
                       "Sample the views until their error is this share of the white level's signal", shares, "SHARE");

@@ -31,10 +31,10 @@ int main(int argc, char** argv) {
   program.add_option("-o,--output", options.output, "Folder of the run: checkpoint, log, chart, weights")
       ->required()
       ->type_name("DIR");
-  CLI::Option* const samples = program.add_option("--samples", options.samples, "Samples to see in all")
+  CLI::Option* const samples = program.add_option("--samples", options.samples, "Samples to train on in total")
                                    ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40))
                                    ->type_name("N");
-  CLI::Option* const hours = program.add_option("--hours", options.hours, "In place of --samples: how long to train")
+  CLI::Option* const hours = program.add_option("--hours", options.hours, "Instead of --samples: hours to train")
                                  ->check(CLI::Range(1e-4, 1e4))
                                  ->excludes(samples)
                                  ->type_name("H");
@@ -42,22 +42,23 @@ int main(int argc, char** argv) {
   CLI::Option* const stages = program.add_option("--stages", options.shape.stages, "Stacked U-Nets")
                                   ->check(CLI::Range(1, 3))
                                   ->capture_default_str();
-  program.add_flag("!--no-composites", options.composites, "Leave out the people before other backgrounds");
+  program.add_flag("!--no-composites", options.composites,
+                   "Leave out the composites (people in front of other backgrounds)");
   CLI::Option* const half_size =
       program
           .add_option("--half-size", options.half_size,
-                      "Share of the training's time, its beginning, for pictures of half the side")
+                      "Share of the training time, at its start, that uses pictures of half the side")
           ->check(CLI::Range(0.0, 1.0))
           ->capture_default_str();
   CLI::Option* const pose = program.add_flag("--no-pose", no_pose, "Learn no keypoints");
   CLI::Option* const fcn =
-      program.add_flag("--fcn", options.shape.fcn, "In place of the U-Nets, a baseline: FCN-8 (Long et al. 2015)")
+      program.add_flag("--fcn", options.shape.fcn, "Instead of the U-Nets, a baseline: FCN-8 (Long et al. 2015)")
           ->excludes(stages, pose);
   CLI::Option* const fine_tune =
       program
           .add_option("--fine-tune", options.fine_tune,
                       "Second phase: start from this run, or from exported weights (person.safetensors), without pose "
-                      "loss and without the samples it is worst at")
+                      "loss and without the samples with the largest error")
           ->excludes(stages, pose, fcn, half_size)
           ->type_name("RUN|FILE");
   program.add_option("--prune", options.prune, "Share of the samples that the second phase leaves out")
@@ -68,7 +69,7 @@ int main(int argc, char** argv) {
       .add_option("--rate", options.rate, "Learning rate at its peak: 3e-3 where not given, 3e-4 in the second phase")
       ->check(CLI::Range(1e-6, 1.0))
       ->type_name("R");
-  program.add_option("--seed", options.seed, "Of the first weights, the order and the augmentation")
+  program.add_option("--seed", options.seed, "Seed of the initial weights, the sample order and the augmentation")
       ->type_name("N")
       ->capture_default_str();
   program.add_flag("--bf16", options.bf16, "Convolve in 16-bit floats: faster where the processor has AMX");

@@ -207,7 +207,7 @@ Checkpoint start_of(const TrainOptions& options, const std::string& path, const 
     const bool fine_tunes = !options.fine_tune.empty();
     const Json wanted = recipe_of(options, fine_tunes ? state.network->shape : options.shape, set, held_out, threads);
     if (state.recipe.contains("prune") != fine_tunes) {
-      throw InputError(printable(path) + ": is of another run: one that fine-tuned, or did not");
+      throw InputError(printable(path) + ": is of another run: only one of the two fine-tunes");
     }
     for (const auto& [name, value] : wanted.items()) {
       if (!state.recipe.contains(name)) {
@@ -253,7 +253,7 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
   for (std::size_t i = 0; i < set.size(); ++i) {
     if (options.composites || !set[i].composite) kept.push_back(i);
   }
-  if (kept.empty()) throw InputError("--no-composites: there is nothing else in the data");
+  if (kept.empty()) throw InputError("--no-composites: the data holds composites only");
   Checkpoint state = start_of(options, checkpoint, set, kept, held_out, threads);
   std::error_code error;
   std::filesystem::create_directories(options.output, error);

@@ -20,10 +20,10 @@ TEST(EdgeFailures, StayWithinTheirBounds) {
   EXPECT_LT(figures.at("region that no confidence reaches"), 1e-6);  // 0 or NaN
   EXPECT_LT(figures.at("no confidence at all"), 1e-6);               // 0 or NaN
   // A quadratic loss follows the mean, whoever solves: share x 0.7, less what smoothing at borders does.
-  EXPECT_NEAR(figures.at("1 % sure outliers"), 0.007, 0.002);
-  EXPECT_NEAR(figures.at("5 % sure outliers"), 0.035, 0.003);
-  EXPECT_NEAR(figures.at("20 % sure outliers"), 0.14, 0.005);
-  EXPECT_LT(figures.at("20 % sure outliers, robust"), 0.005);
+  EXPECT_NEAR(figures.at("1 % confident outliers"), 0.007, 0.002);
+  EXPECT_NEAR(figures.at("5 % confident outliers"), 0.035, 0.003);
+  EXPECT_NEAR(figures.at("20 % confident outliers"), 0.14, 0.005);
+  EXPECT_LT(figures.at("20 % confident outliers, robust"), 0.005);
   EXPECT_LT(figures.at("flat guide"), 0.0025);                       // .0025
   EXPECT_LT(figures.at("guide of white noise, 24 levels"), 0.0025);  // .003
   EXPECT_LT(figures.at("guide of white noise, 255 levels"), 0.1);    // .095: every pixel is an island, none smooths

@@ -345,7 +345,7 @@ TEST(BilateralSolver, RefusesWhatCannotBe) {
   EXPECT_THROW(solve_bilateral(grid, guide, map, map, {.robust_rounds = 1, .robust_scale = 0}), InputError);
 }
 
-TEST(FillGaps, KeepsWhatIsSureAndAveragesAround) {
+TEST(FillGaps, KeepsConfidentValuesAndAveragesAround) {
   Image target(8, 8), confidence(8, 8);
   target.at(1, 1) = 3;
   confidence.at(1, 1) = 1;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <set>
+#include <sstream>
 
 #include "capture/error.h"
 #include "pipeline/portrait/subject.h"
@@ -72,6 +73,21 @@ TEST(PortraitFields, EveryRangeIsChecked) {
   options = {};
   options.matcher = "papers";
   EXPECT_THROW(check(options), InputError);
+}
+
+TEST(PortraitFields, AreListedInColumns) {
+  std::istringstream lines(describe_fields());
+  std::string line;
+  std::getline(lines, line);
+  const std::size_t range = line.find("range"), unit = line.find("unit"), source = line.find("source");
+  for (int i = 0; std::getline(lines, line) && !line.starts_with("Source"); ++i) {
+    for (const std::size_t column : {range, unit, source}) {
+      ASSERT_GT(line.size(), column) << line;
+      EXPECT_EQ(line[column - 1], ' ') << line;
+    }
+    EXPECT_NE(line[range], ' ') << line;
+    EXPECT_NE(line[source], ' ') << line;
+  }
 }
 
 TEST(KnownSubject, WhatTheUserPointsAtComesBeforeTheCapturesFace) {

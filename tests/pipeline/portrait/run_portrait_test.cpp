@@ -284,7 +284,7 @@ TEST(Portrait, PeopleAreFoundWhereNoMaskIsGiven) {
     with_face.face_px = {face.x, face.y, face.width, face.height};
     EXPECT_EQ(found.portrait.data, run_portrait(with_face, test_options(mode), person_mask()).portrait.data);
 
-    // A mask that is given is used, and nobody is looked for.
+    // A mask that is given is used; people are not detected.
     options.find_people = [](const Image&, const std::vector<Face>&) -> FoundPeople {
       throw std::logic_error("looked for people");
     };
@@ -328,7 +328,7 @@ TEST(Portrait, SmoothsAsSmoothDisparityDoes) {
   EXPECT_EQ(result.disparity_dp_px.data, smooth_disparity(matched, result.input).data);
 }
 
-TEST(Portrait, WhereNobodyIsFoundDisparityDoes) {
+TEST(Portrait, WhereNoPersonIsFoundDisparityAloneIsUsed) {
   const Capture capture = make_capture();
   const PortraitResult plain = run_portrait(capture, test_options());
   for (const Mode mode : {Mode::dp_seg, Mode::seg}) {
@@ -346,7 +346,7 @@ TEST(Portrait, WhereNobodyIsFoundDisparityDoes) {
     const std::vector<std::string> warnings = run_portrait(capture, options).warnings;
     ASSERT_EQ(warnings.size(), 1U);
     EXPECT_NE(warnings[0].find("no face is large enough"), std::string::npos);
-    // a face about which the network sees nobody
+    // a face around which the network finds no person
     const Face face = {200, 120, 20, 20};
     options.find_people = [&](const Image&, const std::vector<Face>&) {
       return FoundPeople{{face}, Image(256, 256, 1, 0.5F), {face}};
@@ -355,7 +355,7 @@ TEST(Portrait, WhereNobodyIsFoundDisparityDoes) {
     EXPECT_EQ(unseen.mode, Mode::dp);
     EXPECT_TRUE(unseen.faces.empty());
     ASSERT_EQ(unseen.warnings.size(), 1U);
-    EXPECT_NE(unseen.warnings[0].find("nobody is seen there"), std::string::npos);
+    EXPECT_NE(unseen.warnings[0].find("the network finds no person there"), std::string::npos);
   }
 }
 

@@ -42,7 +42,7 @@ void run(const BenchLensOptions& options) {
 
 void add_bench_lens(CLI::App& bench) {
   auto options = std::make_shared<BenchLensOptions>();
-  CLI::App* command = bench.add_subcommand("lens", "Time each model of a lens, and what it costs in disparity");
+  CLI::App* command = bench.add_subcommand("lens", "Time and disparity error of each model of a lens");
   command->add_option("lens", options->lenses, "Lens files (default: two phones' and a full-frame 50 mm)")
       ->type_name("LENS.json");
   command->add_option("--scene", options->scene, "Scene JSON file")->type_name("SCENE.json")->capture_default_str();

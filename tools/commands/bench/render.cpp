@@ -40,20 +40,24 @@ void run(const BenchRenderOptions& options) {
 
 void add_bench_render(CLI::App& bench) {
   auto options = std::make_shared<BenchRenderOptions>();
-  CLI::App* command = bench.add_subcommand("render", "Chart the renderer's error against its time, and Embree's floor");
+  CLI::App* command = bench.add_subcommand(
+      "render", "Chart the renderer's error against its time and against the time of Embree alone");
   command->add_option("scene", options->scenes, "Scene JSON files (default: the shipped ones)")
       ->type_name("SCENE.json");
   command->add_option("-o,--output", options->output, "Folder for render.json and render.html")
       ->type_name("DIR")
       ->required();
   command
-      ->add_option("--reference-samples", options->render.reference_samples, "Of each of the reference's two renders")
+      ->add_option("--reference-samples", options->render.reference_samples,
+                   "Samples per photosite of each of the reference's two renders")
       ->check(CLI::Range(16, 65536))
       ->capture_default_str();
-  command->add_option("--most-samples", options->render.most_samples, "Of the charted renders")
+  command
+      ->add_option("--most-samples", options->render.most_samples, "Most samples per photosite of the charted renders")
       ->check(CLI::Range(32, 65536))
       ->capture_default_str();
-  command->add_option("--most-triangles", options->most_triangles, "Of the chart of growth")
+  command
+      ->add_option("--most-triangles", options->most_triangles, "Most triangles in the chart of cost over scene size")
       ->check(CLI::Range(1e4, 1e8))
       ->capture_default_str();
   command->footer("Example:\n  dualpixel bench render build/release/scenes/portrait.json -o bench");

@@ -10,7 +10,7 @@ namespace dualpixel::tools {
 void add_experiment_noise(CLI::App& experiment) {
   auto folder = std::make_shared<std::string>();
   CLI::App* command = experiment.add_subcommand(
-      "noise", "Noise of disparity from one frame and from six over light, and of depth over depth");
+      "noise", "Noise of disparity over light, from one frame and from six, and noise of depth over depth");
   command->add_option("-o,--output", *folder, "Folder to write noise.json and noise.html into")
       ->required()
       ->type_name("DIR");

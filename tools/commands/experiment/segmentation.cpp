@@ -92,7 +92,7 @@ void add_experiment_segmentation(CLI::App& experiment) {
       ->needs(images)
       ->type_name("DIR");
   sub->add_option("--people", command->people,
-                  "In place of both: a held-out set of `dualpixel people`; its faces are the seeds")
+                  "Instead of both: a held-out set of `dualpixel people`; its face boxes are the seeds")
       ->excludes(images)
       ->type_name("DIR");
   sub->add_option("--weights", command->weights, "Other weights than the built-in ones: person.safetensors of a run")

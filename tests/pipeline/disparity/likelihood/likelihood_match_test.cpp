@@ -295,7 +295,7 @@ TEST(SlowLikelihoodMatch, PredictsItsErrorsUnderMoreDefocusOnAverage) {
   EXPECT_NEAR(two / count, 0.95, 0.03);
 }
 
-TEST(LikelihoodMatch, ATileThatStandsAloneIsNotBelieved) {
+TEST(LikelihoodMatch, ATileThatStandsAloneHasLowConfidence) {
   const Texture surface(9, 0.3), other(10, 0.3);
   Image left = textured(surface, kWidth, kHeight, 0, 0.25, 0.07),
         right = textured(surface, kWidth, kHeight, 0.5, 0.25, 0.07);
@@ -378,7 +378,7 @@ TEST(LikelihoodMatch, ConfidenceIsTheFormulaOfSigma) {
   }
 }
 
-TEST(LikelihoodMatch, NothingToSeeIsNotBelieved) {
+TEST(LikelihoodMatch, NothingToSeeHasLowConfidence) {
   Image flat_left(kWidth, kHeight, 1, 0.25f), flat_right = flat_left;
   add_view_noise(flat_left, 1);
   add_view_noise(flat_right, 2);
@@ -392,7 +392,7 @@ TEST(LikelihoodMatch, NothingToSeeIsNotBelieved) {
   EXPECT_LT(mean_of(match_by_likelihood(rows_left, rows_right, {.noise = kNoise}).confidence), 0.02);
 }
 
-TEST(LikelihoodMatch, RepetitionIsNotBelieved) {
+TEST(LikelihoodMatch, RepetitionHasLowConfidence) {
   for (const double period : {3.5, 4.0, 5.0, 7.3, 11.0}) {
     Image left(kWidth, kHeight), right(kWidth, kHeight);
     for (int y = 0; y < kHeight; ++y) {

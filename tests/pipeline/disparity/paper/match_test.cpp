@@ -117,7 +117,7 @@ TEST(Match, FlatTilesHaveNoConfidence) {
   EXPECT_LT(mean_of(match_shifted(0.4, 0.25, 0.01, 0).confidence), 0.05);  // noise alone
 }
 
-TEST(Match, NothingBeyondTheRangeIsBelieved) {
+TEST(Match, DisparityBeyondTheRangeHasLowConfidence) {
   for (const double d : {3.6, -3.6, 4.5, 6.0}) {
     EXPECT_LT(mean_of(match_shifted(d, 0.25).confidence), 0.1) << d;
   }
@@ -136,7 +136,7 @@ TEST(Match, LeastCostAtTheEndOfTheRangeIsNoMinimum) {
   for (const float confidence : tiles.confidence.data) EXPECT_EQ(confidence, 0);
 }
 
-TEST(Match, VerticalContrastAloneIsNotBelieved) {
+TEST(Match, VerticalContrastAloneHasLowConfidence) {
   Image rows(kWidth, kHeight);  // the aperture problem: nothing changes along x
   for (int y = 0; y < kHeight; ++y) std::fill_n(rows.row(y), kWidth, y % 5 < 2 ? 0.3f : 0.6f);
   Image other = rows;
@@ -145,7 +145,7 @@ TEST(Match, VerticalContrastAloneIsNotBelieved) {
   EXPECT_LT(mean_of(match_tiles(normalize_locally(rows), normalize_locally(other)).confidence), 0.05);
 }
 
-TEST(Match, OddManOutLosesConfidence) {
+TEST(Match, ATileUnlikeItsNeighborsLosesConfidence) {
   const Texture texture(9, 0.25);
   const Image left = textured(texture, kWidth, kHeight, 0, 0, 1);
   Image right = left;
@@ -156,7 +156,7 @@ TEST(Match, OddManOutLosesConfidence) {
   EXPECT_GT(tiles.confidence.at(20, 3), 0.5f);
 }
 
-TEST(Match, ShiftsThatFitPerfectlyTwiceAreNotBelieved) {
+TEST(Match, ShiftsThatFitPerfectlyTwiceHaveLowConfidence) {
   Image columns(kWidth, kHeight);  // period 2: every other shift costs nothing at all
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; x += 2) columns.at(x, y) = 1;
