@@ -10,7 +10,7 @@ light alone; a photosite's own area as the pixel's filter. All materials are mad
 of the scene, as the two programs' glossy surfaces follow different models. Ours is the capture's `photograph` at an
 aperture scale of 1: the undivided picture.
 
-Time is CPU time of all threads, and marginal: that of N samples less that of the fewest, so that reading the scene and
+Time is CPU time of all threads, and marginal: that of N samples minus that of the fewest, so that reading the scene and
 starting up count for neither. Error is the RMS over the picture and R, G, B against a program's own reference.
 """
 

@@ -8,7 +8,7 @@
 #include "evaluation/benchmarks/render_scaling.h"
 
 /// The renderer's error against its time on shipped scenes, and how near it is to Embree's own speed. 24 patches of
-/// 32 x 32 photosites spread over the frame stand for the picture.
+/// 32 x 32 photosites spread over the frame represent the picture.
 namespace dualpixel::evaluation {
 
 /// One render of all patches. Errors are RMS over the photosites, each over the noise that the scene's sensor adds to

@@ -95,7 +95,7 @@ EdgeFailure noisy_guide(double spread) {
   return failure;
 }
 
-/// Mean step between neighbors along a row where a cell begins, over that elsewhere, less 1.
+/// Mean step between neighbors along a row where a cell begins, over that elsewhere, minus 1.
 double blockiness(const Image& result) {
   double at_borders = 0, elsewhere = 0;
   int borders = 0, others = 0;
@@ -112,7 +112,7 @@ double blockiness(const Image& result) {
 EdgeFailure smooth_guide() {
   EdgeFailure failure;
   failure.name = "smooth guide, smooth target";
-  failure.figure_name = "steps at cells' borders over steps elsewhere, less 1";
+  failure.figure_name = "steps at cells' borders over steps elsewhere, minus 1";
   failure.guide = painted(kSize, kSize, 3, [](int x, int y) { return 60 + 0.3 * x + 0.2 * y; });
   failure.target = painted(kSize, kSize, 1, [](int x, int y) { return (x + 0.5 * y) / kSize; });
   failure.confidence = constant(1);

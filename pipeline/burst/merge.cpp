@@ -116,7 +116,7 @@ void load_row(const std::uint16_t* first, const std::uint16_t* second, Lanes (&t
 /// (Repeated border pixels would lack the noise of fine detail that the test of energies expects.)
 int reflected(int i, int size) { return std::clamp(i < 0 ? -1 - i : i < size ? i : 2 * size - 1 - i, 0, size - 1); }
 
-/// Both planes' tile at (x0, y0), less black; beyond the planes it shows their mirror image.
+/// Both planes' tile at (x0, y0), minus black; beyond the planes it shows their mirror image.
 template <int step>
 void load(const PlanePair<const std::uint16_t>& planes, const PairShape& shape, int x0, int y0, ComplexTile& tile) {
   const bool inside = x0 >= 0 && x0 + kTile <= shape.width;

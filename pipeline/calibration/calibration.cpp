@@ -177,9 +177,9 @@ void require_line(const FocusCalibration& fit, const Targets& targets, std::size
 
 void warn_of_tilt(const TargetTilt& tilt, std::vector<std::string>& warnings) {
   const double errors = significant_errors(tilt.degrees_of_freedom);
-  const bool sure =
+  const bool significant =
       std::abs(tilt.x_deg) > errors * tilt.x_error_deg || std::abs(tilt.y_deg) > errors * tilt.y_error_deg;
-  if (!sure || std::hypot(tilt.x_deg, tilt.y_deg) < kTiltWarning_deg) return;
+  if (!significant || std::hypot(tilt.x_deg, tilt.y_deg) < kTiltWarning_deg) return;
   warnings.push_back(fmt::format(
       "the target seems tilted: its right side is {:.1f} +- {:.1f} degrees farther, its lower side {:.1f} +- {:.1f} "
       "degrees (or the lens is not symmetric); straighten it and repeat the sweep",

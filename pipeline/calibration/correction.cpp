@@ -19,7 +19,7 @@ constexpr double kFocusReach_per_m = 0.5;
 std::string meters(double distance) { return fmt::format("{:g} m", distance); }
 
 /// Confidence and warning of a focus distance that lies outside the calibrated range.
-void judge_focus(const Calibration& calibration, double focus_distance_m, Correction& correction) {
+void set_focus_confidence(const Calibration& calibration, double focus_distance_m, Correction& correction) {
   const double far = calibration.focuses.front().focus_distance_m, near = calibration.focuses.back().focus_distance_m;
   const double wanted = 1 / focus_distance_m;
   const double outside = std::max({1 / far - wanted, wanted - 1 / near, 0.0});
@@ -74,7 +74,7 @@ void require_same_camera(const Camera& own, const Camera& camera, const std::str
 Correction make_correction(const Calibration& calibration, const Camera& camera) {
   require_same_camera(calibration.camera, camera, "capture does not fit the calibration");
   Correction correction{node_image(1), node_image(), node_image(), 1, ""};
-  judge_focus(calibration, camera.focus_distance_m, correction);
+  set_focus_confidence(calibration, camera.focus_distance_m, correction);
   const FocusCalibration focus = focus_at(calibration, camera.focus_distance_m);
   // the line at the principal point, between nodes that all have one
   Image slopes = focus.slope_dp_px_m, intercepts = focus.intercept_dp_px;
@@ -113,19 +113,19 @@ void correct_disparity(const Correction& correction, Image& disparity_dp_px, Ima
     const NodeInterval row = node_interval((y + 0.5) / height, kRows);
     const auto gains = node_row(correction.gain, row), offsets = node_row(correction.offset_dp_px, row);
     float* d = disparity_dp_px.row(y);
-    float* sure = confidence.row(y);
+    float* confidences = confidence.row(y);
     float* sigma = sigma_dp_px != nullptr ? sigma_dp_px->row(y) : nullptr;
     const float *above = correction.usable.row(row.first), *below = correction.usable.row(row.first + 1);
     for (int i = 0; i + 1 < kColumns; ++i) {
       const std::array<float, 4> gain = cubic_over(gains.data(), 1, kColumns, i);
       const std::array<float, 4> offset = cubic_over(offsets.data(), 1, kColumns, i);
       const bool usable = above[i] * above[i + 1] * below[i] * below[i + 1] != 0;
-      const float trust = usable ? correction.confidence : 0.0f;
+      const float factor = usable ? correction.confidence : 0.0f;
       for (int x = begin[i]; x < begin[i + 1]; ++x) {
         const float t = (static_cast<float>(x) + 0.5f) * per_px - static_cast<float>(i);
         const float g = evaluate(gain, t);
         d[x] = d[x] * g + evaluate(offset, t);
-        sure[x] *= trust;
+        confidences[x] *= factor;
         if (sigma != nullptr) sigma[x] = usable ? sigma[x] * std::abs(g) : INFINITY;
       }
     }

@@ -63,14 +63,14 @@ void relax(const Image& curvature, const Image& wanted, float lambda, int sweeps
       float* row = d.row(y);
       const float* above = y > 0 ? d.row(y - 1) : nullptr;
       const float* below = y + 1 < height ? d.row(y + 1) : nullptr;
-      const float *own = curvature.row(y), *want = wanted.row(y);
+      const float *own = curvature.row(y), *target = wanted.row(y);
       for (int x = (y + sweep) & 1; x < width; x += 2) {
         float neighbors = 0, count = 0;
         if (x > 0) neighbors += row[x - 1], ++count;
         if (x + 1 < width) neighbors += row[x + 1], ++count;
         if (above) neighbors += above[x], ++count;
         if (below) neighbors += below[x], ++count;
-        row[x] += kRelaxation * ((want[x] + lambda * neighbors) / (own[x] + lambda * count) - row[x]);
+        row[x] += kRelaxation * ((target[x] + lambda * neighbors) / (own[x] + lambda * count) - row[x]);
       }
     });
   }

@@ -35,7 +35,7 @@ BlurShape blur_shape(const Aperture& aperture, bool in_front_of_focus) {
     for (int side = 0; side < aperture.blades; ++side) {
       const double angle = (side + 0.5) * sector;
       shape.normals.push_back({std::sin(angle), up * std::cos(angle)});
-      if (aperture.lying) std::swap(shape.normals.back()[0], shape.normals.back()[1]);
+      if (aperture.transposed) std::swap(shape.normals.back()[0], shape.normals.back()[1]);
     }
   }
   return shape;

@@ -11,7 +11,7 @@ struct Aperture {
   /// side in the picture's corners; proportionally less towards the middle. The shape is cut by two circles through the
   /// blades' corners, shifted apart.
   double cats_eye = 0;
-  bool lying = false;  ///< the picture lies on its side, transposed: its x axis points down
+  bool transposed = false;  ///< the picture is stored with its axes exchanged: its x axis points down
 };
 
 /// Throws InputError where a value is out of range.

@@ -57,8 +57,8 @@ Defocused blur_background(const Image& rgb, const Image& mask, const MaskBlurOpt
     for (int y = rows.begin(); y < rows.end(); ++y) {
       enlarged(y, mixed, blurred);
       for (int x = 0; x < width; ++x) {
-        const float down = bokeh.aperture.lying ? (static_cast<float>(x) + 0.5f) / static_cast<float>(width)
-                                                : (static_cast<float>(y) + 0.5f) / static_cast<float>(height);
+        const float down = bokeh.aperture.transposed ? (static_cast<float>(x) + 0.5f) / static_cast<float>(width)
+                                                     : (static_cast<float>(y) + 0.5f) / static_cast<float>(height);
         const float share = 1 - down;
         const float* disc = blurred.data() + 4 * static_cast<std::size_t>(x);
         const float weight = disc[3] > 1e-3f ? share * (1 - mask.row(y)[x]) : 0;

@@ -21,10 +21,10 @@ OptionFields fields(MaskBlurOptions& options);
 MaskBlurOptions blur_for_face(double face_width_px, int image_width_px, MaskBlurOptions options = {});
 
 /// The background (1 - mask) [R, G, B, 1] is blurred by one disc, or the aperture's shape, at half resolution, and
-/// divided by its alpha, so that the person's colors never bleed into it. A depth plane is feigned by mixing: the
-/// blurred picture's share falls linearly from 1 at the top to 0 at the bottom (Aperture::lying: left to right). The
-/// person is laid over it. Defocused::radius_px is the background's radius times how much of the blurred picture shows.
-/// `mask` is of the picture's size, 0..1. Throws InputError where their sizes differ.
+/// divided by its alpha, so that the person's colors never bleed into it. The ground plane is imitated by mixing: the
+/// blurred picture's share falls linearly from 1 at the top to 0 at the bottom (Aperture::transposed: left to right).
+/// The person is laid over it. Defocused::radius_px is the background's radius times how much of the blurred picture
+/// shows. `mask` is of the picture's size, 0..1. Throws InputError where their sizes differ.
 Defocused blur_background(const Image& rgb, const Image& mask, const MaskBlurOptions& options = {},
                           const Bokeh& bokeh = {});
 

@@ -18,8 +18,8 @@ struct UpsampleOptions {
 
 OptionFields fields(UpsampleOptions& options);
 
-/// Each pixel blends the four tiles whose centers surround it, by bilinear weight times confidence, so that a doubtful
-/// tile gives way to its neighbors. Its confidence is the bilinear mean of theirs, times
+/// Each pixel blends the four tiles whose centers surround it, by bilinear weight times confidence, so that a tile
+/// of low confidence gives way to its neighbors. Its confidence is the bilinear mean of theirs, times
 /// exp(-variance / (2 spread^2)) of their weighted disparities: between tiles that disagree lies an edge, and a blend
 /// of two surfaces is on neither. The edge-aware solver decides there.
 ///

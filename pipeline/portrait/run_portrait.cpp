@@ -318,7 +318,7 @@ void prepare(Run& run, const std::optional<Image>& person_mask) {
   if (options.transposed) {
     for (Face& face : run.faces) face = transposed(face);
     if (run.tap) run.tap = transposed(*run.tap);
-    run.defocus.bokeh.aperture.lying = true;
+    run.defocus.bokeh.aperture.transposed = true;
   }
   const std::array<double, 3>& gains = run.capture.exposure.white_balance;
   run.defocus.bokeh.white = *std::min_element(gains.begin(), gains.end());

@@ -9,7 +9,7 @@
 namespace dualpixel::pipeline {
 
 struct MergeMaskOptions {
-  float interior = 0.94f;  ///< mask value above which a pixel is surely on the person (section 4.3)
+  float interior = 0.94f;  ///< mask value above which a pixel counts as interior (section 4.3)
 };
 
 OptionFields fields(MergeMaskOptions& options);

@@ -40,12 +40,13 @@ struct TrainOptions {
   double prune = 149.0 / 660;  ///< share of the samples, by largest inner error: as the paper's 660 k became 511 k
 };
 
-/// One minus the samples' mean IoU, of masks that are not cut to 0 and 1: of the products' sum, eight pixels added,
-/// over that of both less the products', likewise. `logits` and `mask` are (samples, 1, height, width).
+/// One minus the mean over the samples of a soft IoU, (sum p m + 8) / (sum (p + m - p m) + 8), for predicted masks p =
+/// sigmoid(logits) and true masks m in 0..1. The 8 px limit the weight of samples in which little is visible. `logits`
+/// and `mask` are (samples, 1, height, width).
 torch::Tensor soft_iou_loss(const torch::Tensor& logits, const torch::Tensor& mask);
 
-/// Of `samples` among `total`, how much of the work is done where its first part, `half_size` of it, is of pictures of
-/// half the side: a quarter of the work each.
+/// The share of a run's work that is done after `samples` of `total`. Samples in the first part of the run, up to
+/// `half_size` of its work, are at half the side and cost a quarter.
 double work_done(double samples, double total, double half_size);
 
 /// Writes to the output folder, again at every checkpoint (five minutes) and at the end, each file whole or not at all:

@@ -31,7 +31,7 @@ void check(const MatchOptions& options);
 /// an end of the range: the true minimum may be beyond. Elsewhere it is the product of
 ///   - exp(-q / ssd_scale), q the mean squared difference at the parabola's minimum;
 ///   - 1 / (1 + v / deviation^2), v = (q + ssd_floor) / (pixels * g2) the variance of a least-squares shift estimate,
-///     g2 the mean squared horizontal gradient less the share q / 4 that noise has in it;
+///     g2 the mean squared horizontal gradient minus q / 4, the part that is due to noise;
 ///   - ((1 - q/q2) / (1 - second_minimum))^2, at most 1, q2 the least cost more than one pixel away;
 ///   - the share of the eight neighbors' confidence that agrees, each by exp(-(difference / agreement)^2).
 ///

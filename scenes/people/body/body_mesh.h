@@ -6,7 +6,7 @@
 /// Skin and cloth as meshes on the posed body.
 namespace dualpixel::scenes {
 
-/// The surface of a shape less the cones in `carved`, with rest positions of the body and folds of `folds_m`.
+/// The surface of a shape minus the cones in `carved`, with rest positions of the body and folds of `folds_m`.
 SceneObject mesh_on_body(const Figure& figure, const Shape& shape, float folds_m, std::uint32_t seed,
                          const std::vector<Cone>& carved = {}, float carve_fillet_m = 0.01f);
 

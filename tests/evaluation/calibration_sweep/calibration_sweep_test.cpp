@@ -184,7 +184,7 @@ TEST_P(CalibrationLens, MakesPlanesFlatAtDepthsAndFocusesThatTheSweepDidNotUse) 
   }
 }
 
-/// Root mean square error of the matches that are sure, near the axis and far from it (r = 1 in the corners).
+/// Root mean square error of the confident matches, near the axis and far from it (r = 1 in the corners).
 struct FieldError {
   double center = 0, periphery = 0;
 };

@@ -19,7 +19,7 @@ TEST(EdgeFailures, StayWithinTheirBounds) {
   EXPECT_LT(figures.at("edge of 2 levels"), 144);                    // 144: no filter that quantizes sees it
   EXPECT_LT(figures.at("region that no confidence reaches"), 1e-6);  // 0 or NaN
   EXPECT_LT(figures.at("no confidence at all"), 1e-6);               // 0 or NaN
-  // A quadratic loss follows the mean, whoever solves: share x 0.7, less what smoothing at borders does.
+  // With a quadratic loss every solver follows the mean: share x 0.7, minus the effect of smoothing at borders.
   EXPECT_NEAR(figures.at("1 % confident outliers"), 0.007, 0.002);
   EXPECT_NEAR(figures.at("5 % confident outliers"), 0.035, 0.003);
   EXPECT_NEAR(figures.at("20 % confident outliers"), 0.14, 0.005);

@@ -152,14 +152,14 @@ TEST(Aperture, CatsEyesNarrowTowardsTheMiddle) {
   }
 }
 
-// The cut of a cat's eye that fades leaves the polygon; of a lying picture all is transposed.
-TEST(Aperture, ShapesFadeIntoEachOtherAndLieDown) {
+// As a cat's eye fades, its shape approaches the polygon; a transposed picture transposes the shape.
+TEST(Aperture, ShapesFadeIntoEachOtherAndAreTransposed) {
   const BlurShape plain = blur_shape({3}, false), faint = shape_at({3, 1e-6}, 0.7, 0.7);
   EXPECT_NEAR(area_of(faint, 2), area_of(plain, 2), 1e-3);
-  const BlurShape lying = blur_shape({5, 0, true}, false), upright = blur_shape({5}, false);
+  const BlurShape transposed = blur_shape({5, 0, true}, false), upright = blur_shape({5}, false);
   for (double y = -1.3; y < 1.3; y += 0.17) {
     for (double x = -1.3; x < 1.3; x += 0.13) {
-      EXPECT_NEAR(depth_inside(lying, 1, x, y), depth_inside(upright, 1, y, x), 1e-12);
+      EXPECT_NEAR(depth_inside(transposed, 1, x, y), depth_inside(upright, 1, y, x), 1e-12);
     }
   }
 }
@@ -175,7 +175,7 @@ TEST(Aperture, CatsEyesChangeSmoothly) {
     for (int y = 0; y < kSide; ++y) {
       for (int x = 1; x < kSide; ++x) difference += std::abs(next.at(x, y, 0) - one.at(x - 1, y, 0));
     }
-    // both rims move by 0.9 * 15 / 141 px = 0.1: of the area, about 0.2 px * 30 px over 700 px^2 less what is cut
+    // both rims move by 0.9 * 15 / 141 px = 0.1: of the area, about 0.2 px * 30 px over 700 px^2 minus what is cut
     EXPECT_LT(difference, 0.06) << at;
   }
 }

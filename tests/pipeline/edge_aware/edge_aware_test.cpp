@@ -164,7 +164,7 @@ TEST(BilateralSolver, KeepsEdgesAndSpreadsConfidence) {
   const Image guide = two_tone(64, 48, 32);
   Image target(64, 48), confidence(64, 48);
   for (int y = 0; y < 48; ++y) {
-    target.at(4, y) = 0.25f;  // one sure column on either side of the edge
+    target.at(4, y) = 0.25f;  // one confident column on either side of the edge
     target.at(60, y) = 0.75f;
     confidence.at(4, y) = confidence.at(60, y) = 1;
   }
@@ -227,13 +227,13 @@ TEST(BilateralSolver, ConfidenceOfTheResult) {
   options.iterations = 200;
   const BilateralSolution solved = solve_bilateral(make_bilateral_grid(guide), guide, target, confidence, options);
   // as a confidence for the result, by Barron and Poole 2016, section 4.1
-  Image sure = solved.variance;
-  for (float& value : sure.data) value = std::exp(-value / (2 * 0.3f * 0.3f));
-  EXPECT_NEAR(sure.at(4, 4), 1, 1e-4);
+  Image result_confidence = solved.variance;
+  for (float& value : result_confidence.data) value = std::exp(-value / (2 * 0.3f * 0.3f));
+  EXPECT_NEAR(result_confidence.at(4, 4), 1, 1e-4);
   EXPECT_NEAR(solved.variance.at(90, 60), 0.09, 1e-3);  // of 0.2 and 0.8
-  EXPECT_NEAR(sure.at(90, 60), std::exp(-0.5), 5e-3);
+  EXPECT_NEAR(result_confidence.at(90, 60), std::exp(-0.5), 5e-3);
   EXPECT_TRUE(std::isinf(solved.variance.at(24, 32)));
-  EXPECT_EQ(sure.at(24, 32), 0);
+  EXPECT_EQ(result_confidence.at(24, 32), 0);
   EXPECT_NEAR(solved.value.at(24, 32), 0.5f, 1e-4);
 }
 

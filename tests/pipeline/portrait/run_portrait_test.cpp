@@ -170,7 +170,7 @@ TEST(Portrait, TheLikelihoodMatcherReachesFurther) {
 }
 
 TEST(Portrait, AnUnknownNoiseIsNotTakenForNone) {
-  // views of noise alone: whoever takes it for texture believes what it finds there
+  // views of noise alone: a matcher that takes noise for texture would be confident
   Capture capture = make_capture();
   capture.frames.resize(1);
   std::mt19937 random(5);
@@ -296,10 +296,10 @@ TEST(Portrait, PeopleAreFoundWhereNoMaskIsGiven) {
 TEST(Portrait, TransposedPicturesGiveUprightResults) {
   Capture capture = make_capture();
   capture.frames.resize(1);
-  PortraitOptions lying = test_options(Mode::dp_seg);
-  lying.faces = {{200, 120, 70, 60}};
-  lying.defocus.bokeh.aperture = {.blades = 5, .lying = true};
-  const PortraitResult expected = run_portrait(capture, lying, person_mask());
+  PortraitOptions stored = test_options(Mode::dp_seg);
+  stored.faces = {{200, 120, 70, 60}};
+  stored.defocus.bokeh.aperture = {.blades = 5, .transposed = true};
+  const PortraitResult expected = run_portrait(capture, stored, person_mask());
 
   PortraitOptions options = test_options(Mode::dp_seg);
   options.transposed = true;

@@ -308,8 +308,8 @@ TEST(LikelihoodMatch, ATileThatStandsAloneHasLowConfidence) {
   add_view_noise(left, 1);
   add_view_noise(right, 2);
   const TileDisparity tiles = match_by_likelihood(left, right, {.noise = kNoise});
-  EXPECT_NEAR(tiles.disparity_dp_px.at(10, 5), 2.5, 0.2);  // what is there is found ...
-  EXPECT_GT(tiles.sigma_dp_px.at(10, 5), 0.3f);            // ... and doubted
+  EXPECT_NEAR(tiles.disparity_dp_px.at(10, 5), 2.5, 0.2);  // its disparity is found ...
+  EXPECT_GT(tiles.sigma_dp_px.at(10, 5), 0.3f);            // ... with a large predicted error
   EXPECT_LT(tiles.sigma_dp_px.at(20, 5), 0.15f);
 }
 

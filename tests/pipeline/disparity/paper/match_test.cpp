@@ -70,7 +70,7 @@ TEST(Normalize, FlatAndBrokenInputsStayFinite) {
 }
 
 /// Where the parabola through the least cost and its neighbors has its minimum, when every tile has the costs that
-/// the texture has on average: twice its variance less its correlation.
+/// the texture has on average: twice its variance minus its correlation.
 double locked(const Texture& texture, double d) {
   const double nearest = std::round(d);
   const auto cost = [&](double shift) { return 1 - texture.correlation(shift - d); };
@@ -179,16 +179,16 @@ TEST(Match, SmallAndBrokenInputsAreFiniteAndWithinRange) {
   }
 }
 
-TEST(Upsample, DoubtfulTilesGiveWayAndEdgesLoseConfidence) {
+TEST(Upsample, UnconfidentTilesGiveWayAndEdgesLoseConfidence) {
   TileDisparity tiles{Image(4, 1, 1, 1.0f), Image(4, 1, 1, 1.0f)};
   tiles.disparity_dp_px.at(1, 0) = -3;
   tiles.confidence.at(1, 0) = 0;
-  const PixelDisparity doubtful = upsample_tiles(tiles, 32, 8);
-  for (const float d : doubtful.disparity_dp_px.data) EXPECT_TRUE(d == -3 || std::abs(d - 1) < 1e-5);
-  EXPECT_NEAR(doubtful.disparity_dp_px.at(9, 4), 1, 1e-5);  // inside the doubtful tile
-  EXPECT_LT(doubtful.confidence.at(11, 4), 0.1f);
+  const PixelDisparity blended = upsample_tiles(tiles, 32, 8);
+  for (const float d : blended.disparity_dp_px.data) EXPECT_TRUE(d == -3 || std::abs(d - 1) < 1e-5);
+  EXPECT_NEAR(blended.disparity_dp_px.at(9, 4), 1, 1e-5);  // inside the tile without confidence
+  EXPECT_LT(blended.confidence.at(11, 4), 0.1f);
 
-  tiles.confidence.at(1, 0) = 1;  // now an edge of 4 px between sure tiles
+  tiles.confidence.at(1, 0) = 1;  // now an edge of 4 px between confident tiles
   const PixelDisparity edge = upsample_tiles(tiles, 32, 8);
   EXPECT_LT(edge.confidence.at(7, 4), 1e-3f);
   EXPECT_NEAR(edge.confidence.at(3, 4), 1, 1e-6f);
