@@ -28,7 +28,7 @@ struct PlanePair {
   std::ptrdiff_t stride;
 };
 
-/// What is the same for all tiles of a pair of planes.
+/// Parameters that all tiles of a pair of planes share.
 struct PairShape {
   int width, height;
   float motion_x, motion_y;  ///< pixels per Bayer px
@@ -159,7 +159,7 @@ float root_mean_square(const Lanes (&plane)[kTile][kHalves]) {
   return std::sqrt(sum(squares) / (kTile * kTile));
 }
 
-/// What noise puts into the difference of two tiles, DN^2.
+/// The part of the difference of two tiles that noise explains, DN^2.
 struct TileNoise {
   float first_threshold, second_threshold;  ///< c V of each plane
   float energy;                             ///< expected sum of |D|^2 / kTile^2 over both planes

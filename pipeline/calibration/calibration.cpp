@@ -69,8 +69,8 @@ NodeReading read_flow(const Flow& flow, double x, double y, double reach_x, doub
   return {surface.at_origin(), seen > 0 ? mismatch / seen : 2};
 }
 
-/// Slopes change slowly over the field, even where intercepts do not: what chance and texture do to them is averaged
-/// over the nodes around, of those that have one.
+/// Slopes smoothed by a quadratic surface through the nodes around that have one, which reduces errors from noise and
+/// texture. Slopes change slowly over the field, even where intercepts do not.
 Image smoothed_slopes(const Image& slopes) {
   constexpr int kReach = 3;  // nodes; the weight is 0 there
   Image smooth = slopes;

@@ -21,7 +21,7 @@ constexpr double kMost = 1e6;  ///< of any value at a node
 /// JSON has no infinity.
 Json distance_json(double distance_m) { return std::isinf(distance_m) ? Json("inf") : Json(distance_m); }
 
-/// To 1e-4: a tenth of what the best measurement is good for, in half the bytes.
+/// Rounded to 1e-4, a tenth of the best measurement's error, which halves the bytes.
 double rounded(double value) { return std::round(value * 1e4) / 1e4; }
 
 Json nodes_json(const Image& image) {

@@ -54,8 +54,8 @@ bool match_at(const float* left, const float* right, int width, int x, float d, 
   return true;
 }
 
-/// Successive over-relaxation of (curvature - lambda Laplace) d = wanted, the squares of a chess board by color, so
-/// that rows can go in parallel.
+/// Successive over-relaxation of (curvature - lambda Laplace) d = wanted, in checkerboard order, so
+/// that rows can be computed in parallel.
 void relax(const Image& curvature, const Image& wanted, float lambda, int sweeps, Image& d) {
   const int width = d.width, height = d.height;
   for (int sweep = 0; sweep < 2 * sweeps; ++sweep) {
@@ -117,7 +117,7 @@ Image flow_of(const Image& left, const Image& right, const FlowOptions& options)
   return d;
 }
 
-/// view(x + d(x)); what lies outside is as the border.
+/// view(x + d(x)); beyond the border the outermost pixels are repeated.
 Image moved(const Image& view, const Image& d) {
   Image out(view.width, view.height);
   for_rows(view.height, [&](int y) {
@@ -146,9 +146,9 @@ Eigen::RowVectorXd gain_terms(double x, double y) {
   return terms;
 }
 
-/// Scales `view`, which shows what `reference` shows, to the reference's light: by a smooth fit of their ratio. Where
-/// both show the same, their ratio is free of texture; their local means' ratio is not, for the texture says where in
-/// the window light counts.
+/// Scales `view`, which shows what `reference` shows, to the reference's light by a smooth fit of the ratio of their
+/// pixels. Where both show the same, that ratio holds shading but no texture. The ratio of local means does hold
+/// texture, because bright texture weighs its part of the window more.
 void match_light(const Image& reference, Image& view) {
   Image ratio(view.width, view.height);
   for (std::size_t i = 0; i < ratio.data.size(); ++i) {

@@ -27,7 +27,7 @@ struct Pairs {
   Lanes weights{};  ///< the left pixel's four times, then the right one's
 };
 
-/// What one pixel adds to the rows -reach ... reach around it: `row_pairs` pairs to each.
+/// The weights that one pixel adds to the rows -reach ... reach around it, `row_pairs` pairs to each row.
 struct Kernel {
   int reach = 0;
   int row_pairs = 0;
@@ -40,7 +40,7 @@ int reach_of(const BlurShape& shape, float radius) {
   return static_cast<int>(std::ceil(shape.extent * radius + 0.5)) - 1;
 }
 
-/// Every pixel's weight.
+/// The kernel with every pixel's weight, for scatter_direct().
 void antialiased(const BlurShape& shape, float radius, int, Kernel& kernel) {
   const int reach = reach_of(shape, radius);
   const auto weight = [&](int dx, int dy) {
@@ -62,8 +62,8 @@ void antialiased(const BlurShape& shape, float radius, int, Kernel& kernel) {
   }
 }
 
-/// A row of pixels of one weight that has the area, the middle and the spread along the row of what the shape has in a
-/// row's height.
+/// One row of a kernel: from `begin` to `end`, with constant weight. It has the area, the center of mass and the spread
+/// along x of the part of the ideal shape that lies in the row's height.
 struct ShapeRow {
   double area = 0;
   double begin = 0;
@@ -71,7 +71,8 @@ struct ShapeRow {
 };
 
 ShapeRow shape_row(const BlurShape& shape, double radius, int y, int lines) {
-  // lines at sines of even steps: chords fall like a root at a disc's top, and so evenly
+  // Lines lie at the sines of even steps: a disc's chords fall like a square root at its top, so its samples are denser
+  // there.
   const double top = shape.extent * radius;
   const auto angle = [&](double at) { return std::asin(std::clamp(at / top, -1.0, 1.0)); };
   const double from = angle(y - 0.5), step = (angle(y + 0.5) - from) / lines;
@@ -91,7 +92,7 @@ ShapeRow shape_row(const BlurShape& shape, double radius, int y, int lines) {
   return {area, middle - half, middle + half};
 }
 
-/// Differences along x of the shape's weights, two pairs a row: where it begins and where it ends.
+/// The kernel's differences along x, two pairs a row (where it begins and where it ends), for scatter_gradient().
 void gradient(const BlurShape& shape, float radius, int lines, Kernel& kernel) {
   radius = std::max(radius, kLeastRadius);
   kernel.reach = reach_of(shape, radius);
@@ -100,7 +101,7 @@ void gradient(const BlurShape& shape, float radius, int lines, Kernel& kernel) {
   double area = 0;
   for (int dy = -kernel.reach; dy <= kernel.reach; ++dy) {
     const ShapeRow row = shape_row(shape, radius, dy, lines);
-    // a step of the row's weight at `at`, spread over the two pixels whose running sums then have the row's share
+    // A step of the row's weight at `at`, split over two pixels so that their running sums have the row's coverage.
     const auto step = [&](double at, float weight) {
       const double pixel = std::floor(at + 0.5);
       const auto later = static_cast<float>(at + 0.5 - pixel);
@@ -116,11 +117,11 @@ void gradient(const BlurShape& shape, float radius, int lines, Kernel& kernel) {
   for (Pairs& pair : kernel.pairs) pair.weights *= scale;
 }
 
-/// Makes the kernel of a radius, from so many lines a row.
+/// Makes the kernel of a radius; each row is integrated over `lines` lines.
 using MakeKernel = void (*)(const BlurShape&, float radius, int lines, Kernel&);
 
-/// Kernels of the radii and field points of a layer. They are kept when they are the same everywhere; a cat's eye is
-/// made anew for each pixel, from fewer lines, as it changes from one to the next.
+/// The kernels of a layer, by radius and field position. They are cached where the shape is the same over the field. A
+/// cat's eye changes from pixel to pixel and is computed for each, from fewer lines.
 class Kernels {
  public:
   Kernels(const Layer& layer, const Aperture& aperture, MakeKernel make)

@@ -105,8 +105,8 @@ void set_weights(System& system, const Image& confidence) {
   });
 }
 
-/// Scratch of the solver. Directions may be rounded, since what they do to the residual is computed from what they were
-/// rounded to; in single precision more of them fit the cache.
+/// Scratch memory of the solver. Search directions are in single precision, so that more of them fit the cache. That
+/// adds no error: the residual is updated with the rounded directions.
 struct Iterates {
   Vertices residual, applied;
   std::vector<float> direction;
@@ -176,7 +176,7 @@ std::vector<bool> reached_vertices(const System& system) {
   return reached;
 }
 
-/// Gives pixels that are not a number what the nearest pixel holds that is one; there must be one.
+/// Replaces NaN by the value of the nearest pixel that is a number; there must be one.
 void take_nearest(Image& image) {
   if (std::none_of(image.data.begin(), image.data.end(), [](float value) { return std::isnan(value); })) return;
   const int width = image.width, height = image.height;
@@ -431,7 +431,7 @@ Image fill_gaps(const Image& target, const Image& confidence) {
       coarse_confidence.at(x, y) = static_cast<float>(std::min(weights, 1.0));
     }
   }
-  // Push: what confidence leaves open comes from there.
+  // Push: where confidence is below 1, the rest comes from the coarser level.
   const Image around = resize_bilinear(fill_gaps(coarse_target, coarse_confidence), width, height);
   for (std::size_t i = 0; i < filled.data.size(); ++i) {
     const float own = std::min(confidence.data[i], 1.0f);

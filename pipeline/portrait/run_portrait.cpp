@@ -24,8 +24,8 @@
 namespace dualpixel::pipeline {
 namespace {
 
-/// One run, from step to step. Where the pictures lie on their side (PortraitOptions::transposed), everything here does
-/// too; run_portrait turns what comes in and what goes out.
+/// The state of one run, from step to step. For transposed pictures (PortraitOptions::transposed) everything here is
+/// transposed; run_portrait transposes its input and its result.
 struct Run {
   const Capture& capture;
   const PortraitOptions& options;
@@ -125,7 +125,7 @@ FoundPeople people_in(const Run& run) {
   return found;
 }
 
-/// Without people the mask that a mode needs is missing: disparity alone remains.
+/// Where no people are found, the mask that the mode needs is missing, and the run goes on in mode dp.
 void fall_back_to_disparity(Run& run, const FoundPeople& found) {
   if (run.result.mode == Mode::seg) prepare_correction(run);
   run.result.mode = Mode::dp;
@@ -138,7 +138,7 @@ void fall_back_to_disparity(Run& run, const FoundPeople& found) {
   run.result.warnings.push_back(fmt::format("{}: blurred in mode dp, by disparity alone", why));
 }
 
-/// Section 3.3: faces, and the mask of those whose they are.
+/// Section 3.3: faces, and the mask of the people they belong to.
 void find_people(Run& run) {
   FoundPeople found = people_in(run);
   if (run.faces.empty()) run.faces = found.faces.empty() ? found.detected : found.faces;
@@ -170,7 +170,7 @@ void correct_aberrations(Run& run) {
   correct_disparity(*run.correction, run.matched.disparity_dp_px, run.matched.confidence, sigma);
 }
 
-/// Section 4.4: the matches at the resolution of the solver, if they are not yet.
+/// Section 4.4: reduces the matches to the solver's resolution, unless that is done already.
 void reduce(Run& run) {
   if (!run.reduced.confidence.empty()) return;
   run.guide = make_smoothing_guide(run.result.input, run.options.smooth);
@@ -300,7 +300,7 @@ void run_step(const Step& step, Run& run, const PortraitProgress& progress) {
   report();
 }
 
-/// What can be refused before the work is, and what is known before it. `person_mask` lies as the capture does.
+/// Checks all input before any work, and prepares the run. `person_mask` has the capture's orientation.
 void prepare(Run& run, const std::optional<Image>& person_mask) {
   const PortraitOptions& options = run.options;
   check(options);

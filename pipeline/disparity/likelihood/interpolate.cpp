@@ -24,8 +24,8 @@ double bessel_i0(double x) {
 }
 
 Weights value_weights(double fraction) {
-  // A low-pass below the views' highest frequency, where no interpolation over so few pixels can be right: what passes
-  // there as its own mirror image would pull towards whole pixels.
+  // The low-pass ends below the views' highest frequency, as no interpolation over so few pixels is right near it: its
+  // mirror image (alias) would pull shifts towards whole pixels.
   constexpr double kPassed = 0.84;  // of the highest frequency, at half height
   constexpr double kBeta = 4;       // of the Kaiser window, its pedestal taken off
   Weights weights;

@@ -85,7 +85,7 @@ RefinedTile refine_shift(const PreparedViews& views, int x0, int y0, float start
     const float pixels = s.left_noise + s.right_noise;  // each adds 1, invalid ones nothing
     if (pixels < kTile) return {start};                 // nearly all are invalid
 
-    // The slope that the difference is held against: the smoothed views', plus as much of the excess as is signal.
+    // The slope that explains the difference: the smoothed views', plus that share of the excess which is signal.
     const float excess_noise = 0.25f * (s.left_noise * (lt.slope_slope - 2 * lt.slope_smooth + lt.smooth_smooth) +
                                         s.right_noise * (rt.slope_slope - 2 * rt.slope_smooth + rt.smooth_smooth));
     const float share = std::max(0.0f, 1 - excess_noise / s.ee);
@@ -176,12 +176,13 @@ float roughness(const std::vector<RefinedTile>& tiles, int columns, int rows, in
 }
 
 float predicted_variance(const std::vector<RefinedTile>& tiles, int columns, int rows, int column, int row) {
-  // How far the matched shift of mirrored half discs lies from that of their centroids, which what they blur decides:
-  // measured on textures of 0.02 to 0.4 cycles a pixel.
+  // The shift at which mirrored half discs match differs from that of their centroids, depending on the texture that
+  // they blur: measured on textures of 0.02 to 0.4 cycles a pixel.
   constexpr float kKernelError = 0.02f;      // over the square of the shift, per DP px ...
   constexpr float kMostKernelError = 0.08f;  // ... and at most, DP px
-  // A tile measures where its texture lies, not its mean. On a plane, texture at one position errs by 1/12 of the
-  // squared change from tile to tile, 1/9 of the roughness; the portrait scene's foliage needs twice that.
+  // A tile measures the disparity at its texture, not its mean disparity. On a plane with texture at a single position
+  // that gives a variance of 1/12 of the squared change from tile to tile, which is 1/9 of the roughness; the portrait
+  // scene's foliage needs twice that.
   constexpr float kRoughnessShare = 0.25f;
   constexpr float kAgreement = 0.3f;  // difference on one surface, DP px, beside what both tiles' errors explain
   constexpr float kSupport = 0.625f;  // share of the neighbors that agree along a straight edge

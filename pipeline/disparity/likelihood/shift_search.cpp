@@ -21,7 +21,7 @@ struct CostVolume {
   const float* at(int column, int row) const { return const_cast<CostVolume*>(this)->at(column, row); }
 };
 
-/// Turns costs into multiples of what noise and an imperfect model do to them, best shift 0.
+/// Scales costs down by what noise and model error add to them, and shifts them so that the best has cost 0.
 void temper(float* cost, int shifts, float model_error) {
   constexpr float kExpected = kTile * kTile;  // least cost of a true match: one for each pixel
   constexpr float kExcess = 16;  // of the least cost over what is expected that halves all: ours, by the failure atlas
@@ -134,8 +134,8 @@ CostVolume with_neighbors(const CostVolume& costs, int distance, float weight) {
 }
 
 FoundShift find_shift(const float* cost, int range) {
-  // A likelihood is exp(-cost / 2). Tempering the costs widens the predicted error: at 0.5, 73 % of the pixels of scenes
-  // lie within one sigma. From 0.7 on, the matcher is overconfident at the failure atlas' strong defocus.
+  // A likelihood is exp(-cost / 2). Tempering the costs widens the predicted error: at 0.5, 73 % of the pixels of
+  // scenes lie within one sigma. From 0.7 on, the matcher is overconfident at the failure atlas' strong defocus.
   constexpr float kInverseTemperature = 0.6f;
   constexpr float kUnlikely = 30;  // spares most of the exponentials
   // Among equal costs the smallest shift wins.

@@ -61,7 +61,7 @@ Match match_tile(const Image& left, const Image& right, int x0, int x1, int y0, 
   }
   const float texture = std::max(gradient_square - 0.25f * least, 0.0f);
   const float variance = (least + options.ssd_floor) / (pixels * texture);  // infinite without texture
-  // without a second shift that costs anything, whatever fits best is not distinct
+  // where a second shift has no cost either, the best one is not distinct
   const float distinct =
       second > 0 ? std::clamp((1 - least / second) / (1 - options.second_minimum), 0.0f, 1.0f) : 0.0f;
   match.confidence =
