@@ -18,7 +18,7 @@ struct Correction {
   /// At the nodes: d_corrected = gain d + offset. Nodes that are not usable hold the values of the nearest usable
   /// ones, so that interpolation beside them stays smooth.
   Image gain, offset_dp_px;
-  Image usable;          ///< 0: no fitted line, or a slope below a fifth of the principal point's, where noise dominates
+  Image usable;          ///< 0: no line, or its slope is under a fifth of the principal point's and mostly noise
   float confidence = 1;  ///< exp(-distance / 0.5 per meter) to the calibrated range of 1/z; 1 inside
   std::string warning;   ///< names both where the focus distance lies outside the range; else empty
 };

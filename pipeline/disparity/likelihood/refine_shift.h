@@ -11,7 +11,7 @@ namespace dualpixel::pipeline::likelihood {
 struct RefinedTile {
   float disparity = 0;     ///< DP px
   float noise = INFINITY;  ///< variance of the error due to the views' noise; independent between tiles
-  float model = 0;         ///< variance of the error due to differences that no shift explains; partly shared by neighbors
+  float model = 0;         ///< variance due to differences that no shift explains; partly shared by neighbors
 };
 
 /// Gauss-Newton from `start`, at most `farthest` away from it, with both views interpolated symmetrically. `offset` is
