@@ -55,7 +55,7 @@ nlohmann::ordered_json changed_fields(const PortraitOptions& options) {
 
 std::string describe_fields() {
   PortraitOptions defaults;
-  const std::string line = "{:<38}{:>12}  {:<20}{:<24}{}\n";
+  const std::string line = "{:<42}{:>10}  {:<20}{:<24}{}\n";
   std::string text = fmt::format(fmt::runtime(line), "option", "default", "range", "unit", "source");
   for (const OptionField& field : fields(defaults)) {
     const std::string value =
