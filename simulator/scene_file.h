@@ -6,7 +6,7 @@
 #include <string>
 
 #include "simulator/lens/lens.h"
-#include "simulator/render/views.h"
+#include "simulator/render/render_options.h"
 #include "simulator/scene/environment.h"
 #include "simulator/sensor/sensor.h"
 

@@ -6,18 +6,22 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <glm/glm.hpp>
 #include <memory>
 #include <set>
 #include <stdexcept>
 #include <utility>
 
 #include "capture/error.h"
+#include "simulator/render/adaptive.h"
 #include "simulator/render/motion.h"
 #include "simulator/render/truth.h"
+#include "simulator/render/views.h"
 #include "simulator/sampling/hash.h"
-#include "simulator/sampling/sensor_grid.h"
+#include "simulator/sampling/mosaic.h"
 #include "simulator/scene/gltf/gltf.h"
 #include "simulator/sensor/hand_shake.h"
+#include "simulator/sensor_noise.h"
 
 namespace dualpixel::simulator {
 namespace {
@@ -290,18 +294,6 @@ LensSampler prepare_lens(const Simulation& s) {
 }
 
 CameraView place_camera(const Simulation& s, const Scene& scene) { return {camera_pose(s, scene), prepare_lens(s)}; }
-
-ErrorTarget sensor_noise(const Simulation& s, double lux_per_nit) {
-  ErrorTarget target;
-  for (int c = 0; c < 3; ++c) {
-    const double electrons_per_nit = lux_per_nit * s.exposure.time_s * s.sensor.electrons_per_lux_s[c];
-    const double after_gain_e = s.sensor.read_noise_after_gain_dn / gain_dn_per_electron(s.sensor, s.exposure.iso);
-    const double read_nits = std::hypot(s.sensor.read_noise_e, after_gain_e) / electrons_per_nit;
-    target.per_nit[c] = 1 / electrons_per_nit;
-    target.constant[c] = std::max(read_nits * read_nits, 1e-12);
-  }
-  return target;
-}
 
 Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& stage) {
   require_valid(check(s), s.path);  // a lens can only be prepared for a sensor that can be

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "capture/capture.h"
-#include "simulator/render/adaptive.h"
+#include "simulator/render/camera_view.h"
 #include "simulator/scene/scene.h"
 #include "simulator/scene_file.h"
 
@@ -26,9 +26,6 @@ LensSampler prepare_lens(const Simulation& simulation);
 
 /// Both: the camera, ready to render.
 CameraView place_camera(const Simulation& simulation, const Scene& scene);
-
-/// The variance that the sensor adds to a half photosite: shot noise and one read-out.
-ErrorTarget sensor_noise(const Simulation& simulation, double lux_per_nit);
 
 /// `stage` is called with what is being done and the fraction of it that is.
 using StageCallback = std::function<void(const std::string& stage, double fraction)>;

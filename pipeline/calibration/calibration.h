@@ -4,8 +4,6 @@
 #include <vector>
 
 #include "capture/capture.h"
-#include "pipeline/calibration/flow.h"
-#include "pipeline/calibration/nodes.h"
 #include "pipeline/calibration/target_measurement.h"
 
 /// The same disparity everywhere for the same depth (Wadhwa et al. 2018, section 4.2 "Imaging Model and Calibration").
@@ -14,13 +12,6 @@
 /// A sweep of a textured, fronto-parallel target over both distances gives S_z and I_z by least squares; correction.h
 /// uses them.
 namespace dualpixel::pipeline {
-
-/// `left` and `right` are the linear views. A node's disparity is that of the quadratic surface that fits the flow
-/// best as far as the nodes around it, with weights that fall to 0 there: a lens of many aspheres curves its field
-/// within three nodes, which a plane would flatten. It is usable where the matched views' mismatch there, by the same
-/// weights, is at most 0.5.
-TargetMeasurement measure_target(const Image& left, const Image& right, double focus_distance_m,
-                                 double target_distance_m, const FlowOptions& options = {});
 
 /// The lines of one focus distance; every image has one pixel a node.
 struct FocusCalibration {

@@ -2,17 +2,10 @@
 #include <array>
 #include <vector>
 
+#include "pipeline/defocus/options.h"
+
 /// The shape that a point out of focus is blurred to.
 namespace dualpixel::pipeline {
-
-struct Aperture {
-  int blades = 0;  ///< 0: round (the paper's disc); 3 to 16: a regular polygon
-  /// 0 to 0.9: how much of the blur's radius the lens's rims cut off on either side in the picture's corners,
-  /// proportionally less towards the middle: the cat's eye of a lens that vignettes. Two circles through the blades'
-  /// corners, shifted apart, bound it.
-  double cats_eye = 0;
-  bool lying = false;  ///< the picture lies on its side, transposed: its x axis points down
-};
 
 /// Throws InputError where a value is out of range.
 void require_valid(const Aperture& aperture);

@@ -1,19 +1,11 @@
 #pragma once
 #include "capture/image/image.h"
+#include "pipeline/defocus/options.h"
 #include "pipeline/option_field.h"
 
 /// Light beyond what the sensor could hold, guessed before the blur: a lamp that is blurred as if it were merely white
 /// gives a dull disc where a lens would have given a bright one.
 namespace dualpixel::pipeline {
-
-struct HighlightOptions {
-  double clipped = 0.98;  ///< share of the white level from which a channel counts as clipped; demosaicking smears
-  /// The guess leans on exponent `expected` as if this many pixels had been seen to follow it, so that a picture with
-  /// few bright pixels has one.
-  double expected = 2, weight_px = 100;
-  double full_blur_px = 5.5;  ///< radius, full-resolution px: where brute force ends (layers.h)
-  double most = 16;           ///< brightest light that is reckoned with, times white
-};
 
 OptionFields fields(HighlightOptions& options);
 

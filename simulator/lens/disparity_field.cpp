@@ -6,6 +6,8 @@
 #include <cmath>
 #include <glm/glm.hpp>
 
+#include "simulator/lens/lens_packet.h"
+#include "simulator/lens/lens_sampler.h"
 #include "simulator/sampling/sobol.h"
 
 namespace dualpixel::simulator {

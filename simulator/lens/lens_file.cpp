@@ -7,6 +7,7 @@
 #include "capture/error.h"
 #include "capture/json_fields.h"
 #include "capture/path_beside.h"
+#include "simulator/lens/models.h"
 #include "simulator/lens/split/split_json.h"
 
 namespace dualpixel::simulator {

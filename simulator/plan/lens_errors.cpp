@@ -7,6 +7,7 @@
 
 #include "capture/timing.h"
 #include "simulator/lens/disparity_field.h"
+#include "simulator/lens/lens_packet.h"
 #include "simulator/plan/error_statistics.h"
 #include "simulator/render/camera_rays.h"
 #include "simulator/sampling/hash.h"

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "capture/timing.h"
+#include "simulator/render/views.h"
 #include "simulator/sampling/hash.h"
 #include "simulator/simulate.h"
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "simulator/sampling/hash.h"
+#include "simulator/sampling/mosaic.h"
 
 namespace dualpixel::simulator {
 namespace {

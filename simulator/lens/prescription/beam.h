@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulator/lens/prescription/ray_counts.h"
 #include "simulator/lens/prescription/ray_trace.h"
 
 /// Parallel light through a prescription, in double precision; lens frame, mm.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "simulator/lens/prescription/beam.h"
+#include "simulator/lens/prescription/prescription.h"
 #include "simulator/lens/prescription/pupil_bounds.h"
 
 namespace dualpixel::simulator {

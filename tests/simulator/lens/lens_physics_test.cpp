@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "simulator/lens/disparity_field.h"
+#include "simulator/lens/lens_packet.h"
 #include "simulator/lens/lens_sampler.h"
 #include "simulator/sampling/sobol.h"
 

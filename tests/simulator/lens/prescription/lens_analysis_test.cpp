@@ -23,6 +23,7 @@
 
 #include "simulator/lens/prescription/beam.h"
 #include "simulator/lens/prescription/lens_analysis.h"
+#include "simulator/lens/prescription/prescription.h"
 #include "simulator/lens/prescription/pupil_bounds.h"
 #include "tests/simulator/lens/prescription/reference.h"
 
