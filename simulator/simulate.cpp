@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "simulator/sampling/random_streams.h"
 #include "capture/error.h"
 #include "simulator/render/adaptive.h"
 #include "simulator/render/motion.h"
@@ -194,7 +195,7 @@ Views render_frame(const Simulation& s, const RenderScene& first_world, const Ca
                    const SampleMap& map, int frame, const ProgressCallback& progress) {
   const auto render = [&](const Moment& now, int pose) {
     RenderOptions options = s.render;
-    if (frame > 0 || pose > 0) options.seed = hash(s.render.seed, 4, frame * poses(s) + pose);
+    if (frame > 0 || pose > 0) options.seed = hash(s.render.seed, kPoseStream, frame * poses(s) + pose);
     const ProgressCallback part = [&](double fraction) { progress((pose + fraction) / poses(s)); };
     if (!now.own_scene) return render_views(first_world, now.view, options, map, part);
     return render_views(RenderScene(*now.own_scene), now.view, options, map, part);
@@ -229,11 +230,11 @@ void add_truth_pictures(const Simulation& s, const RenderScene& world, const Cam
   RenderOptions options = s.render;
   options.ideal_aperture_scale = 0;
   options.samples_per_pixel = s.all_in_focus_samples_per_pixel;
-  options.seed = hash(s.render.seed, 1);
+  options.seed = hash(s.render.seed, kAllInFocusStream);
   truth.all_in_focus = undivided(render_views(world, view, options, step_of(stage, "all-in-focus image")));
   options.ideal_aperture_scale = s.photograph_aperture_scale;
   options.samples_per_pixel = s.photograph_samples_per_pixel;
-  options.seed = hash(s.render.seed, 2);
+  options.seed = hash(s.render.seed, kPhotographStream);
   truth.photograph = undivided(render_views(world, view, options, step_of(stage, "wide-aperture photograph")));
   truth.photograph_aperture_scale = s.photograph_aperture_scale;
   scale(truth.all_in_focus, unit_per_nit);
@@ -332,7 +333,7 @@ Capture simulate(const Simulation& s, const Scene& scene, const CameraView& view
       }
       electrons = expected_electrons(views.left, views.right, s.sensor, s.exposure, view.lens.lux_per_nit());
     }
-    capture.frames.push_back(expose(electrons, s.sensor, s.exposure, hash(s.render.seed, 3, i)));
+    capture.frames.push_back(expose(electrons, s.sensor, s.exposure, hash(s.render.seed, kSensorNoiseStream, i)));
     capture.frames.back().camera_from_world = row_major(glm::inverse(middle.view.world_from_camera));
     if (stage) stage("sensor", (i + 1.0) / s.burst_frames);
   }
