@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -15,9 +16,9 @@ namespace dualpixel::simulator {
 
 /// A camera of the scene file's own, for glTF files without one; replaces the node.
 struct CameraPose {
-  std::array<double, 3> position_m{};
-  std::array<double, 3> look_at_m{};
-  std::array<double, 3> up = {0, 1, 0};
+  glm::dvec3 position_m{0};
+  glm::dvec3 look_at_m{0};
+  glm::dvec3 up{0, 1, 0};
 };
 
 /// What a scene JSON file says (docs/scene.md), every field checked. Units are in the names.

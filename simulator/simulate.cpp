@@ -12,7 +12,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "simulator/sampling/random_streams.h"
 #include "capture/error.h"
 #include "simulator/render/adaptive.h"
 #include "simulator/render/motion.h"
@@ -20,14 +19,13 @@
 #include "simulator/render/views.h"
 #include "simulator/sampling/hash.h"
 #include "simulator/sampling/mosaic.h"
+#include "simulator/sampling/random_streams.h"
 #include "simulator/scene/gltf/gltf.h"
 #include "simulator/sensor/hand_shake.h"
 #include "simulator/sensor_noise.h"
 
 namespace dualpixel::simulator {
 namespace {
-
-glm::dvec3 to_vec(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
 Matrix4 row_major(const glm::mat4& m) {
   Matrix4 result;
@@ -276,11 +274,11 @@ Camera describe_camera(const Simulation& s) {
 
 glm::mat4 camera_pose(const Simulation& s, const Scene& scene) {
   if (s.pose) {
-    const glm::dvec3 forward = glm::normalize(to_vec(s.pose->look_at_m) - to_vec(s.pose->position_m));
-    const glm::dvec3 right = glm::normalize(glm::cross(forward, to_vec(s.pose->up)));
+    const glm::dvec3 forward = glm::normalize(s.pose->look_at_m - s.pose->position_m);
+    const glm::dvec3 right = glm::normalize(glm::cross(forward, s.pose->up));
     const glm::dvec3 down = glm::cross(forward, right);
     return glm::mat4(glm::dmat4(glm::dvec4(right, 0), glm::dvec4(down, 0), glm::dvec4(forward, 0),
-                                glm::dvec4(to_vec(s.pose->position_m), 1)));
+                                glm::dvec4(s.pose->position_m, 1)));
   }
   // glTF's camera looks along -z with y up
   return camera_node(s, scene).world_from_node * glm::mat4(1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1);
