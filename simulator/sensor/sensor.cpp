@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulator/sampling/random_streams.h"
 #include "simulator/sampling/hash.h"
 #include "simulator/sampling/mosaic.h"
+#include "simulator/sampling/random_streams.h"
 
 namespace dualpixel::simulator {
 namespace {
