@@ -29,7 +29,7 @@ void read_thin_lens(Fields& lens, double focus_distance_m, ThinLens& thin) {
 void set_focus(ThinLens& thin, double focus_distance_m) {
   thin.focus_distance_m = focus_distance_m;
   if (!(focus_distance_m * thin.pupil_magnification > thin.focal_length_m)) {
-    throw InputError(fmt::format("focus distance: {} m: must be greater than the focal length, {:.6g} m",
+    throw InputError(fmt::format("focus_distance_m: {}: must be greater than the focal length, {:.6g} m",
                                  focus_distance_m, thin.focal_length_m));
   }
 }
