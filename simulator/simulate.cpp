@@ -284,9 +284,11 @@ glm::mat4 camera_pose(const Simulation& s, const Scene& scene) {
   return camera_node(s, scene).world_from_node * glm::mat4(1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1);
 }
 
-LensSampler prepare_lens(const Simulation& s) {
+LensSampler prepare_lens(const Simulation& s) { return prepare_lens(s, s.lens, sensor_grid(s.sensor)); }
+
+LensSampler prepare_lens(const Simulation& s, const Lens& lens, const SensorGrid& sensor) {
   try {
-    return {s.lens, sensor_grid(s.sensor)};
+    return {lens, sensor};
   } catch (const InputError& error) {
     throw InputError(printable(s.path) + ": /lens/" + error.what());
   }

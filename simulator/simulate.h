@@ -24,6 +24,9 @@ glm::mat4 camera_pose(const Simulation& simulation, const Scene& scene);
 /// passes it.
 LensSampler prepare_lens(const Simulation& simulation);
 
+/// The same of another lens or a part of the sensor.
+LensSampler prepare_lens(const Simulation& simulation, const Lens& lens, const SensorGrid& sensor);
+
 /// Both: the camera, ready to render.
 CameraView place_camera(const Simulation& simulation, const Scene& scene);
 

@@ -110,9 +110,7 @@ void measure_step(const LensSampler& lens, const LensSampler& reference,
 void measure_lens_errors(const Simulation& simulation, const RenderScene& world, std::uint64_t seed,
                          std::vector<LensStep>& steps) {
   const auto lens_of = [&](const LensStep& step) {
-    Simulation s = simulation;
-    s.lens = step.candidate.lens;
-    return prepare_lens(s);
+    return prepare_lens(simulation, step.candidate.lens, sensor_grid(simulation.sensor));
   };
   const CameraView reference{camera_pose(simulation, world.scene), lens_of(steps.back())};
   const std::vector<FieldPoint> points = stratified_points(world, reference, seed);
