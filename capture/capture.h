@@ -35,7 +35,7 @@ struct Camera {
   double f_number = 0;
   double focus_distance_m = 0;                 ///< z, from the entrance pupil; infinity is allowed
   std::array<double, 2> principal_point_px{};  ///< continuous full-sensor coordinates
-  std::string split = "unknown";               ///< "hard", "ramp", "microlens", "table" or "unknown"
+  std::string split = "unknown";               ///< a name of kSplitKinds (capture/split_kinds.h), or "unknown"
   double alpha = 0;  ///< centroid disparity over signed blur diameter, both in DP px; 0: unknown
 
   int bayer_plane_width() const { return width_px / 2; }

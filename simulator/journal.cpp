@@ -8,8 +8,12 @@
 #include <xxhash.h>
 
 #include "capture/error.h"
+#include "simulator/lens/lens_packet.h"
+#include "simulator/render/camera_view.h"
+#include "simulator/render/sample_map.h"
 #include "simulator/render/views.h"
 #include "simulator/sampling/hash.h"
+#include "simulator/scene/scene.h"
 
 namespace dualpixel::simulator {
 namespace {

@@ -4,12 +4,14 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <utility>
 
-#include "simulator/render/camera_view.h"
 #include "simulator/render/tile_store.h"
-#include "simulator/scene/scene.h"
 
 namespace dualpixel::simulator {
+
+struct CameraView;
+struct Scene;
 
 /// The finished tiles of a long render, kept in a file, so that a program that was stopped can go on where it was. As
 /// every tile depends on its own numbers alone, the picture is the same, byte for byte.

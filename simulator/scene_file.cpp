@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
+#include <glm/gtc/type_ptr.hpp>
 #include <limits>
 
 #include "capture/error.h"
@@ -18,18 +19,16 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-glm::dvec3 to_vec(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
-
 void read_camera(Fields camera, Simulation& s, double& focus_distance_m) {
   camera.text("node", s.camera_node);
   if (camera.has("position_m") || camera.has("look_at_m") || camera.has("up")) {
     if (camera.has("node")) camera.fail("node", "give either a camera node or position_m and look_at_m, not both");
     CameraPose& pose = s.pose.emplace();
-    camera.required("position_m").numbers("position_m", pose.position_m.data(), 3);
-    camera.required("look_at_m").numbers("look_at_m", pose.look_at_m.data(), 3);
-    camera.numbers("up", pose.up.data(), 3);
-    const glm::dvec3 forward = to_vec(pose.look_at_m) - to_vec(pose.position_m);
-    if (!(glm::length(glm::cross(forward, to_vec(pose.up))) > 1e-9 * glm::length(forward))) {
+    camera.required("position_m").numbers("position_m", glm::value_ptr(pose.position_m), 3);
+    camera.required("look_at_m").numbers("look_at_m", glm::value_ptr(pose.look_at_m), 3);
+    camera.numbers("up", glm::value_ptr(pose.up), 3);
+    const glm::dvec3 forward = pose.look_at_m - pose.position_m;
+    if (!(glm::length(glm::cross(forward, pose.up)) > 1e-9 * glm::length(forward))) {
       camera.fail("look_at_m", "must differ from position_m, and not lie along `up` from it");
     }
   }

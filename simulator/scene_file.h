@@ -1,12 +1,13 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "simulator/lens/lens.h"
-#include "simulator/render/views.h"
+#include "simulator/render/render_options.h"
 #include "simulator/scene/environment.h"
 #include "simulator/sensor/sensor.h"
 
@@ -15,9 +16,9 @@ namespace dualpixel::simulator {
 
 /// A camera of the scene file's own, for glTF files without one; replaces the node.
 struct CameraPose {
-  std::array<double, 3> position_m{};
-  std::array<double, 3> look_at_m{};
-  std::array<double, 3> up = {0, 1, 0};
+  glm::dvec3 position_m{0};
+  glm::dvec3 look_at_m{0};
+  glm::dvec3 up{0, 1, 0};
 };
 
 /// What a scene JSON file says (docs/scene.md), every field checked. Units are in the names.

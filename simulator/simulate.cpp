@@ -6,23 +6,26 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <glm/glm.hpp>
 #include <memory>
 #include <set>
 #include <stdexcept>
 #include <utility>
 
 #include "capture/error.h"
+#include "simulator/render/adaptive.h"
 #include "simulator/render/motion.h"
 #include "simulator/render/truth.h"
+#include "simulator/render/views.h"
 #include "simulator/sampling/hash.h"
-#include "simulator/sampling/sensor_grid.h"
+#include "simulator/sampling/mosaic.h"
+#include "simulator/sampling/random_streams.h"
 #include "simulator/scene/gltf/gltf.h"
 #include "simulator/sensor/hand_shake.h"
+#include "simulator/sensor_noise.h"
 
 namespace dualpixel::simulator {
 namespace {
-
-glm::dvec3 to_vec(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
 Matrix4 row_major(const glm::mat4& m) {
   Matrix4 result;
@@ -190,7 +193,7 @@ Views render_frame(const Simulation& s, const RenderScene& first_world, const Ca
                    const SampleMap& map, int frame, const ProgressCallback& progress) {
   const auto render = [&](const Moment& now, int pose) {
     RenderOptions options = s.render;
-    if (frame > 0 || pose > 0) options.seed = hash(s.render.seed, 4, frame * poses(s) + pose);
+    if (frame > 0 || pose > 0) options.seed = hash(s.render.seed, kPoseStream, frame * poses(s) + pose);
     const ProgressCallback part = [&](double fraction) { progress((pose + fraction) / poses(s)); };
     if (!now.own_scene) return render_views(first_world, now.view, options, map, part);
     return render_views(RenderScene(*now.own_scene), now.view, options, map, part);
@@ -225,11 +228,11 @@ void add_truth_pictures(const Simulation& s, const RenderScene& world, const Cam
   RenderOptions options = s.render;
   options.ideal_aperture_scale = 0;
   options.samples_per_pixel = s.all_in_focus_samples_per_pixel;
-  options.seed = hash(s.render.seed, 1);
+  options.seed = hash(s.render.seed, kAllInFocusStream);
   truth.all_in_focus = undivided(render_views(world, view, options, step_of(stage, "all-in-focus image")));
   options.ideal_aperture_scale = s.photograph_aperture_scale;
   options.samples_per_pixel = s.photograph_samples_per_pixel;
-  options.seed = hash(s.render.seed, 2);
+  options.seed = hash(s.render.seed, kPhotographStream);
   truth.photograph = undivided(render_views(world, view, options, step_of(stage, "wide-aperture photograph")));
   truth.photograph_aperture_scale = s.photograph_aperture_scale;
   scale(truth.all_in_focus, unit_per_nit);
@@ -271,37 +274,27 @@ Camera describe_camera(const Simulation& s) {
 
 glm::mat4 camera_pose(const Simulation& s, const Scene& scene) {
   if (s.pose) {
-    const glm::dvec3 forward = glm::normalize(to_vec(s.pose->look_at_m) - to_vec(s.pose->position_m));
-    const glm::dvec3 right = glm::normalize(glm::cross(forward, to_vec(s.pose->up)));
+    const glm::dvec3 forward = glm::normalize(s.pose->look_at_m - s.pose->position_m);
+    const glm::dvec3 right = glm::normalize(glm::cross(forward, s.pose->up));
     const glm::dvec3 down = glm::cross(forward, right);
     return glm::mat4(glm::dmat4(glm::dvec4(right, 0), glm::dvec4(down, 0), glm::dvec4(forward, 0),
-                                glm::dvec4(to_vec(s.pose->position_m), 1)));
+                                glm::dvec4(s.pose->position_m, 1)));
   }
   // glTF's camera looks along -z with y up
   return camera_node(s, scene).world_from_node * glm::mat4(1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1);
 }
 
-LensSampler prepare_lens(const Simulation& s) {
+LensSampler prepare_lens(const Simulation& s) { return prepare_lens(s, s.lens, sensor_grid(s.sensor)); }
+
+LensSampler prepare_lens(const Simulation& s, const Lens& lens, const SensorGrid& sensor) {
   try {
-    return {s.lens, sensor_grid(s.sensor)};
+    return {lens, sensor};
   } catch (const InputError& error) {
     throw InputError(printable(s.path) + ": /lens/" + error.what());
   }
 }
 
 CameraView place_camera(const Simulation& s, const Scene& scene) { return {camera_pose(s, scene), prepare_lens(s)}; }
-
-ErrorTarget sensor_noise(const Simulation& s, double lux_per_nit) {
-  ErrorTarget target;
-  for (int c = 0; c < 3; ++c) {
-    const double electrons_per_nit = lux_per_nit * s.exposure.time_s * s.sensor.electrons_per_lux_s[c];
-    const double after_gain_e = s.sensor.read_noise_after_gain_dn / gain_dn_per_electron(s.sensor, s.exposure.iso);
-    const double read_nits = std::hypot(s.sensor.read_noise_e, after_gain_e) / electrons_per_nit;
-    target.per_nit[c] = 1 / electrons_per_nit;
-    target.constant[c] = std::max(read_nits * read_nits, 1e-12);
-  }
-  return target;
-}
 
 Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& stage) {
   require_valid(check(s), s.path);  // a lens can only be prepared for a sensor that can be
@@ -340,7 +333,7 @@ Capture simulate(const Simulation& s, const Scene& scene, const CameraView& view
       }
       electrons = expected_electrons(views.left, views.right, s.sensor, s.exposure, view.lens.lux_per_nit());
     }
-    capture.frames.push_back(expose(electrons, s.sensor, s.exposure, hash(s.render.seed, 3, i)));
+    capture.frames.push_back(expose(electrons, s.sensor, s.exposure, hash(s.render.seed, kSensorNoiseStream, i)));
     capture.frames.back().camera_from_world = row_major(glm::inverse(middle.view.world_from_camera));
     if (stage) stage("sensor", (i + 1.0) / s.burst_frames);
   }

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "capture/capture.h"
-#include "simulator/render/adaptive.h"
+#include "simulator/render/camera_view.h"
 #include "simulator/scene/scene.h"
 #include "simulator/scene_file.h"
 
@@ -24,11 +24,11 @@ glm::mat4 camera_pose(const Simulation& simulation, const Scene& scene);
 /// passes it.
 LensSampler prepare_lens(const Simulation& simulation);
 
+/// The same of another lens or a part of the sensor.
+LensSampler prepare_lens(const Simulation& simulation, const Lens& lens, const SensorGrid& sensor);
+
 /// Both: the camera, ready to render.
 CameraView place_camera(const Simulation& simulation, const Scene& scene);
-
-/// The variance that the sensor adds to a half photosite: shot noise and one read-out.
-ErrorTarget sensor_noise(const Simulation& simulation, double lux_per_nit);
 
 /// `stage` is called with what is being done and the fraction of it that is.
 using StageCallback = std::function<void(const std::string& stage, double fraction)>;

@@ -6,6 +6,7 @@
 
 #include "capture/color_filter_array.h"
 #include "capture/folder/camera_json.h"
+#include "capture/split_kinds.h"
 
 namespace dualpixel {
 namespace {
@@ -102,7 +103,9 @@ Camera read_camera(Fields fields) {
   read_intrinsics(fields, camera);
   fields.choice("cfa", camera.cfa, names_of(kColorFilterArrays));
   fields.required("focus_distance_m").number("focus_distance_m", camera.focus_distance_m, 1e-4, kInfinity);
-  fields.choice("split", camera.split, {"hard", "ramp", "microlens", "table", "unknown"});
+  std::vector<std::string> splits = names_of(kSplitKinds);
+  splits.push_back(camera.split);  // "unknown"
+  fields.choice("split", camera.split, splits);
   fields.number("alpha", camera.alpha, 0, 10);
   fields.done();
   return camera;

@@ -14,6 +14,8 @@
 #include "evaluation/metrics/disparity_metrics.h"
 #include "evaluation/simulated_scene.h"
 #include "pipeline/disparity/matchers.h"
+#include "pipeline/disparity/tile_disparity.h"
+#include "pipeline/disparity/upsample.h"
 
 namespace dualpixel::evaluation {
 namespace {

@@ -11,6 +11,7 @@
 #include "simulator/lens/disparity_field.h"
 #include "simulator/lens/lens_file.h"
 #include "simulator/plan/lens_candidates.h"
+#include "simulator/render/views.h"
 #include "simulator/simulate.h"
 
 namespace dualpixel::evaluation {

@@ -12,7 +12,8 @@
 #include "capture/timing.h"
 #include "simulator/render/adaptive.h"
 #include "simulator/sampling/hash.h"
-#include "simulator/sampling/sensor_grid.h"
+#include "simulator/sampling/mosaic.h"
+#include "simulator/sensor_noise.h"
 #include "simulator/simulate.h"
 
 namespace dualpixel::evaluation {

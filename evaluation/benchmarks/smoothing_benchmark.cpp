@@ -16,8 +16,11 @@
 #include "evaluation/benchmarks/opencv/smoothing_peers.h"
 #include "evaluation/experiments/edge_failures.h"
 #include "evaluation/metrics/edge_metrics.h"
+#include "pipeline/edge_aware/bilateral_grid.h"
+#include "pipeline/edge_aware/bilateral_solver.h"
 #include "pipeline/edge_aware/filter_mask.h"
 #include "pipeline/edge_aware/guide.h"
+#include "pipeline/edge_aware/joint_upsample.h"
 #include "pipeline/portrait/run_portrait.h"
 
 namespace dualpixel::evaluation {

@@ -15,6 +15,7 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
+#include "pipeline/calibration/flow.h"
 #include "simulator/sampling/hash.h"
 
 namespace dualpixel::evaluation {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "simulator/lens/disparity_field.h"
+#include "simulator/lens/lens_packet.h"
 #include "simulator/sampling/hash.h"
 #include "simulator/sampling/sobol.h"
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pipeline/defocus/blur_radius.h"
+#include "pipeline/defocus/defocused.h"
 
 namespace dualpixel::evaluation {
 namespace {

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <random>
 
+#include "pipeline/edge_aware/bilateral_grid.h"
+#include "pipeline/edge_aware/bilateral_solver.h"
+
 namespace dualpixel::evaluation {
 namespace {
 

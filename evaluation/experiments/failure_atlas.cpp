@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "evaluation/metrics/statistics.h"
+#include "pipeline/disparity/tile_disparity.h"
 #include "pipeline/disparity/upsample.h"
 
 namespace dualpixel::evaluation {

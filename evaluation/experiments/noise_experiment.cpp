@@ -8,6 +8,7 @@
 #include "evaluation/metrics/statistics.h"
 #include "pipeline/burst/merge.h"
 #include "pipeline/disparity/matchers.h"
+#include "pipeline/disparity/tile_disparity.h"
 #include "simulator/render/views.h"
 #include "simulator/sampling/hash.h"
 #include "simulator/sensor/sensor.h"

@@ -12,6 +12,7 @@
 #include "evaluation/report/page.h"
 #include "evaluation/report/plot.h"
 #include "evaluation/report/report_images.h"
+#include "pipeline/calibration/nodes.h"
 
 namespace dualpixel::evaluation {
 namespace {

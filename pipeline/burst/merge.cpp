@@ -10,6 +10,7 @@
 
 #include "capture/error.h"
 #include "capture/image/rows.h"
+#include "pipeline/burst/align.h"
 #include "pipeline/burst/fft16.h"
 
 namespace dualpixel::pipeline {

@@ -3,7 +3,6 @@
 
 #include "capture/capture.h"
 #include "capture/image/image.h"
-#include "pipeline/burst/align.h"
 #include "pipeline/option_field.h"
 
 /// Merges the aligned frames of a burst into one picture with less noise and without ghosts of moving things (Hasinoff
@@ -71,7 +70,7 @@ OptionFields fields(MergeOptions& options);
 ///
 /// `motions` holds one field per frame, as align_burst() returns them. Throws as require_burst(), and InputError where
 /// `base` is none of the frames, a field's size is wrong, a motion is not finite, or the strength is not 0.001 to 1e6.
-MergedBurst merge_burst(const std::vector<Frame>& frames, int base, const std::vector<MotionField>& motions,
+MergedBurst merge_burst(const std::vector<Frame>& frames, int base, const std::vector<Image>& motions,
                         const Exposure& exposure, const MergeOptions& options = {});
 
 /// sharpest_frame(), align_burst() and merge_burst() in one call.

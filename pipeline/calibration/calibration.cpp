@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "capture/error.h"
+#include "pipeline/calibration/flow.h"
+#include "pipeline/calibration/nodes.h"
 #include "pipeline/calibration/tilt.h"
 
 namespace dualpixel::pipeline {
@@ -187,6 +189,11 @@ void warn_of_tilt(const TargetTilt& tilt, std::vector<std::string>& warnings) {
 }
 
 }  // namespace
+
+TargetMeasurement measure_target(const Image& left, const Image& right, double focus_distance_m,
+                                 double target_distance_m) {
+  return measure_target(left, right, focus_distance_m, target_distance_m, {});
+}
 
 TargetMeasurement measure_target(const Image& left, const Image& right, double focus_distance_m,
                                  double target_distance_m, const FlowOptions& options) {

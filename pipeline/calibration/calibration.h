@@ -4,8 +4,6 @@
 #include <vector>
 
 #include "capture/capture.h"
-#include "pipeline/calibration/flow.h"
-#include "pipeline/calibration/nodes.h"
 #include "pipeline/calibration/target_measurement.h"
 
 /// Calibration of disparity over the field, so that equal depth gives equal disparity (Wadhwa et al. 2018, section 4.2
@@ -15,13 +13,6 @@
 /// A sweep of a textured, fronto-parallel target over both distances gives S_z and I_z by least squares; correction.h
 /// uses them.
 namespace dualpixel::pipeline {
-
-/// `left` and `right` are the linear views. A node's disparity is the value there of a quadratic surface that is fitted
-/// to the flow around it, with weights that fall to 0 at the neighboring nodes. (A plane would flatten the field of a
-/// lens with many aspheres, which curves within three nodes.) A node is usable where the mean mismatch of the matched
-/// views, by the same weights, is at most 0.5.
-TargetMeasurement measure_target(const Image& left, const Image& right, double focus_distance_m,
-                                 double target_distance_m, const FlowOptions& options = {});
 
 /// The lines of one focus distance; every image has one pixel a node.
 struct FocusCalibration {

@@ -7,6 +7,7 @@
 #include "capture/folder/camera_json.h"
 #include "capture/json_fields.h"
 #include "pipeline/calibration/calibration.h"
+#include "pipeline/calibration/nodes.h"
 
 namespace dualpixel::pipeline {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "capture/error.h"
 #include "capture/image/rows.h"
+#include "pipeline/calibration/nodes.h"
 
 namespace dualpixel::pipeline {
 namespace {

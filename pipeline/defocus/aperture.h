@@ -2,17 +2,10 @@
 #include <array>
 #include <vector>
 
+#include "pipeline/defocus/options.h"
+
 /// The shape that a point out of focus is blurred to.
 namespace dualpixel::pipeline {
-
-struct Aperture {
-  int blades = 0;  ///< 0: round (the paper's disc); 3 to 16: a regular polygon
-  /// Cat's eye of a lens that vignettes: share of the blur's radius, 0 to 0.9, that the lens's rims cut off on either
-  /// side in the picture's corners; proportionally less towards the middle. The shape is cut by two circles through the
-  /// blades' corners, shifted apart.
-  double cats_eye = 0;
-  bool transposed = false;  ///< the picture is stored with its axes exchanged: its x axis points down
-};
 
 /// Throws InputError where a value is out of range.
 void require_valid(const Aperture& aperture);

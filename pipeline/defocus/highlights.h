@@ -1,5 +1,6 @@
 #pragma once
 #include "capture/image/image.h"
+#include "pipeline/defocus/options.h"
 #include "pipeline/option_field.h"
 
 /// Recovers clipped highlights before the blur. Ours; not in the paper.
@@ -8,18 +9,6 @@
 /// blurring the clipped white gives a dull one. So clipped pixels are made brighter first, by a factor that is
 /// estimated from the picture's other bright pixels.
 namespace dualpixel::pipeline {
-
-struct HighlightOptions {
-  /// Share of the white level from which a channel counts as clipped. Below 1, as demosaicking blends clipped values
-  /// with neighbors that are not.
-  double clipped = 0.98;
-  /// Prior for the exponent a (below): the estimate is as if `weight_px` more pixels had been seen that follow
-  /// a = `expected`. So a picture with few bright pixels gets a = `expected`.
-  double expected = 2, weight_px = 100;
-  /// Blur radius, full-resolution px, from which the whole factor applies. Where brute force ends (layers.h).
-  double full_blur_px = 5.5;
-  double most = 16;  ///< brightest light that the estimate allows for, over the white level
-};
 
 OptionFields fields(HighlightOptions& options);
 

@@ -3,16 +3,11 @@
 
 #include "capture/image/image.h"
 #include "pipeline/defocus/blur_radius.h"
+#include "pipeline/defocus/options.h"
 #include "pipeline/option_field.h"
 
 /// The picture cut into bands of disparity that are blurred one by one (Wadhwa et al. 2018, section 5.2).
 namespace dualpixel::pipeline {
-
-struct LayerOptions {
-  int bands = 5;            ///< the in-focus one among them (section 5.2)
-  double overlap = 0.25;    ///< eta over the width of the band (section 5.2: 25 %)
-  double r_brute_px = 5.5;  ///< radius at the in-focus band's ends, full-resolution px (supplement: 2.75 at half size)
-};
 
 OptionFields fields(LayerOptions& options);
 

@@ -7,7 +7,9 @@
 
 #include "capture/error.h"
 #include "capture/image/rows.h"
+#include "pipeline/defocus/defocused.h"
 #include "pipeline/defocus/enlarge.h"
+#include "pipeline/defocus/highlights.h"
 #include "pipeline/defocus/scatter.h"
 
 namespace dualpixel::pipeline {

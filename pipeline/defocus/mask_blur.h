@@ -1,16 +1,12 @@
 #pragma once
 #include "capture/image/image.h"
-#include "pipeline/defocus/bokeh.h"
-#include "pipeline/defocus/defocused.h"
+#include "pipeline/defocus/options.h"
 #include "pipeline/option_field.h"
 
 /// The blur where nothing but a person mask is known (Wadhwa et al. 2018, end of section 5.2).
 namespace dualpixel::pipeline {
 
-struct MaskBlurOptions {
-  double radius_px = 20;             ///< of the background, full-resolution px; the paper gives no value
-  double reference_width_px = 2688;  ///< width for which that is meant; the radius grows in proportion
-};
+struct Defocused;
 
 OptionFields fields(MaskBlurOptions& options);
 

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "capture/names.h"
+#include "pipeline/defocus/defocused.h"
+#include "pipeline/defocus/mask_blur.h"
 #include "pipeline/defocus/render.h"
 
 namespace dualpixel::pipeline {

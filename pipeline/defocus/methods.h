@@ -2,19 +2,20 @@
 #include <span>
 #include <string_view>
 
-#include "pipeline/defocus/bokeh.h"
-#include "pipeline/defocus/defocused.h"
-#include "pipeline/defocus/layers.h"
-#include "pipeline/defocus/mask_blur.h"
+#include "capture/image/image.h"
+#include "pipeline/defocus/blur_radius.h"
+#include "pipeline/defocus/options.h"
 
 /// Every way of blurring what is out of focus, under one signature. The table holds those that the portrait uses, which
 /// run_portrait chooses by mode; evaluation/experiments/defocus_baselines.h has one of baselines. To add a method:
 ///   1. write it in a file of its own;
 ///   2. add one row to the table in methods.cpp, or to that of the baselines; experiments read both;
-///   3. where it has options of its own, add them to DefocusOptions, and their fields to those of
+///   3. where it has options of its own, add them to DefocusOptions in options.h, and their fields to those of
 ///      pipeline/portrait/options.cpp;
 ///   4. describe it in docs/defocus.md.
 namespace dualpixel::pipeline {
+
+struct Defocused;
 
 /// What a method may use, for the time of one call; images are of the picture's size, and those that it does not need
 /// may be empty.
@@ -23,12 +24,6 @@ struct DefocusInput {
   const Image& disparity_dp_px;  ///< smoothed
   const Image& person_mask;      ///< 0..1
   BlurMapping mapping;           ///< from disparity to blur radius
-};
-
-struct DefocusOptions {
-  LayerOptions layers;        ///< layers
-  MaskBlurOptions mask_blur;  ///< mask, and baselines that blur by one radius
-  Bokeh bokeh;
 };
 
 struct DefocusMethod {

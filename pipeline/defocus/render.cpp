@@ -10,6 +10,7 @@
 #include "capture/error.h"
 #include "capture/image/rows.h"
 #include "pipeline/defocus/enlarge.h"
+#include "pipeline/defocus/highlights.h"
 #include "pipeline/defocus/rgba.h"
 #include "pipeline/defocus/scatter.h"
 

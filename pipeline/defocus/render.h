@@ -1,7 +1,7 @@
 #pragma once
-#include "pipeline/defocus/bokeh.h"
 #include "pipeline/defocus/defocused.h"
 #include "pipeline/defocus/layers.h"
+#include "pipeline/defocus/options.h"
 
 /// Synthetic defocus from disparity (Wadhwa et al. 2018, sections 5.2 and 5.3).
 namespace dualpixel::pipeline {

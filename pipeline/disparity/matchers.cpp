@@ -3,6 +3,8 @@
 #include <string>
 
 #include "capture/names.h"
+#include "pipeline/disparity/likelihood/likelihood_match.h"
+#include "pipeline/disparity/tile_disparity.h"
 
 namespace dualpixel::pipeline {
 namespace {

@@ -3,11 +3,10 @@
 #include <span>
 #include <string_view>
 
-#include "pipeline/disparity/likelihood/likelihood_match.h"
+#include "pipeline/disparity/likelihood/options.h"
 #include "pipeline/disparity/noise_model.h"
 #include "pipeline/disparity/paper/match.h"
 #include "pipeline/disparity/paper/normalize.h"
-#include "pipeline/disparity/tile_disparity.h"
 
 /// Every way of finding disparity between the two DP views, as one table. To add a matcher:
 ///   1. write it in its own folder beside paper/ and likelihood/, with an options struct that has fields() and check();
@@ -16,6 +15,8 @@
 ///   4. describe it in docs/disparity.md.
 /// The command line, run_portrait, benchmarks and experiments read the table.
 namespace dualpixel::pipeline {
+
+struct TileDisparity;
 
 /// Options of all matchers; each reads its own.
 struct MatcherOptions {

@@ -6,6 +6,7 @@
 
 #include "capture/image/resample.h"
 #include "capture/image/rows.h"
+#include "pipeline/disparity/tile_disparity.h"
 
 namespace dualpixel::pipeline {
 

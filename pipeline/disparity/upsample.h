@@ -1,10 +1,12 @@
 #pragma once
-#include "pipeline/disparity/paper/match.h"
+#include "capture/image/image.h"
 #include "pipeline/option_field.h"
 
 /// From one disparity a tile to one a pixel. Anderson et al. 2016, "Jump: Virtual Reality Video", section 4, let each
 /// pixel weigh the flows of the tiles around it; this is the simplest form of that.
 namespace dualpixel::pipeline {
+
+struct TileDisparity;
 
 struct PixelDisparity {
   Image disparity_dp_px;

@@ -4,19 +4,12 @@
 #include <vector>
 
 #include "capture/image/image.h"
+#include "pipeline/edge_aware/options.h"
 #include "pipeline/option_field.h"
 
 /// The bilateral grid of Barron and Poole 2016, "The Fast Bilateral Solver", section 2: pixels that are near in x, y,
 /// Y, Cb and Cr share a vertex; vertices one cell apart along one of the five axes are neighbors.
 namespace dualpixel::pipeline {
-
-/// Of 4, 8 and 16 px by 4, 8 and 16 levels, no choice is best for all targets; these lie near the front of time against
-/// error for both that `dualpixel bench edges CAPTURE` charts.
-struct BilateralGridOptions {
-  float cell_px = 8;      ///< side of a cell along x and y, pixels of the guide; at least 1
-  float cell_luma = 8;    ///< along Y, of 255 levels; at least 1. 8, 8, 8 as the authors' public code
-  float cell_chroma = 8;  ///< along Cb and Cr, of 255 levels; at least 1
-};
 
 OptionFields fields(BilateralGridOptions& options);
 

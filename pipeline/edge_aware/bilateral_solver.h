@@ -1,25 +1,11 @@
 #pragma once
 #include "pipeline/edge_aware/bilateral_grid.h"
+#include "pipeline/edge_aware/options.h"
 
 /// Edge-aware smoothing: the fast bilateral solver (Barron and Poole 2016), which minimizes
 ///     lambda/2 sum_ij W_ij (x_i - x_j)^2 + sum_i c_i (x_i - t_i)^2                       (their Eq. 1)
 /// for target t and confidence c, with W the bistochastized affinity of pixels in a bilateral grid.
 namespace dualpixel::pipeline {
-
-struct BilateralSolverOptions {
-  float lambda = 128;   ///< smoothness over data, above 0; the authors' public code. Of 2 to 512 its RMSE is within 1 %
-                        ///< of the least on matches and 6 % on known errors (`dualpixel bench edges CAPTURE`)
-  int iterations = 25;  ///< of preconditioned conjugate gradients, at most (section 3: 25). Stopping early smooths less
-                        ///< where confidence is low: what lies far from it keeps more of the start
-  double least_residual = 1e-6;      ///< stop where the residual falls below this share of the right side
-  int bistochastic_iterations = 10;  ///< the authors' public code
-  /// Rounds of reweighting (Geman and McClure's loss, their supplement's robust solver): each divides a pixel's
-  /// confidence by (1 + (error / robust_scale)^2)^2. 0: quadratic, which 5 % of confident outliers shift by 5 % of
-  /// their error. Each round costs a solve
-  int robust_rounds = 0;
-  float robust_scale = 0.25f;  ///< units of the target, above 0
-  bool variance = false;       ///< also estimate the result's variance; costs a solve more for each channel
-};
 
 OptionFields fields(BilateralSolverOptions& options);
 

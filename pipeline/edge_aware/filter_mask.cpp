@@ -6,6 +6,9 @@
 
 #include "capture/image/resample.h"
 #include "capture/image/rows.h"
+#include "pipeline/edge_aware/bilateral_grid.h"
+#include "pipeline/edge_aware/bilateral_solver.h"
+#include "pipeline/edge_aware/joint_upsample.h"
 
 namespace dualpixel::pipeline {
 

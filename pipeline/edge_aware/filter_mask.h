@@ -1,6 +1,6 @@
 #pragma once
-#include "pipeline/edge_aware/bilateral_solver.h"
-#include "pipeline/edge_aware/joint_upsample.h"
+#include "capture/image/image.h"
+#include "pipeline/edge_aware/options.h"
 #include "pipeline/option_field.h"
 
 /// A coarse person mask made to follow the picture's edges (Wadhwa et al. 2018, section 3.4).

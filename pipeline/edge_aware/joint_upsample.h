@@ -1,14 +1,10 @@
 #pragma once
 #include "capture/image/image.h"
+#include "pipeline/edge_aware/options.h"
 #include "pipeline/option_field.h"
 
 /// Joint bilateral upsampling (Kopf et al. 2007): a small map enlarged so that its edges follow the large picture's.
 namespace dualpixel::pipeline {
-
-struct JointUpsampleOptions {
-  float sigma_px = 0.5f;      ///< of the spatial Gaussian, pixels of the small map (Kopf et al., section 4: 0.5)
-  float sigma_range = 16.0f;  ///< of the range Gaussian, guide levels of 255; ours (Kopf et al. use 0.1 of the range)
-};
 
 OptionFields fields(JointUpsampleOptions& options);
 

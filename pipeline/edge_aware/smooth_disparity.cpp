@@ -3,7 +3,10 @@
 #include "capture/error.h"
 #include "capture/image/median.h"
 #include "capture/image/resample.h"
+#include "pipeline/edge_aware/bilateral_grid.h"
+#include "pipeline/edge_aware/bilateral_solver.h"
 #include "pipeline/edge_aware/guide.h"
+#include "pipeline/edge_aware/joint_upsample.h"
 
 namespace dualpixel::pipeline {
 

@@ -1,7 +1,7 @@
 #pragma once
-#include "pipeline/edge_aware/bilateral_grid.h"
-#include "pipeline/edge_aware/bilateral_solver.h"
-#include "pipeline/edge_aware/joint_upsample.h"
+#include "capture/image/image.h"
+#include "pipeline/edge_aware/options.h"
+#include "pipeline/option_field.h"
 
 /// From noisy, partly unknown disparity to a smooth map whose edges are the picture's (Wadhwa et al. 2018, section
 /// 4.4): reduce to a quarter of the picture's size, bilateral solver, 3 x 3 median, joint bilateral upsampling.

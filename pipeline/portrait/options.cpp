@@ -7,6 +7,9 @@
 
 #include "capture/error.h"
 #include "pipeline/defocus/aperture.h"
+#include "pipeline/defocus/highlights.h"
+#include "pipeline/defocus/layers.h"
+#include "pipeline/defocus/mask_blur.h"
 
 namespace dualpixel::pipeline {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "capture/image/rows.h"
+#include "pipeline/disparity/upsample.h"
 
 namespace dualpixel::pipeline {
 namespace {

@@ -2,11 +2,12 @@
 #include <array>
 
 #include "capture/image/image.h"
-#include "pipeline/disparity/upsample.h"
 #include "pipeline/option_field.h"
 
 /// Disparity and a person mask combined, so that the whole person is in focus (Wadhwa et al. 2018, section 4.3).
 namespace dualpixel::pipeline {
+
+struct PixelDisparity;
 
 struct MergeMaskOptions {
   float interior = 0.94f;  ///< mask value above which a pixel counts as interior (section 4.3)

@@ -7,6 +7,7 @@
 #include "capture/error.h"
 #include "capture/image/display.h"
 #include "pipeline/segmentation/fit.h"
+#include "pipeline/segmentation/network.h"
 
 namespace dualpixel::pipeline {
 namespace {

@@ -4,10 +4,11 @@
 #include "capture/image/image.h"
 #include "pipeline/option_field.h"
 #include "pipeline/segmentation/faces.h"
-#include "pipeline/segmentation/network.h"
 
 /// From a picture to the mask of its people (Wadhwa et al. 2018, section 3.3): every face seeds one run of the network.
 namespace dualpixel::pipeline {
+
+class PersonNetwork;
 
 struct SeedOptions {
   // "at least one third the area of the largest face and larger than 1.3 % the area of the image"

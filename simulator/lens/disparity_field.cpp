@@ -6,6 +6,9 @@
 #include <cmath>
 #include <glm/glm.hpp>
 
+#include "capture/image/bilinear.h"
+#include "simulator/lens/lens_packet.h"
+#include "simulator/lens/lens_sampler.h"
 #include "simulator/sampling/sobol.h"
 
 namespace dualpixel::simulator {
@@ -115,20 +118,14 @@ DisparityField::DisparityField(const LensSampler& lens) {
 
 DisparityCoefficients DisparityField::at(double x_px, double y_px) const {
   if (nodes_.size() == 1) return nodes_.front();
-  const double u = std::clamp((x_px - 0.5) * per_px_x_, 0.0, columns_ - 1.0);
-  const double v = std::clamp((y_px - 0.5) * per_px_y_, 0.0, rows_ - 1.0);
-  const int i = std::max(std::min(static_cast<int>(u), columns_ - 2), 0),
-            j = std::max(std::min(static_cast<int>(v), rows_ - 2), 0);
-  const int right = std::min(i + 1, columns_ - 1), below = std::min(j + 1, rows_ - 1);
-  const double a = u - i, b = v - j;
-  const DisparityCoefficients &n00 = nodes_[j * columns_ + i], &n10 = nodes_[j * columns_ + right],
-                              &n01 = nodes_[below * columns_ + i], &n11 = nodes_[below * columns_ + right];
+  const BilinearTap u = bilinear_tap((x_px - 0.5) * per_px_x_, columns_);
+  const BilinearTap v = bilinear_tap((y_px - 0.5) * per_px_y_, rows_);
   DisparityCoefficients c;
   for (double DisparityCoefficients::*field :
        {&DisparityCoefficients::slope_dp_px_m, &DisparityCoefficients::intercept_dp_px,
         &DisparityCoefficients::blur_slope_px_m, &DisparityCoefficients::blur_intercept_px,
         &DisparityCoefficients::left_light, &DisparityCoefficients::right_light}) {
-    c.*field = (1 - b) * ((1 - a) * (n00.*field) + a * (n10.*field)) + b * ((1 - a) * (n01.*field) + a * (n11.*field));
+    c.*field = bilinear(u, v, [&](int column, int row) { return nodes_[row * columns_ + column].*field; });
   }
   return c;
 }

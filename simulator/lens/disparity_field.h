@@ -1,8 +1,6 @@
 #pragma once
 #include <vector>
 
-#include "simulator/lens/lens_sampler.h"
-
 /// What a calibration of this camera should find: at every point x of the sensor a point at planar depth D has, to
 /// first order exactly,
 ///     centroid disparity = slope_dp_px_m(x) / D + intercept_dp_px(x)    (S_z, I_z of Wadhwa et al. 2018, section 4.2)
@@ -10,6 +8,8 @@
 /// because a ray that reaches x from the pupil point o with slope m sees depth D at o + D m: what it misses the chief
 /// ray by, turned into sensor length, is linear in 1/D. Each view's centroid is the mean over its rays.
 namespace dualpixel::simulator {
+
+class LensSampler;
 
 /// Disparity is in DP pixels of SensorGrid::dp_downsample_x photosites, blur in photosites.
 struct DisparityCoefficients {

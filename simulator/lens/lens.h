@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "simulator/lens/models.h"
+#include "simulator/lens/lens_model.h"
 #include "simulator/lens/split/split_pixel.h"
 
 namespace dualpixel::simulator {

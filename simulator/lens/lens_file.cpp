@@ -7,6 +7,7 @@
 #include "capture/error.h"
 #include "capture/json_fields.h"
 #include "capture/path_beside.h"
+#include "simulator/lens/models.h"
 #include "simulator/lens/split/split_json.h"
 
 namespace dualpixel::simulator {
@@ -31,12 +32,14 @@ Lens read_fields(Fields lens, const std::string& file, double focus_distance_m) 
 
 /// The lens that the field `file` names, with its own fields replaced by the other fields of `json`.
 nlohmann::json merged_over_file(const nlohmann::json& json, const std::string& name, const std::string& path,
-                                const Fields& fields) {
+                                Fields& fields) {
   nlohmann::json merged = read_json_file(path);
   nlohmann::json own = json;
   own.erase("file");
+  std::string model;
+  fields.choice("model", model, names_of(kLensModels));
   if (merged.is_object() && !merged.contains("file") && own.contains("model") &&
-      own["model"] != merged.value("model", nlohmann::json(kLensModels[0].name))) {
+      model != merged.value("model", nlohmann::json(kLensModels[0].name))) {
     fields.fail("model", "differs from that of " + printable(name) + ": leave out what is not that lens's");
   }
   if (merged.is_object() && merged.contains("split") && own.contains("split") && own["split"].is_object() &&

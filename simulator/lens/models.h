@@ -7,9 +7,10 @@
 #include <variant>
 
 #include "capture/names.h"
-#include "simulator/lens/aberrated/aberrated_model.h"
-#include "simulator/lens/prescription/prescription_model.h"
-#include "simulator/lens/thin/thin_model.h"
+#include "simulator/lens/aberrated/aberrated_sampler.h"
+#include "simulator/lens/lens_model.h"
+#include "simulator/lens/prescription/prescription_sampler.h"
+#include "simulator/lens/thin/thin_sampler.h"
 
 /// The lens models. A model turns a sample (a position on a photosite and one in the pupil) into a ray in front of the
 /// lens, and says how much light that ray carries.
@@ -25,16 +26,14 @@
 ///   units    lengths are meters unless the name says _mm or _um; in lens files they are millimeters
 ///
 /// To add a model:
-///   1. Write a struct with the model's parameters and its sampler, in a file (or folder) of its own under
-///      simulator/lens/. They must satisfy LensModelType below; thin/thin_model.h is the shortest example.
-///   2. Add the struct to the variant LensModel, and its header to the includes above.
+///   1. Write a struct with the model's parameters and its sampler, each in a header of its own, in a folder of their
+///      own under simulator/lens/. They must satisfy LensModelType below; thin/ is the shortest example.
+///   2. Add the struct to the variant LensModel in lens_model.h, and the sampler's header to the includes above.
 ///   3. Add its row to kLensModels: the name in lens files, a description, the function that reads it.
 ///   4. Describe its fields in lens_models/README.md and lens_models/lens.schema.json, and test it against closed forms
 ///      (tests/simulator/lens/lens_physics_test.cpp).
 /// Reading, writing, refusals, the renderer, truth, `dualpixel lens` and `dualpixel plan` then know it.
 namespace dualpixel::simulator {
-
-using LensModel = std::variant<ThinModel, Aberrations, PrescriptionModel>;
 
 /// What a model must offer. Its Sampler is made once per lens and sensor, and then draws rays from many threads.
 template <class Model>

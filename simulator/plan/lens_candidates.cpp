@@ -4,6 +4,7 @@
 
 #include "capture/error.h"
 #include "simulator/lens/aberrated/aberrated_twin.h"
+#include "simulator/lens/models.h"
 
 namespace dualpixel::simulator {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "capture/timing.h"
 #include "simulator/lens/disparity_field.h"
+#include "simulator/lens/lens_packet.h"
 #include "simulator/plan/error_statistics.h"
 #include "simulator/render/camera_rays.h"
 #include "simulator/sampling/hash.h"
@@ -109,9 +110,7 @@ void measure_step(const LensSampler& lens, const LensSampler& reference,
 void measure_lens_errors(const Simulation& simulation, const RenderScene& world, std::uint64_t seed,
                          std::vector<LensStep>& steps) {
   const auto lens_of = [&](const LensStep& step) {
-    Simulation s = simulation;
-    s.lens = step.candidate.lens;
-    return prepare_lens(s);
+    return prepare_lens(simulation, step.candidate.lens, sensor_grid(simulation.sensor));
   };
   const CameraView reference{camera_pose(simulation, world.scene), lens_of(steps.back())};
   const std::vector<FieldPoint> points = stratified_points(world, reference, seed);

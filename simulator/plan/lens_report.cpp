@@ -8,6 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/error.h"
+#include "simulator/lens/lens_packet.h"
+#include "simulator/lens/lens_sampler.h"
+#include "simulator/lens/models.h"
+#include "simulator/lens/prescription/prescription.h"
 #include "simulator/sampling/sobol.h"
 
 namespace dualpixel::simulator {

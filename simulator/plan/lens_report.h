@@ -4,8 +4,9 @@
 #include <vector>
 
 #include "simulator/lens/disparity_field.h"
-#include "simulator/lens/lens_sampler.h"
+#include "simulator/lens/lens.h"
 #include "simulator/lens/prescription/lens_analysis.h"
+#include "simulator/sampling/sensor_grid.h"
 
 /// Everything that `dualpixel lens` says about a lens, worked out once for the terminal, for programs and for the page
 /// (evaluation/report/lens_page.h).

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "simulator/sampling/sensor_grid.h"
+#include "simulator/sampling/mosaic.h"
 
 namespace dualpixel::simulator {
 namespace {

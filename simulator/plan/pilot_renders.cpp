@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "capture/timing.h"
+#include "simulator/render/views.h"
 #include "simulator/sampling/hash.h"
 #include "simulator/simulate.h"
 
@@ -38,7 +39,7 @@ std::vector<CameraView> tile_cameras(const Simulation& simulation, const Lens& l
   const std::vector<SensorGrid> grids = tile_grids(sensor_grid(simulation.sensor), seed);
   std::vector<std::optional<CameraView>> ready(grids.size());
   tbb::parallel_for(std::size_t{0}, grids.size(), [&](std::size_t i) {
-    ready[i] = CameraView{pose, LensSampler(lens, grids[i])};
+    ready[i] = CameraView{pose, prepare_lens(simulation, lens, grids[i])};
   });
   std::vector<CameraView> cameras;
   for (std::optional<CameraView>& camera : ready) cameras.push_back(std::move(*camera));

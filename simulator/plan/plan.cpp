@@ -8,6 +8,7 @@
 
 #include "capture/error.h"
 #include "simulator/plan/error_statistics.h"
+#include "simulator/plan/lens_candidates.h"
 #include "simulator/plan/lens_errors.h"
 #include "simulator/plan/pilot_errors.h"
 #include "simulator/sampling/hash.h"

@@ -1,9 +1,18 @@
 #pragma once
-#include "simulator/plan/lens_candidates.h"
+#include <string>
+
+#include "simulator/lens/lens.h"
 
 /// The steps from the cheapest to the most accurate simulation, along each of the three choices of a plan, with the
 /// disparity error that each leaves.
 namespace dualpixel::simulator {
+
+/// A lens that may replace another one.
+struct LensCandidate {
+  std::string name;
+  Lens lens;
+  double work = 1;  ///< of a sample, over a thin lens's; as `dualpixel bench lens` measures it
+};
 
 struct LensStep {
   LensCandidate candidate;

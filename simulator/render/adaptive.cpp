@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "simulator/sampling/hash.h"
-#include "simulator/sampling/sensor_grid.h"
+#include "simulator/sampling/mosaic.h"
 
 namespace dualpixel::simulator {
 namespace {

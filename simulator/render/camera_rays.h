@@ -1,6 +1,7 @@
 #pragma once
 #include <limits>
 
+#include "simulator/lens/lens_packet.h"
 #include "simulator/render/camera_view.h"
 #include "simulator/render/intersector.h"
 

@@ -5,10 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#include "simulator/lens/lens_packet.h"
 #include "simulator/render/camera_rays.h"
 #include "simulator/render/shading/bsdf.h"
 #include "simulator/render/shading/surface.h"
-#include "simulator/sampling/sensor_grid.h"
+#include "simulator/sampling/mosaic.h"
 #include "simulator/sampling/sobol.h"
 
 namespace dualpixel::simulator {

@@ -5,26 +5,16 @@
 
 #include "simulator/render/camera_view.h"
 #include "simulator/render/ray_log.h"
+#include "simulator/render/render_options.h"
 #include "simulator/render/render_scene.h"
 
 /// The light paths of one photosite: every camera sample crosses the pixel and the pupil at one point and is shared
 /// between the left and the right view by the split pixel. Sixteen samples go together as one packet.
 namespace dualpixel::simulator {
 
-/// How samples are spread over pixel, pupil and lights. All but the last are there to be charted against it
-/// (`dualpixel bench render`).
-enum class Sampling {
-  random,   ///< independent numbers
-  padded,   ///< planar nets, one for the pixel, one for the pupil, paired at random
-  joint,    ///< one net of four dimensions
-  mirrored  ///< joint, in pairs that oppose each other in the pupil
-};
-
 struct PathOptions {
-  int max_bounces = 0;  ///< 0: emitted and direct light; n: n further reflections
-  /// Set: instead of the lens the ideal one with its chief rays is looked through, its pupil this much wider; 0 is a
-  /// pinhole.
-  std::optional<double> ideal_aperture_scale;
+  int max_bounces = 0;                         ///< as in RenderOptions
+  std::optional<double> ideal_aperture_scale;  ///< as in RenderOptions
   Sampling sampling = Sampling::mirrored;
   RayLog* log = nullptr;  ///< set: gets every packet that is traced, too; one log serves one thread
 };

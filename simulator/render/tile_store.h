@@ -1,10 +1,9 @@
 #pragma once
 #include <cstdint>
 
-#include "simulator/render/sample_map.h"
-
 namespace dualpixel::simulator {
 
+struct Tile;
 struct Views;
 
 /// What remembers finished tiles, so that a long render can go on where it was stopped: every tile depends on its own

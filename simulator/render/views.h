@@ -1,33 +1,12 @@
 #pragma once
-#include <cstdint>
-#include <functional>
-
 #include "capture/image/image.h"
-#include "capture/option_ranges.h"
 #include "simulator/render/pixel.h"
+#include "simulator/render/render_options.h"
 #include "simulator/render/sample_map.h"
 #include "simulator/render/tile_store.h"
 
 /// The renderer: one render gives both views, and left + right is the undivided pixel.
 namespace dualpixel::simulator {
-
-using ProgressCallback = std::function<void(double fraction)>;
-
-struct RenderOptions {
-  int samples_per_pixel = 16;  ///< 1 .. 65536; powers of two sample best
-  int max_bounces = 0;         ///< as in PathOptions
-  std::uint64_t seed = 1;
-  std::optional<double> ideal_aperture_scale;  ///< as in PathOptions
-  Sampling sampling = Sampling::mirrored;      ///< as in PathOptions
-  TileStore* store = nullptr;                  ///< set: tiles that it knows are not rendered, others are added
-};
-
-inline constexpr OptionRange<RenderOptions> kRenderRanges[] = {
-    {"samples_per_pixel", &RenderOptions::samples_per_pixel, 1, 65536},
-    {"max_bounces", &RenderOptions::max_bounces, 0, 1000},
-};
-
-inline std::optional<OptionProblem> check(const RenderOptions& render) { return check_ranges(render, kRenderRanges); }
 
 /// Both halves of every photosite, full sensor size, linear RGB. left + right is the radiance in nits that the
 /// photosite sees, averaged over its area and the pupil and weighed by the lens's shading and the split's losses; the

@@ -1,8 +1,6 @@
 #pragma once
 #include <glm/glm.hpp>
 
-#include "capture/color_filter_array.h"
-
 /// Photosites on the sensor: the geometry that rendering needs.
 namespace dualpixel::simulator {
 
@@ -20,11 +18,5 @@ struct SensorGrid {
     return (glm::dvec2(x + 0.5, y + 0.5) - principal_point_px) * pixel_pitch_m;
   }
 };
-
-/// The mosaic of every simulated sensor, as its captures name it.
-inline constexpr const ColorFilterArray& kSimulatedCfa = kRggb;
-
-/// Color filter of a photosite: 0 R, 1 G, 2 B.
-constexpr int cfa_color(int x, int y) { return kSimulatedCfa.color(x, y); }
 
 }  // namespace dualpixel::simulator

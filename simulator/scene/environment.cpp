@@ -11,6 +11,7 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/image/image_io.h"
+#include "simulator/scene/scene.h"
 
 namespace dualpixel::simulator {
 namespace {

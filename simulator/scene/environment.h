@@ -3,9 +3,10 @@
 
 #include "capture/names.h"
 #include "capture/option_ranges.h"
-#include "simulator/scene/scene.h"
 
 namespace dualpixel::simulator {
+
+struct Environment;
 
 /// Where light from infinity comes from.
 enum class EnvironmentModel { none, constant, sky, file };

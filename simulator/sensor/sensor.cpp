@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "simulator/sampling/hash.h"
+#include "simulator/sampling/mosaic.h"
+#include "simulator/sampling/random_streams.h"
 
 namespace dualpixel::simulator {
 namespace {
@@ -62,7 +64,7 @@ struct FixedPattern {
 
 FixedPattern fixed_pattern(const SensorOptions& sensor, std::uint64_t photosite) {
   if (sensor.prnu == 0 && sensor.dark_offset_dn == 0) return {};
-  Draws draws(hash(sensor.fixed_pattern_seed, 5, photosite));
+  Draws draws(hash(sensor.fixed_pattern_seed, kFixedPatternStream, photosite));
   const double deviation = std::sqrt(2.0) * sensor.prnu;  // of one half
   const auto gain = [&] { return std::max(0.0, 1 + deviation * draws.normal()); };
   const auto offset = [&] { return sensor.dark_offset_dn * draws.normal(); };
@@ -126,10 +128,15 @@ double gain_dn_per_electron(const SensorOptions& sensor, double iso) {
   return (white - sensor.black_level_dn) / sensor.full_well_e * iso / 100;
 }
 
+double read_noise_dn2(const SensorOptions& sensor, double iso) {
+  const double gain = gain_dn_per_electron(sensor, iso);
+  return gain * gain * sensor.read_noise_e * sensor.read_noise_e +
+         sensor.read_noise_after_gain_dn * sensor.read_noise_after_gain_dn;
+}
+
 Exposure describe_exposure(const SensorOptions& sensor, const ExposureOptions& exposure) {
   const double gain = gain_dn_per_electron(sensor, exposure.iso);
-  const double read = gain * gain * sensor.read_noise_e * sensor.read_noise_e +
-                      sensor.read_noise_after_gain_dn * sensor.read_noise_after_gain_dn;
+  const double read = read_noise_dn2(sensor, exposure.iso);
   Exposure e;
   e.time_s = exposure.time_s;
   e.iso = exposure.iso;

@@ -75,6 +75,9 @@ inline std::optional<OptionProblem> check(const ExposureOptions& exposure) {
 /// Digital numbers per electron: the full well reaches the white level at ISO 100.
 double gain_dn_per_electron(const SensorOptions& sensor, double iso);
 
+/// Variance of one read-out, DN^2, quantisation aside.
+double read_noise_dn2(const SensorOptions& sensor, double iso);
+
 /// Levels and the noise profiles that follow from shot noise, read noise and quantisation (variance 1/12 DN^2). They
 /// hold where the noise ahead of quantisation exceeds half a DN and the mean lies three standard deviations from 0 and
 /// from white; fixed pattern is not part of them.

@@ -3,6 +3,7 @@
 #include "pipeline/calibration/calibration.h"
 #include "pipeline/calibration/correction.h"
 #include "pipeline/calibration/flow.h"
+#include "pipeline/calibration/nodes.h"
 #include "tests/pipeline/texture.h"
 
 /// What calibration costs at 1344 x 504: the flow between a target's views, and correcting a disparity.

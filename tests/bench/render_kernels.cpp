@@ -6,6 +6,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "simulator/lens/lens_file.h"
+#include "simulator/lens/lens_packet.h"
 #include "simulator/lens/lens_sampler.h"
 #include "simulator/render/pixel.h"
 #include "simulator/render/render_scene.h"

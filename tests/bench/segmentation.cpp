@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "pipeline/segmentation/network.h"
 #include "pipeline/segmentation/person_mask.h"
 
 /// What finding people costs, on one core: the network's 256 x 256, and faces at 1x and at 1x and 2x of 640 px.

@@ -162,6 +162,21 @@ TEST(RequireWritable, RefusesWhatReplaceFileWouldAndLeavesNothing) {
   EXPECT_EQ(folder.names(), (std::set<std::string>{"sub", "loop"}));
 }
 
+TEST(FinalPath, IsWhereTheFolderWillBe) {
+  const TemporaryFolder folder;
+  std::string temporary;
+  {
+    const NewFolder out(folder / "out", "marker");
+    temporary = out.path();
+    EXPECT_NE(temporary, folder / "out");
+    EXPECT_EQ(final_path(temporary), folder / "out");
+    const NewFolder inner(temporary + "/inner", "marker");
+    EXPECT_EQ(final_path(inner.path() + "/a.txt"), folder / "out/inner/a.txt");
+    EXPECT_EQ(final_path(folder / "elsewhere"), folder / "elsewhere");
+  }
+  EXPECT_EQ(final_path(temporary), temporary) << "nothing is being written there any more";
+}
+
 TEST(NewFolder, MessagesNameThePathThatWasAskedFor) {
   const TemporaryFolder folder;
   const NewFolder out(folder / "out", "marker");

@@ -1,4 +1,5 @@
 #include "simulator/simulate.h"
+#include "simulator/sampling/mosaic.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +7,6 @@
 #include <numeric>
 
 #include "capture/error.h"
-#include "simulator/sampling/sensor_grid.h"
 #include "tests/simulator/scene/gltf/gltf_builder.h"
 #include "tests/simulator/test_scenes.h"
 #include "tests/temporary_folder.h"

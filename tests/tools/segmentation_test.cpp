@@ -10,6 +10,7 @@
 #include "evaluation/metrics/mask_metrics.h"
 #include "evaluation/metrics/score_people.h"
 #include "pipeline/portrait/result_io.h"
+#include "pipeline/segmentation/network.h"
 #include "pipeline/segmentation/person_mask.h"
 #include "tests/pipeline/segmentation/drawn_face.h"
 #include "tests/pipeline/segmentation/toy_network.h"

@@ -11,6 +11,7 @@
 #include "capture/error.h"
 #include "evaluation/metrics/mask_metrics.h"
 #include "evaluation/metrics/score_people.h"
+#include "pipeline/segmentation/network.h"
 #include "pipeline/segmentation/person_mask.h"
 #include "scenes/people/data_set/read_people_set.h"
 #include "tests/pipeline/segmentation/toy_network.h"

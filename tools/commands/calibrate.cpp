@@ -14,6 +14,7 @@
 #include "pipeline/calibration/calibration.h"
 #include "pipeline/portrait/matchable.h"
 #include "simulator/lens/disparity_field.h"
+#include "simulator/lens/lens_sampler.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {

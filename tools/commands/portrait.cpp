@@ -20,6 +20,7 @@
 #include "pipeline/portrait/result_io.h"
 #include "pipeline/portrait/run_portrait.h"
 #include "pipeline/portrait/subject.h"
+#include "pipeline/segmentation/network.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 #include <opencv2/calib3d.hpp>
+
+#include "pipeline/disparity/upsample.h"
 #endif
 
 namespace dualpixel::evaluation {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "capture/image/rows.h"
+#include "pipeline/disparity/tile_disparity.h"
 
 namespace dualpixel::pipeline {
 namespace {

@@ -1,10 +1,11 @@
 #pragma once
 #include "capture/image/image.h"
-#include "pipeline/disparity/tile_disparity.h"
 #include "pipeline/option_field.h"
 
 /// Disparity of every tile by brute force (Wadhwa et al. 2018, section 4.1).
 namespace dualpixel::pipeline {
+
+struct TileDisparity;
 
 struct MatchOptions {
   int tile_px = 8;   ///< side of the tiles, DP pixels; they do not overlap (section 4.1: 8 x 8)

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "scenes/people/photo/lighting_model.h"
+#include "simulator/lens/lens_packet.h"
 #include "simulator/render/camera_rays.h"
 #include "simulator/sampling/sobol.h"
 

@@ -1,5 +1,6 @@
 #include "simulator/lens/aberrated/aberrated_json.h"
 
+#include "simulator/lens/models.h"
 #include "simulator/lens/split/split_json.h"
 
 namespace dualpixel::simulator {

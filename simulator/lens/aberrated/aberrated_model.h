@@ -70,31 +70,4 @@ inline constexpr Named<Aberrations::Falloff> kFalloffs[] = {
     {"disc", Aberrations::Falloff::disc, "the exact law of a disc, from each ray behind an ideal lens"},
 };
 
-class AberratedSampler {
- public:
-  AberratedSampler(const Aberrations& aberrations, const ThinLens& thin, const SensorGrid& sensor);
-  void sample(const PixelFrame& f, int color, const float s[4][kPacket], LensPacket& rays, PupilPacket& pupil) const;
-  double chief_slope_per_m(double radius_m) const;
-  double lux_per_nit() const { return thin_.lux_per_nit(); }
-  bool has_color() const { return aberrations_.has_color(); }
-
- private:
-  /// What the aberrations come to at one photosite in one color; lengths in meters on the sensor.
-  struct Local {
-    double h;                              ///< field, not limited to 1
-    float per_m, rim;                      ///< 1 / image distance; slope of the pupil's rim
-    float defocus_t, defocus_s;            ///< transverse shifts of the rim's ray, tangentially and sagittally
-    float pupil_t, pupil_s;                ///< growth of the pupil
-    float stretch_radial, stretch_around;  ///< of the ideal picture over the real one, for steps within the photosite
-  };
-  Local local_at(const PixelFrame& f, int color) const;
-  void weigh(const PixelFrame& f, const Local& at, const float p[2][kPacket], const float along[kPacket],
-             const float across[kPacket], float weight[kPacket]) const;
-
-  Aberrations aberrations_;
-  ThinLens thin_;
-  SampledThinLens sampled_;
-  double field_radius_m_;  ///< h = 1
-};
-
 }  // namespace dualpixel::simulator

@@ -1,7 +1,8 @@
+#include "simulator/lens/aberrated/aberrated_sampler.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "simulator/lens/aberrated/aberrated_model.h"
 #include "simulator/sampling/sobol.h"
 
 namespace dualpixel::simulator {

@@ -11,6 +11,8 @@
 
 #include "capture/error.h"
 #include "simulator/lens/disparity_field.h"
+#include "simulator/lens/lens_sampler.h"
+#include "simulator/lens/prescription/prescription.h"
 #include "simulator/lens/prescription/pupil_bounds.h"
 
 namespace dualpixel::simulator {

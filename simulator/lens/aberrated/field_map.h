@@ -1,5 +1,4 @@
 #pragma once
-#include <algorithm>
 #include <vector>
 
 namespace dualpixel::simulator {
@@ -22,20 +21,7 @@ struct FieldMap {
   int columns = 0, rows = 0;
   std::vector<float> cells{};
 
-  double operator()(double x, double y) const {
-    double value = constant + gradient_x * x + gradient_y * y;
-    if (!cells.empty()) {
-      const double u = std::clamp(0.5 * (x + 1) * columns - 0.5, 0.0, columns - 1.0);
-      const double v = std::clamp(0.5 * (y + 1) * rows - 0.5, 0.0, rows - 1.0);
-      const int i = std::min(static_cast<int>(u), std::max(columns - 2, 0));
-      const int j = std::min(static_cast<int>(v), std::max(rows - 2, 0));
-      const int right = std::min(i + 1, columns - 1), below = std::min(j + 1, rows - 1);
-      const double a = u - i, b = v - j;
-      value += (1 - b) * ((1 - a) * cells[j * columns + i] + a * cells[j * columns + right]) +
-               b * ((1 - a) * cells[below * columns + i] + a * cells[below * columns + right]);
-    }
-    return value;
-  }
+  double operator()(double x, double y) const;
 };
 
 }  // namespace dualpixel::simulator

@@ -5,7 +5,7 @@
 
 namespace dualpixel::simulator {
 
-BeamTrace trace_beam(const Beam& beam, double cx, double cy, double radius, double sensor_shift) {
+BeamTrace trace_beam(const Beam& beam, double cx, double cy, double radius) {
   double x0 = cx - 2 * radius, x1 = cx + 2 * radius, y0 = cy - 2 * radius, y1 = cy + 2 * radius;
   BeamTrace bundle;
   std::vector<std::array<double, 2>> points;
@@ -22,24 +22,23 @@ BeamTrace trace_beam(const Beam& beam, double cx, double cy, double radius, doub
       }
       beam.trace(rays);
       bundle.counts.add(rays);
-      move_to_plane(rays, beam.sensor_z() + sensor_shift);
+      move_to_plane(rays, beam.sensor_z());
       for (int i = 0; i < kBeamLanes; ++i) {
         if (rays.end[i] != 0) continue;
         const int cell = first + i;
         const double px = x0 + (cell % side + 0.5) * dx, py = y0 + (cell / side + 0.5) * dy;
         low_x = std::min(low_x, px), high_x = std::max(high_x, px);
         low_y = std::min(low_y, py), high_y = std::max(high_y, py);
-        bundle.whole.add(rays.x[i], rays.y[i]);
-        (rays.stop_x[i] < 0 ? bundle.left : bundle.right).add(rays.x[i], rays.y[i]);
+        bundle.spot.add(rays.x[i], rays.y[i]);
         points.push_back({rays.x[i], rays.y[i]});
       }
     }
-    bundle.area = bundle.whole.light * dx * dy;
-    if (bundle.whole.light == 0) return bundle;
+    bundle.area = bundle.spot.light * dx * dy;
+    if (bundle.spot.light == 0) return bundle;
     x0 = low_x - 1.5 * dx, x1 = high_x + 1.5 * dx, y0 = low_y - 1.5 * dy, y1 = high_y + 1.5 * dy;
   }
   for (const auto& [x, y] : points) {
-    bundle.radius = std::max(bundle.radius, std::hypot(x - bundle.whole.mean_x(), y - bundle.whole.mean_y()));
+    bundle.radius = std::max(bundle.radius, std::hypot(x - bundle.spot.mean_x(), y - bundle.spot.mean_y()));
   }
   return bundle;
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulator/lens/prescription/ray_counts.h"
 #include "simulator/lens/prescription/ray_trace.h"
 
 /// Parallel light through a prescription, in double precision; lens frame, mm.
@@ -10,14 +11,12 @@ namespace dualpixel::simulator {
 inline constexpr int kBeamLanes = 16;
 using BeamRays = RayBatch<double, kBeamLanes>;
 
-/// Parallel light at theta from the axis, tilted along x or y; a ray is named by where it crosses the entrance pupil.
+/// Parallel light at theta from the axis, tilted along y; a ray is named by where it crosses the entrance pupil.
 class Beam {
  public:
-  Beam(const Prescription& lens, double wavelength_nm, double theta, bool along_x)
+  Beam(const Prescription& lens, double wavelength_nm, double theta)
       : clipped_(lens, wavelength_nm), free_(lens, wavelength_nm, false), pupil_z_(paraxial(lens).entrance_pupil_z) {
-    const double tilt = std::sin(theta);
-    l_ = along_x ? tilt : 0;
-    m_ = along_x ? 0 : tilt;
+    m_ = std::sin(theta);
     n_ = std::cos(theta);
     // far enough before the lens that no surface lies in front
     start_z_ = -1;
@@ -30,10 +29,10 @@ class Beam {
 
   void launch(BeamRays& rays, int i, double x, double y) const {
     const double t = (start_z_ - pupil_z_) / n_;
-    rays.x[i] = x + t * l_;
+    rays.x[i] = x;
     rays.y[i] = y + t * m_;
     rays.z[i] = start_z_;
-    rays.l[i] = l_, rays.m[i] = m_, rays.n[i] = n_;
+    rays.l[i] = 0, rays.m[i] = m_, rays.n[i] = n_;
     rays.end[i] = 0;
   }
   void trace(BeamRays& rays) const { clipped_.trace(rays); }
@@ -77,7 +76,7 @@ class Beam {
 
  private:
   TracedLens<double> clipped_, free_;
-  double pupil_z_, start_z_, l_, m_, n_;
+  double pupil_z_, start_z_, m_, n_;
 };
 
 /// Moments of the points where rays meet the sensor, mm.
@@ -95,16 +94,16 @@ struct Spot {
   }
 };
 
-/// What of a beam passes the lens: its picture on the sensor, also by halves of the stop (x < 0 left).
+/// What of a beam passes the lens, and its picture on the sensor.
 struct BeamTrace {
-  Spot whole, left, right;
-  double radius = 0;  ///< of the farthest ray from the whole spot's centroid
+  Spot spot;
+  double radius = 0;  ///< of the farthest ray from the spot's centroid
   double area = 0;    ///< of the beam's cross-section that passes, mm^2
   RayCounts counts;
 };
 
 /// All of the beam that crosses the entrance pupil about (cx, cy), on a grid: first coarse, to see where it passes,
-/// then fine. The sensor is `sensor_shift` behind its design position.
-BeamTrace trace_beam(const Beam& beam, double cx, double cy, double radius, double sensor_shift);
+/// then fine.
+BeamTrace trace_beam(const Beam& beam, double cx, double cy, double radius);
 
 }  // namespace dualpixel::simulator

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "simulator/lens/prescription/beam.h"
+#include "simulator/lens/prescription/prescription.h"
 #include "simulator/lens/prescription/pupil_bounds.h"
 
 namespace dualpixel::simulator {
@@ -25,11 +26,11 @@ std::vector<FieldAnalysis> analyze_fields(const Prescription& lens, double wavel
     RayBatch<double, 1> chief{};
     constexpr int kSteps = 16;
     for (int step = 1; step <= kSteps; ++step) {
-      const Beam beam(lens, wavelength_nm, f.theta_rad * step / kSteps, false);
+      const Beam beam(lens, wavelength_nm, f.theta_rad * step / kSteps);
       f.reached = beam.through_stop(0, 0, radius, guess, chief);
       if (!f.reached) return;
     }
-    const Beam beam(lens, wavelength_nm, f.theta_rad, false);
+    const Beam beam(lens, wavelength_nm, f.theta_rad);
     f.chief_height = chief.y[0];
     const double ideal = p.focal_length * std::tan(f.theta_rad);
     f.distortion = ideal > 0 ? f.chief_height / ideal - 1 : 0;
@@ -41,15 +42,15 @@ std::vector<FieldAnalysis> analyze_fields(const Prescription& lens, double wavel
       f.tangential_focus = -(up.y[0] - down.y[0]) / (up.m[0] / up.n[0] - down.m[0] / down.n[0]);
     }
     if (beam.through_stop(kParabasal, 0, radius, g[2], side)) f.sagittal_focus = -side.x[0] / (side.l[0] / side.n[0]);
-    const BeamTrace bundle = trace_beam(beam, guess[0], guess[1], radius, 0);
+    const BeamTrace bundle = trace_beam(beam, guess[0], guess[1], radius);
     area[k] = bundle.area;
-    f.centroid_height = bundle.whole.mean_y();
-    f.spot_rms = bundle.whole.rms();
+    f.centroid_height = bundle.spot.mean_y();
+    f.spot_rms = bundle.spot.rms();
     f.spot_radius = bundle.radius;
     f.rays = bundle.counts;
   });
-  const Beam axis(lens, wavelength_nm, 0, false);
-  const double axis_area = trace_beam(axis, 0, 0, radius, 0).area;
+  const Beam axis(lens, wavelength_nm, 0);
+  const double axis_area = trace_beam(axis, 0, 0, radius).area;
   double reach = 1e-6;
   for (const FieldAnalysis& f : fields) reach = std::max(reach, f.chief_height);
   const PupilBounds bounds = find_pupil(lens, wavelength_nm, reach);

@@ -1,12 +1,13 @@
 #pragma once
 #include <vector>
 
-#include "simulator/lens/prescription/prescription.h"
-#include "simulator/lens/prescription/ray_trace.h"
+#include "simulator/lens/prescription/ray_counts.h"
 
 /// What an optical designer asks of a lens, from exact rays in double precision: an object at infinity, at the angle
 /// theta from the axis, the lens in the state that it is given in. Lengths in mm, lens frame, the field along +y.
 namespace dualpixel::simulator {
+
+struct Prescription;
 
 struct FieldAnalysis {
   double theta_rad = 0;

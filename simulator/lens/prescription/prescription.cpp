@@ -180,7 +180,8 @@ Prescription focused(Prescription lens, double focus_distance_mm) {
   }
   const double room = lens.surfaces.size() * 1e-6 + (gap + 1 == lens.surfaces.size() ? 1e9 : at_infinity);
   if (!(std::abs(miss_b) < 1e-9 * focus_distance_mm) || !(at_infinity + b > 0) || !(std::abs(b) < 20 * room)) {
-    throw InputError(fmt::format("focus distance: {:.6g} mm: surface {}'s gap cannot do it", focus_distance_mm, gap));
+    throw InputError(fmt::format("focus_distance_m: {:.6g}: must be one that surface {}'s gap can be set for",
+                                 1e-3 * focus_distance_mm, gap));
   }
   lens.focus_shift_mm = b;
   return lens;

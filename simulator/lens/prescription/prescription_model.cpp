@@ -8,6 +8,7 @@
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
+#include "simulator/lens/prescription/prescription.h"
 
 namespace dualpixel::simulator {
 namespace {
@@ -134,6 +135,8 @@ PrescriptionModel PrescriptionModel::read(Fields& lens, const std::string&, doub
   }
   return model;
 }
+
+double PrescriptionModel::radius_of_image_mm() const { return prescription->image_radius_mm; }
 
 void PrescriptionModel::refocus(double focus_distance_m, ThinLens& thin) {
   Prescription p = focused(*prescription, focus_distance_m * 1e3);

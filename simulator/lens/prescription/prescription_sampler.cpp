@@ -1,3 +1,5 @@
+#include "simulator/lens/prescription/prescription_sampler.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +11,6 @@
 #include "capture/error.h"
 #include "capture/lanes.h"
 #include "simulator/lens/prescription/cubic.h"
-#include "simulator/lens/prescription/prescription_model.h"
 #include "simulator/lens/prescription/ray_polynomials.h"
 #include "simulator/lens/prescription/ray_trace.h"
 #include "simulator/sampling/sobol.h"

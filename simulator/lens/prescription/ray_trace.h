@@ -26,17 +26,6 @@ struct RayBatch {
   alignas(64) Real end[N];                ///< RayEnd, in Real so that lanes stay of one width; set to 0 before tracing
 };
 
-struct RayCounts {
-  std::uint64_t through = 0, clipped = 0, missed = 0, reflected = 0;
-  template <class Real, int N>
-  void add(const RayBatch<Real, N>& rays) {
-    for (int i = 0; i < N; ++i) {
-      const int end = static_cast<int>(rays.end[i]);
-      ++(end == 0 ? through : end == 1 ? clipped : end == 2 ? missed : reflected);
-    }
-  }
-};
-
 /// A surface with everything that does not depend on the ray worked out.
 template <class Real>
 struct TraceSurface {

@@ -41,15 +41,15 @@ SplitPixel read_split(Fields fields) {
   SplitPixel split;
   read_named(fields, "model", split.kind, kSplitKinds);
   switch (split.kind) {
-    case SplitPixel::Kind::hard:
+    case SplitKind::hard:
       break;
-    case SplitPixel::Kind::ramp:
+    case SplitKind::ramp:
       fields.number("k", split.k, 1, 1e6);
       break;
-    case SplitPixel::Kind::microlens:
+    case SplitKind::microlens:
       read_microlens(fields, split.microlens);
       break;
-    case SplitPixel::Kind::table:
+    case SplitKind::table:
       read_table(fields, split.table);
       break;
   }
@@ -61,12 +61,12 @@ SplitPixel read_split(Fields fields) {
 nlohmann::ordered_json split_json(const SplitPixel& s) {
   nlohmann::ordered_json j = {{"model", name_of(kSplitKinds, s.kind)}};
   switch (s.kind) {
-    case SplitPixel::Kind::hard:
+    case SplitKind::hard:
       break;
-    case SplitPixel::Kind::ramp:
+    case SplitKind::ramp:
       j["k"] = s.k;
       break;
-    case SplitPixel::Kind::microlens:
+    case SplitKind::microlens:
       j["focal_length_px"] = s.microlens.focal_length;
       j["height_px"] = s.microlens.height;
       j["diode_width_px"] = s.microlens.diode_width;
@@ -74,7 +74,7 @@ nlohmann::ordered_json split_json(const SplitPixel& s) {
       j["shift_px"] = s.microlens.shift;
       j["design_exit_pupil_mm"] = s.microlens.design_exit_pupil_mm;
       break;
-    case SplitPixel::Kind::table:
+    case SplitKind::table:
       j["p"] = s.table.p;
       j["left"] = s.table.left;
       j["right"] = s.table.right;

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "capture/names.h"
+#include "capture/split_kinds.h"
 
 namespace dualpixel::simulator {
 
@@ -20,7 +20,7 @@ namespace dualpixel::simulator {
 ///   table       measured shares over p, linear in between.
 /// Weights never add up to more than 1. Real sensors split softly: phones have alpha = 0.19 ... 0.22, as the default.
 struct SplitPixel {
-  enum class Kind { hard, ramp, microlens, table } kind = Kind::ramp;
+  SplitKind kind = SplitKind::ramp;
   double k = 1.19;
 
   struct Microlens {
@@ -42,15 +42,15 @@ struct SplitPixel {
   Shares shares(double p, double t, double excess_slope = 0) const {
     Shares s{};
     switch (kind) {
-      case Kind::hard:
+      case SplitKind::hard:
         s.right = p >= 0 ? 1 : 0;
         s.left = 1 - s.right;
         break;
-      case Kind::ramp:
+      case SplitKind::ramp:
         s.right = std::clamp(0.5 + 0.5 * p / k, 0.0, 1.0);
         s.left = 1 - s.right;
         break;
-      case Kind::microlens: {
+      case SplitKind::microlens: {
         // u is the abscissa of a point of a disc, so its distribution function is that of the half circle
         const double reach = std::max(microlens.radius * std::abs(1 - microlens.height / microlens.focal_length), 1e-9);
         const double center = microlens.height * (t + excess_slope) - microlens.shift;
@@ -62,7 +62,7 @@ struct SplitPixel {
         s.left = below(0) - below(-microlens.diode_width);
         break;
       }
-      case Kind::table: {
+      case SplitKind::table: {
         const auto upper = std::upper_bound(table.p.begin() + 1, table.p.end() - 1, p);
         const auto i = static_cast<std::size_t>(upper - table.p.begin());
         const double f = std::clamp((p - table.p[i - 1]) / (table.p[i] - table.p[i - 1]), 0.0, 1.0);
@@ -77,8 +77,8 @@ struct SplitPixel {
   /// Centroid disparity over signed blur diameter behind a full circular pupil whose rim has the slope `rim_slope`
   /// (1 / (2 N) at infinity): half the distance of the two centroids in p.
   double alpha(double rim_slope = 0) const {
-    if (kind == Kind::hard) return (1 - 2 * crosstalk) * 4 / (3 * M_PI);
-    if (kind == Kind::ramp) return (1 - 2 * crosstalk) / (4 * k);
+    if (kind == SplitKind::hard) return (1 - 2 * crosstalk) * 4 / (3 * M_PI);
+    if (kind == SplitKind::ramp) return (1 - 2 * crosstalk) / (4 * k);
     double left = 0, right = 0, left_p = 0, right_p = 0;
     constexpr int kSteps = 4096;
     for (int i = 0; i < kSteps; ++i) {
@@ -90,13 +90,6 @@ struct SplitPixel {
     }
     return left > 0 && right > 0 ? 0.5 * (right_p / right - left_p / left) : 0;
   }
-};
-
-inline constexpr Named<SplitPixel::Kind> kSplitKinds[] = {
-    {"hard", SplitPixel::Kind::hard, "each half takes its half of the pupil"},
-    {"ramp", SplitPixel::Kind::ramp, "the share changes linearly over the pupil"},
-    {"microlens", SplitPixel::Kind::microlens, "a microlens of finite size and height over two photodiodes"},
-    {"table", SplitPixel::Kind::table, "measured shares over the pupil"},
 };
 
 }  // namespace dualpixel::simulator

@@ -11,16 +11,16 @@ constexpr int kTableSteps = 1024;
 /// How much steeper an ideal lens's chief ray is than the one the microlens was shifted for.
 float excess_slope(const SplitPixel& split, float x_m, float chief_slope) {
   const double design_m = split.microlens.design_exit_pupil_mm * 1e-3;
-  if (split.kind != SplitPixel::Kind::microlens || design_m == 0) return 0;
+  if (split.kind != SplitKind::microlens || design_m == 0) return 0;
   return static_cast<float>(chief_slope - x_m / design_m);
 }
 
 }  // namespace
 
 SplitSampler::SplitSampler(const SplitPixel& split, double rim_slope) : split_(split), rim_slope_(rim_slope) {
-  if (split.kind != SplitPixel::Kind::microlens && split.kind != SplitPixel::Kind::table) return;
+  if (split.kind != SplitKind::microlens && split.kind != SplitKind::table) return;
   double reach = 1;
-  if (split.kind == SplitPixel::Kind::microlens) {
+  if (split.kind == SplitKind::microlens) {
     const SplitPixel::Microlens& m = split.microlens;
     const double spot = m.radius * std::abs(1 - m.height / m.focal_length);
     reach = (m.diode_width + spot + std::abs(m.shift)) / std::max(m.height, 1e-3) + 1e-3;
@@ -36,7 +36,7 @@ SplitSampler::SplitSampler(const SplitPixel& split, double rim_slope) : split_(s
 }
 
 void SplitSampler::weigh_by_table(const PixelFrame& f, const PupilPacket& pupil, LensPacket& out) const {
-  const bool microlens = split_.kind == SplitPixel::Kind::microlens;
+  const bool microlens = split_.kind == SplitKind::microlens;
   const float offset = pupil.split_offset;
   const float excess = excess_slope(split_, f.x_m, pupil.chief_slope);
   const auto rim = static_cast<float>(rim_slope_);
@@ -54,14 +54,14 @@ void SplitSampler::weigh(const PixelFrame& f, const PupilPacket& pupil, LensPack
   const auto crosstalk = static_cast<float>(split_.crosstalk);
   const float offset = pupil.split_offset;
   switch (split_.kind) {
-    case SplitPixel::Kind::hard:
+    case SplitKind::hard:
       for (int i = 0; i < kPacket; ++i) {
         const float right = pupil.p[i] >= offset ? 1 - crosstalk : crosstalk;
         out.right[i] = right;
         out.left[i] = 1 - right;
       }
       break;
-    case SplitPixel::Kind::ramp: {
+    case SplitKind::ramp: {
       const auto slope = static_cast<float>(0.5 / split_.k);
       for (int i = 0; i < kPacket; ++i) {
         const float s = std::clamp(0.5f + slope * (pupil.p[i] - offset), 0.0f, 1.0f);
@@ -70,8 +70,8 @@ void SplitSampler::weigh(const PixelFrame& f, const PupilPacket& pupil, LensPack
       }
       break;
     }
-    case SplitPixel::Kind::microlens:
-    case SplitPixel::Kind::table:
+    case SplitKind::microlens:
+    case SplitKind::table:
       weigh_by_table(f, pupil, out);
       break;
   }

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "pipeline/segmentation/network.h"
 #include "pipeline/segmentation/person_mask.h"
 #include "scenes/people/environment/lighting.h"
 #include "scenes/people/photo/camera.h"

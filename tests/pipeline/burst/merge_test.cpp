@@ -1,4 +1,5 @@
 #include "pipeline/burst/merge.h"
+#include "pipeline/burst/align.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

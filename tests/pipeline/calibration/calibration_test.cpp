@@ -1,4 +1,6 @@
 #include "pipeline/calibration/calibration.h"
+#include "pipeline/calibration/flow.h"
+#include "pipeline/calibration/nodes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
 #include "pipeline/defocus/highlights.h"
+#include "pipeline/defocus/defocused.h"
 
 #include <gtest/gtest.h>
 

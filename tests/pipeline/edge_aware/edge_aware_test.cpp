@@ -10,6 +10,7 @@
 #include "capture/error.h"
 #include "capture/image/median.h"
 #include "capture/image/resample.h"
+#include "pipeline/edge_aware/bilateral_grid.h"
 #include "pipeline/edge_aware/bilateral_solver.h"
 #include "pipeline/edge_aware/filter_mask.h"
 #include "pipeline/edge_aware/guide.h"

@@ -10,6 +10,7 @@
 
 #include "capture/error.h"
 #include "capture/image/image_io.h"
+#include "pipeline/segmentation/network.h"
 #include "pipeline/segmentation/person_mask.h"
 #include "tests/pipeline/segmentation/drawn_face.h"
 #include "tests/pipeline/segmentation/toy_network.h"

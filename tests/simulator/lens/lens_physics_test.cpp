@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "simulator/lens/disparity_field.h"
+#include "simulator/lens/lens_packet.h"
 #include "simulator/lens/lens_sampler.h"
 #include "simulator/sampling/sobol.h"
 
@@ -16,7 +17,7 @@ constexpr int kSamples = 65536;
 constexpr double kPitch = 1.4e-6;
 constexpr double kFocus = 1.0;
 
-Lens base_lens(SplitPixel::Kind split = SplitPixel::Kind::hard) {
+Lens base_lens(SplitKind split = SplitKind::hard) {
   Lens lens;
   lens.model = Aberrations{};
   lens.thin = {4.442e-3, 1.8, kFocus};
@@ -49,7 +50,7 @@ constexpr double kAlphaError = 3 * 0.264 / 181;
 
 // Disparity is counted in DP pixels: a sensor whose are one photosite wide sees twice as many, blur stays.
 TEST(DisparityField, CountsInTheSensorsOwnDpPixels) {
-  Lens lens = base_lens(SplitPixel::Kind::ramp);
+  Lens lens = base_lens(SplitKind::ramp);
   for (const LensModel& model : {LensModel(ThinModel{}), LensModel(Aberrations{})}) {
     lens.model = model;
     SensorGrid sensor = photosite_at(lens, 0.4, -0.3);
@@ -63,7 +64,7 @@ TEST(DisparityField, CountsInTheSensorsOwnDpPixels) {
 }
 
 TEST(Knobs, AllZeroIsTheThinLens) {
-  Lens aberrated = base_lens(SplitPixel::Kind::ramp);
+  Lens aberrated = base_lens(SplitKind::ramp);
   Lens thin = aberrated;
   thin.model = ThinModel{};
   const SensorGrid sensor = photosite_at(aberrated, 0.4, -0.3);
@@ -248,7 +249,7 @@ TEST(ThinLensFocusing, ByPowerDoesNotBreathe) {
 
 TEST(SplitKinds, AlphaOfEachKind) {
   SplitPixel split;
-  split.kind = SplitPixel::Kind::hard;
+  split.kind = SplitKind::hard;
   for (double leak : {0.0, 0.1, 0.25}) {
     split.crosstalk = leak;
     EXPECT_NEAR(split.alpha(), (1 - 2 * leak) * 4 / (3 * M_PI), 1e-12);
@@ -269,7 +270,7 @@ TEST(SplitKinds, AlphaOfEachKind) {
 TEST(SplitKinds, Microlens) {
   const double expected[4][2] = {{1.4, .283}, {2, .233}, {2.8, .180}, {4, .133}};
   for (const auto& [f_number, value] : expected) {
-    Lens lens = base_lens(SplitPixel::Kind::microlens);
+    Lens lens = base_lens(SplitKind::microlens);
     lens.thin = {50e-3, f_number, std::numeric_limits<double>::infinity()};
     EXPECT_NEAR(lens.split.alpha(lens.thin.rim_slope()), value, 6e-4) << f_number;
     EXPECT_NEAR(alpha(lens, at(lens, 0, 0)), lens.split.alpha(lens.thin.rim_slope()), kAlphaError) << f_number;
@@ -278,7 +279,7 @@ TEST(SplitKinds, Microlens) {
 
 // h = f and a wide diode: every ray lands at h t, so the microlens is a hard split, offset by shift / (h tan theta).
 TEST(SplitKinds, MicrolensInFocusIsTheHardSplit) {
-  Lens lens = base_lens(SplitPixel::Kind::microlens);
+  Lens lens = base_lens(SplitKind::microlens);
   lens.split.microlens = {1.0, 1.0, 5.0, 0.5, 0, 0};
   EXPECT_NEAR(alpha(lens, at(lens, 0, 0)), 4 / (3 * M_PI), kAlphaError + 2e-3);  // a table's step has a width
   const double e = 0.2;
@@ -289,7 +290,7 @@ TEST(SplitKinds, MicrolensInFocusIsTheHardSplit) {
 
 // A microlens shifted for another exit pupil looks past the real one by the difference of the two chief rays.
 TEST(SplitKinds, MicrolensMadeForAnotherPupil) {
-  Lens lens = base_lens(SplitPixel::Kind::microlens);
+  Lens lens = base_lens(SplitKind::microlens);
   const double x = field_radius_m(image_radius_mm(lens), lens.thin), d = lens.thin.image_distance_m();
   lens.split.microlens.design_exit_pupil_mm = 2 * d * 1e3;
   Lens shifted = lens;
@@ -304,7 +305,7 @@ TEST(SplitKinds, MicrolensMadeForAnotherPupil) {
 
 TEST(SplitKinds, MeasuredTableIsLinearBetweenItsRows) {
   SplitPixel split;
-  split.kind = SplitPixel::Kind::table;
+  split.kind = SplitKind::table;
   split.table = {{-1, 0, 1}, {0.8, 0.4, 0.1}, {0.1, 0.4, 0.7}};
   EXPECT_NEAR(split.shares(-0.5, 0).left, 0.6, 1e-12);
   EXPECT_NEAR(split.shares(0.25, 0).right, 0.475, 1e-12);

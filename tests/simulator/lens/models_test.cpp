@@ -10,6 +10,7 @@
 #include "simulator/plan/lens_candidates.h"
 #include "simulator/plan/lens_report.h"
 #include "tests/simulator/test_scenes.h"
+#include "tests/temporary_folder.h"
 
 namespace dualpixel::simulator::testing {
 namespace {
@@ -45,10 +46,23 @@ TEST(LensModels, AnUnknownModelIsRefusedWithTheTable) {
   }
 }
 
+TEST(LensModels, AnUnknownModelOverALensFileIsRefusedWithTheTable) {
+  const std::string file = DUALPIXEL_SOURCE_DIR "/lens_models/phone_thin_4.4mm_f1.8.json";
+  EXPECT_EQ(message_of<InputError>([&] {
+              read_lens({{"file", file}, {"model", "thinn"}}, "a.json", "/lens", 1);
+            }),
+            "a.json: /lens/model: \"thinn\": must be one of 'thin', 'aberrated', 'prescription'; did you mean 'thin'?");
+  const std::string other = message_of<InputError>([&] {
+    read_lens({{"file", file}, {"model", "aberrated"}}, "a.json", "/lens", 1);
+  });
+  EXPECT_TRUE(other.starts_with("a.json: /lens/model: differs from that of " + file)) << other;
+}
+
 TEST(LensModels, AFocusOutOfReachIsRefused) {
   for (const LensModelRow& row : kLensModels) {
     const Lens lens = shipped_lens(row.name);
-    EXPECT_THROW(refocused(lens, 0.5 * lens.thin.focal_length_m), InputError) << row.name;
+    const std::string refusal = message_of<InputError>([&] { refocused(lens, 0.5 * lens.thin.focal_length_m); });
+    EXPECT_TRUE(refusal.starts_with("focus_distance_m: ")) << row.name << ": " << refusal;
   }
 }
 

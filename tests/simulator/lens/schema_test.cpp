@@ -13,6 +13,7 @@
 
 #include "capture/json_fields.h"
 #include "simulator/lens/lens.h"
+#include "simulator/lens/models.h"
 
 namespace dualpixel::simulator::testing {
 namespace {

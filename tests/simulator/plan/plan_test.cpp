@@ -1,3 +1,4 @@
+#include "simulator/lens/prescription/prescription.h"
 #include "simulator/plan/plan_text.h"
 
 #include <fmt/format.h>

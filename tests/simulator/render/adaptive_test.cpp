@@ -1,5 +1,6 @@
 // How many samples a picture needs, and how the views share its noise.
 #include "simulator/render/adaptive.h"
+#include "simulator/sampling/mosaic.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -7,7 +8,6 @@
 #include <bit>
 #include <cmath>
 
-#include "simulator/sampling/sensor_grid.h"
 #include "tests/simulator/test_scenes.h"
 
 namespace dualpixel::simulator::testing {

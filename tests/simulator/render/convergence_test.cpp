@@ -41,7 +41,7 @@ Scene soft_waves(const CameraView& camera) {
 // 2048 points, an unlucky one for this picture (unpaired, that net stands at 2048 samples); other direction numbers are
 // unlucky elsewhere.
 TEST(SlowConvergence, ABlurredSmoothTextureErrsByOneOverTheSamplesOrLess) {
-  for (const SplitPixel& split : {SplitPixel{SplitPixel::Kind::hard, 1}, SplitPixel{SplitPixel::Kind::ramp, 1.19}}) {
+  for (const SplitPixel& split : {SplitPixel{SplitKind::hard, 1}, SplitPixel{SplitKind::ramp, 1.19}}) {
     const CameraView camera = phone_camera(0.2, kSide, kSide, split);
     const Scene scene = soft_waves(camera);
     const RenderScene world(scene);

@@ -47,8 +47,8 @@ TEST_P(Splits, CentroidDisparityIsAlphaTimesBlur) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Splits,
-                         ::testing::Values(SplitPixel{SplitPixel::Kind::hard, 1}, SplitPixel{SplitPixel::Kind::ramp, 1},
-                                           SplitPixel{SplitPixel::Kind::ramp, 1.19}));
+                         ::testing::Values(SplitPixel{SplitKind::hard, 1}, SplitPixel{SplitKind::ramp, 1},
+                                           SplitPixel{SplitKind::ramp, 1.19}));
 
 // A disc of diameter b has variance b^2/16 along each axis; the square adds s^2/12, the pixel's box 1/12.
 TEST(ThinLensBlur, DiameterFollowsFromTheSecondMoment) {
@@ -93,10 +93,10 @@ TEST(ViewSign, PictureIsUpright) {
 // The same samples under another split differ only in how each is shared: left + right never changes. A ramp with a
 // huge k halves every sample exactly, which is the undivided pixel. Tolerance: one rounding per sum of 64 terms.
 TEST(SplitPixel, LeftPlusRightIsTheUndividedPixel) {
-  const SplitPixel halving{SplitPixel::Kind::ramp, 1e6};
+  const SplitPixel halving{SplitKind::ramp, 1e6};
   const Image whole = undivided(render_square(phone_camera(0.2, kSize, kSize, halving), 13, 64));
-  for (const SplitPixel& split : {SplitPixel{SplitPixel::Kind::hard, 1}, SplitPixel{SplitPixel::Kind::ramp, 1},
-                                  SplitPixel{SplitPixel::Kind::ramp, 1.19}, SplitPixel{SplitPixel::Kind::ramp, 5}}) {
+  for (const SplitPixel& split : {SplitPixel{SplitKind::hard, 1}, SplitPixel{SplitKind::ramp, 1},
+                                  SplitPixel{SplitKind::ramp, 1.19}, SplitPixel{SplitKind::ramp, 5}}) {
     const Image sum = undivided(render_square(phone_camera(0.2, kSize, kSize, split), 13, 64));
     for (std::size_t i = 0; i < sum.data.size(); ++i) {
       ASSERT_NEAR(sum.data[i], whole.data[i], 64 * 0x1p-23 * 100);

@@ -1,4 +1,5 @@
 #include "simulator/render/motion.h"
+#include "simulator/lens/prescription/prescription.h"
 
 #include <gtest/gtest.h>
 

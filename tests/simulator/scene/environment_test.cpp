@@ -1,4 +1,5 @@
 #include "simulator/scene/environment.h"
+#include "simulator/scene/scene.h"
 
 #include <OpenImageIO/imageio.h>
 

@@ -1,4 +1,5 @@
 #include "simulator/sensor/sensor.h"
+#include "simulator/sampling/mosaic.h"
 
 #include <gtest/gtest.h>
 

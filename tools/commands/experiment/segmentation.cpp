@@ -7,6 +7,7 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "evaluation/experiments/mask_experiment.h"
+#include "pipeline/segmentation/network.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {

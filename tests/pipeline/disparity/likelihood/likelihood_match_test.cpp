@@ -1,5 +1,6 @@
 #include "pipeline/disparity/likelihood/likelihood_match.h"
 #include "capture/error.h"
+#include "pipeline/disparity/tile_disparity.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

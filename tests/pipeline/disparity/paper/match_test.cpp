@@ -6,6 +6,7 @@
 
 #include "pipeline/disparity/paper/match.h"
 #include "pipeline/disparity/paper/normalize.h"
+#include "pipeline/disparity/tile_disparity.h"
 #include "pipeline/disparity/upsample.h"
 #include "pipeline/segmentation/merge_mask.h"
 #include "tests/pipeline/texture.h"

@@ -17,12 +17,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <tuple>
+#include <vector>
 
 #include "simulator/lens/prescription/beam.h"
 #include "simulator/lens/prescription/lens_analysis.h"
+#include "simulator/lens/prescription/prescription.h"
 #include "simulator/lens/prescription/pupil_bounds.h"
 #include "tests/simulator/lens/prescription/reference.h"
 
@@ -36,13 +39,48 @@ constexpr double kWavelength = 587.5618;
 
 /// The two halves of the stop, each a picture of the same point: the hard split.
 struct HalfPupils {
-  double disparity = 0;      ///< centroid of the right (x > 0) half's spot minus the left one's, mm
+  double disparity = 0;      ///< centroid of the right half's spot minus the left one's along the split, mm
   double left_fraction = 0;  ///< of the light
   double spot_rms = 0;       ///< of both together, about their centroid
   double spot_radius = 0;    ///< of its farthest ray
 };
 
-/// The field lies along the split (x) or across it; the sensor is `sensor_shift_mm` behind its design position.
+/// The rays of a beam that pass, on a grid about where the chief ray crosses the pupil: first coarse, to see where it
+/// passes, then fine.
+struct PassingRay {
+  double x, y;            ///< on the sensor, mm
+  double stop_x, stop_y;  ///< in stop radii
+};
+std::vector<PassingRay> passing_rays(const Beam& beam, const double chief[2], double radius, double sensor_shift_mm) {
+  double x0 = chief[0] - 2 * radius, x1 = chief[0] + 2 * radius, y0 = chief[1] - 2 * radius, y1 = chief[1] + 2 * radius;
+  std::vector<PassingRay> passing;
+  for (int side : {64, 256}) {
+    const double dx = (x1 - x0) / side, dy = (y1 - y0) / side;
+    const double left = x0 + 0.5 * dx, top = y0 + 0.5 * dy;
+    double low_x = x1, high_x = x0, low_y = y1, high_y = y0;
+    passing.clear();
+    BeamRays rays;
+    for (int first = 0; first < side * side; first += kBeamLanes) {
+      for (int i = 0; i < kBeamLanes; ++i) {
+        beam.launch(rays, i, left + (first + i) % side * dx, top + (first + i) / side * dy);
+      }
+      beam.trace(rays);
+      move_to_plane(rays, beam.sensor_z() + sensor_shift_mm);
+      for (int i = 0; i < kBeamLanes; ++i) {
+        if (rays.end[i] != 0) continue;
+        const double px = left + (first + i) % side * dx, py = top + (first + i) / side * dy;
+        low_x = std::min(low_x, px), high_x = std::max(high_x, px);
+        low_y = std::min(low_y, py), high_y = std::max(high_y, py);
+        passing.push_back({rays.x[i], rays.y[i], rays.stop_x[i], rays.stop_y[i]});
+      }
+    }
+    x0 = low_x - 1.5 * dx, x1 = high_x + 1.5 * dx, y0 = low_y - 1.5 * dy, y1 = high_y + 1.5 * dy;
+  }
+  return passing;
+}
+
+/// The field, which lies along y, is along the split or across it; the sensor is `sensor_shift_mm` behind its design
+/// position.
 HalfPupils analyze_halves(const Prescription& lens, double wavelength_nm, double theta_rad, bool along_split,
                           double sensor_shift_mm) {
   const double radius = 0.5 * paraxial(lens).entrance_pupil_diameter;
@@ -50,14 +88,24 @@ HalfPupils analyze_halves(const Prescription& lens, double wavelength_nm, double
   RayBatch<double, 1> chief{};
   constexpr int kSteps = 16;
   for (int step = 1; step <= kSteps; ++step) {
-    if (!Beam(lens, wavelength_nm, theta_rad * step / kSteps, along_split).through_stop(0, 0, radius, guess, chief))
-      return {};
+    if (!Beam(lens, wavelength_nm, theta_rad * step / kSteps).through_stop(0, 0, radius, guess, chief)) return {};
   }
-  const BeamTrace bundle =
-      trace_beam(Beam(lens, wavelength_nm, theta_rad, along_split), guess[0], guess[1], radius, sensor_shift_mm);
-  if (bundle.left.light == 0 || bundle.right.light == 0) return {};
-  return {bundle.right.mean_x() - bundle.left.mean_x(), bundle.left.light / bundle.whole.light, bundle.whole.rms(),
-          bundle.radius};
+  const std::vector<PassingRay> rays =
+      passing_rays(Beam(lens, wavelength_nm, theta_rad), guess, radius, sensor_shift_mm);
+  Spot whole, left, right;
+  for (const PassingRay& ray : rays) {
+    whole.add(ray.x, ray.y);
+    ((along_split ? ray.stop_y : ray.stop_x) < 0 ? left : right).add(ray.x, ray.y);
+  }
+  if (left.light == 0 || right.light == 0) return {};
+  HalfPupils halves;
+  halves.disparity = along_split ? right.mean_y() - left.mean_y() : right.mean_x() - left.mean_x();
+  halves.left_fraction = left.light / whole.light;
+  halves.spot_rms = whole.rms();
+  for (const PassingRay& ray : rays) {
+    halves.spot_radius = std::max(halves.spot_radius, std::hypot(ray.x - whole.mean_x(), ray.y - whole.mean_y()));
+  }
+  return halves;
 }
 
 /// Part of the rays from the middle of the sensor, aimed evenly at the last surface's disc, that reach the scene.

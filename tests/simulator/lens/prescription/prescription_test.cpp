@@ -17,7 +17,10 @@
 #include "simulator/lens/aberrated/aberrated_twin.h"
 #include "simulator/lens/disparity_field.h"
 #include "simulator/lens/lens_file.h"
+#include "simulator/lens/lens_packet.h"
+#include "simulator/lens/prescription/prescription.h"
 #include "simulator/lens/prescription/pupil_bounds.h"
+#include "simulator/lens/prescription/ray_counts.h"
 #include "simulator/lens/prescription/ray_trace.h"
 #include "simulator/sampling/sobol.h"
 #include "tests/simulator/test_scenes.h"
@@ -122,7 +125,7 @@ TEST(SlowRayPolynomials, KeepTheDisparityOfTheExactTrace) {
 // Disparity by rendering a glowing square through the lens must be what the disparity field says.
 TEST(SlowTracedLens, RenderedDisparityIsTheFields) {
   Lens lens = read_monochrome("phone_6p_4.2mm_f1.8", 0.5);
-  lens.split.kind = SplitPixel::Kind::hard;
+  lens.split.kind = SplitKind::hard;
   const double depth = 1.2, pitch = 1.4e-6;
   for (const glm::dvec2 field_mm : {glm::dvec2(0), glm::dvec2(1.5, 0), glm::dvec2(-1.2, 1.4)}) {
     constexpr int kSize = 64;
@@ -195,7 +198,7 @@ TEST(SlowAberratedTwin, FollowsTheTracedPhoneLens) {
 TEST(SlowAberratedTwin, OfALensBehindTiltedMicrolenses) {
   const Lens lens = read_lens_file(shipped("full_frame_50mm_f4_dual_pixel"), 1.0);
   const Lens twin = aberrated_twin(lens);
-  EXPECT_EQ(twin.split.kind, SplitPixel::Kind::microlens);
+  EXPECT_EQ(twin.split.kind, SplitKind::microlens);
   const SensorGrid sensor = full_sensor(lens, 1344);
   const LensSampler traced(lens, sensor), fitted(twin, sensor);
   double sum = 0, most = 0;
@@ -470,7 +473,7 @@ TEST(LensFiles, FieldsBesideAFileTakeThePlaceOfItsOwn) {
   const std::string scene = DUALPIXEL_SOURCE_DIR "/scenes/any.json", file = "../lens_models/full_frame_50mm_f1.8.json";
   const Lens lens = read_lens({{"file", file}, {"f_number", 4}, {"split", {{"model", "hard"}}}}, scene, "/lens", 2);
   EXPECT_NEAR(lens.thin.f_number, 4, 1e-9);
-  EXPECT_EQ(lens.split.kind, SplitPixel::Kind::hard);
+  EXPECT_EQ(lens.split.kind, SplitKind::hard);
   try {
     read_lens({{"file", file}, {"model", "thin"}}, scene, "/lens", 2);
     ADD_FAILURE() << "another model was accepted";
@@ -485,7 +488,7 @@ TEST(LensFiles, AFileMayNameAnotherButNotItself) {
   const std::string file = "../lens_models/full_frame_50mm_f4_dual_pixel.json";
   const Lens lens = read_lens({{"file", file}, {"f_number", 8}}, scene, "/lens", 2);
   EXPECT_NEAR(lens.thin.f_number, 8, 1e-9);
-  EXPECT_EQ(lens.split.kind, SplitPixel::Kind::microlens);
+  EXPECT_EQ(lens.split.kind, SplitKind::microlens);
   EXPECT_EQ(prescription_of(lens)->surfaces.size(),
             prescription_of(read_lens_file(shipped("full_frame_50mm_f1.8"), 2))->surfaces.size());
   const TemporaryFolder folder;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "simulator/lens/prescription/prescription.h"
 #include "simulator/lens/prescription/ray_trace.h"
 #include "tests/simulator/lens/prescription/reference.h"
 

@@ -1,0 +1,41 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "capture/option_ranges.h"
+
+namespace dualpixel::simulator {
+
+class TileStore;
+
+using ProgressCallback = std::function<void(double fraction)>;
+
+/// How samples are spread over pixel, pupil and lights. All but the last are there to be charted against it
+/// (`dualpixel bench render`).
+enum class Sampling {
+  random,   ///< independent numbers
+  padded,   ///< planar nets, one for the pixel, one for the pupil, paired at random
+  joint,    ///< one net of four dimensions
+  mirrored  ///< joint, in pairs that oppose each other in the pupil
+};
+
+struct RenderOptions {
+  int samples_per_pixel = 16;  ///< 1 .. 65536; powers of two sample best
+  int max_bounces = 0;         ///< 0: emitted and direct light; n: n further reflections
+  std::uint64_t seed = 1;
+  /// Set: instead of the lens the ideal one with its chief rays is looked through, its pupil this much wider; 0 is a
+  /// pinhole.
+  std::optional<double> ideal_aperture_scale;
+  Sampling sampling = Sampling::mirrored;
+  TileStore* store = nullptr;  ///< set: tiles that it knows are not rendered, others are added
+};
+
+inline constexpr OptionRange<RenderOptions> kRenderRanges[] = {
+    {"samples_per_pixel", &RenderOptions::samples_per_pixel, 1, 65536},
+    {"max_bounces", &RenderOptions::max_bounces, 0, 1000},
+};
+
+inline std::optional<OptionProblem> check(const RenderOptions& render) { return check_ranges(render, kRenderRanges); }
+
+}  // namespace dualpixel::simulator

@@ -1,0 +1,152 @@
+// DNG files against the numbers of the specifications, read here byte by byte: TIFF 6.0 (1992), DNG 1.4 (2012).
+#include "capture/dng.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <vector>
+
+#include "capture/error.h"
+#include "capture/files.h"
+#include "tests/temporary_folder.h"
+
+namespace dualpixel {
+namespace {
+
+enum Tag {
+  kWidth = 256,
+  kHeight = 257,
+  kBits = 258,
+  kCompression = 259,
+  kPhotometric = 262,
+  kStripOffsets = 273,
+  kStripBytes = 279,
+  kExposureTime = 33434,
+  kCfaPattern = 33422,
+  kBlackLevel = 50714,
+  kWhiteLevel = 50717,
+  kDefaultScale = 50718,
+  kColorMatrix1 = 50721,
+  kAsShotNeutral = 50728,
+  kNoiseProfile = 51041
+};
+
+/// The fields of a little-endian TIFF file's only directory, as numbers.
+struct Directory {
+  explicit Directory(const std::string& path) : bytes(read_file(path)) {
+    EXPECT_EQ(bytes.substr(0, 4), std::string("II*\0", 4));
+    const auto start = at<std::uint32_t>(4);
+    const auto count = at<std::uint16_t>(start);
+    for (int i = 0; i < count; ++i) read_field(start + 2 + 12 * i);
+    EXPECT_EQ(at<std::uint32_t>(start + 2 + 12 * count), 0u) << "one directory";
+  }
+
+  std::vector<double> operator[](int tag) const { return fields.count(tag) ? fields.at(tag) : std::vector<double>(); }
+
+  template <typename T>
+  T at(std::size_t offset) const {
+    T value;
+    std::memcpy(&value, bytes.data() + offset, sizeof value);
+    return value;
+  }
+
+  void read_field(std::size_t entry) {
+    static_assert(std::endian::native == std::endian::little);
+    const std::map<int, int> sizes = {{1, 1}, {2, 1}, {3, 2}, {4, 4}, {5, 8}, {10, 8}, {12, 8}};
+    const int type = at<std::uint16_t>(entry + 2);
+    const auto count = at<std::uint32_t>(entry + 4);
+    ASSERT_TRUE(sizes.count(type)) << "type " << type;
+    const int size = sizes.at(type);
+    std::size_t offset = size * count <= 4 ? entry + 8 : at<std::uint32_t>(entry + 8);
+    std::vector<double>& values = fields[at<std::uint16_t>(entry)];
+    for (std::uint32_t i = 0; i < count; ++i, offset += size) {
+      values.push_back(type == 3    ? at<std::uint16_t>(offset)
+                       : type == 4  ? at<std::uint32_t>(offset)
+                       : type == 5  ? 1.0 * at<std::uint32_t>(offset) / at<std::uint32_t>(offset + 4)
+                       : type == 10 ? 1.0 * at<std::int32_t>(offset) / at<std::int32_t>(offset + 4)
+                       : type == 12 ? at<double>(offset)
+                                    : at<std::uint8_t>(offset));
+    }
+  }
+
+  std::string bytes;
+  std::map<int, std::vector<double>> fields;
+};
+
+Capture capture_of(const std::string& cfa) {
+  Capture capture;
+  capture.camera.name = "test";
+  capture.camera.cfa = cfa;
+  capture.camera.f_number = 1.75;
+  capture.camera.focal_length_mm = 4.5;
+  capture.exposure = {.time_s = 0.0078125, .iso = 200, .black_level_dn = 64, .white_level_dn = 1023};
+  capture.exposure.white_balance = {2, 1, 1.6};
+  return capture;
+}
+
+ImageU16 ramp(int width, int height) {
+  ImageU16 raw(width, height);
+  for (std::size_t i = 0; i < raw.data.size(); ++i) raw.data[i] = static_cast<std::uint16_t>(257 * i);
+  return raw;
+}
+
+/// As rationals, whose denominators libtiff chooses, hold them.
+void expect_near(const std::vector<double>& actual, const std::vector<double>& expected) {
+  ASSERT_EQ(actual.size(), expected.size());
+  for (std::size_t i = 0; i < actual.size(); ++i) EXPECT_NEAR(actual[i], expected[i], 1e-6) << i;
+}
+
+TEST(Dng, AMosaicKeepsItsNumbersAndSaysWhatTheyMean) {
+  const TemporaryFolder folder;
+  const ImageU16 raw = ramp(6, 4);
+  write_dng(folder / "a.dng", raw, capture_of("GRBG"), true, {.shot_dn = 0.5, .read_dn2 = 3});
+  const Directory file(folder / "a.dng");
+  EXPECT_EQ(file[kWidth], std::vector<double>{6});
+  EXPECT_EQ(file[kHeight], std::vector<double>{4});
+  EXPECT_EQ(file[kBits], std::vector<double>{16});
+  EXPECT_EQ(file[kCompression], std::vector<double>{1});
+  EXPECT_EQ(file[kPhotometric], std::vector<double>{32803}) << "color filter array";
+  EXPECT_EQ(file[kCfaPattern], (std::vector<double>{1, 0, 2, 1}));
+  expect_near(file[kBlackLevel], {64});
+  EXPECT_EQ(file[kWhiteLevel], std::vector<double>{1023});
+  expect_near(file[kExposureTime], {0.0078125});
+  expect_near(file[kAsShotNeutral], {0.5, 1, 0.625});
+  // XYZ of the neutral that sRGB calls white (D65: 0.95047, 1, 1.08883) is what the sensor records of a neutral gray
+  const std::vector<double> matrix = file[kColorMatrix1];
+  ASSERT_EQ(matrix.size(), 9u);
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(0.95047 * matrix[3 * c] + matrix[3 * c + 1] + 1.08883 * matrix[3 * c + 2], file[kAsShotNeutral][c],
+                2e-4)
+        << "a sum of numbers that the standard gives with four digits";
+  }
+  // of the signal that runs from 0 to 1
+  ASSERT_EQ(file[kNoiseProfile].size(), 2u);
+  EXPECT_DOUBLE_EQ(file[kNoiseProfile][0], 0.5 / 959);
+  EXPECT_DOUBLE_EQ(file[kNoiseProfile][1], 3.0 / (959 * 959));
+  ASSERT_EQ(file[kStripBytes], std::vector<double>{48});
+  EXPECT_EQ(std::memcmp(file.bytes.data() + static_cast<std::size_t>(file[kStripOffsets][0]), raw.data.data(), 48), 0);
+}
+
+TEST(Dng, AViewIsMonochromeAndItsPixelsMayBeHigh) {
+  const TemporaryFolder folder;
+  write_dng(folder / "a.dng", ramp(3, 2), capture_of("RGGB"), false, {}, 2);
+  const Directory file(folder / "a.dng");
+  EXPECT_EQ(file[kPhotometric], std::vector<double>{34892}) << "linear raw";
+  EXPECT_TRUE(file[kCfaPattern].empty());
+  EXPECT_TRUE(file[kColorMatrix1].empty());
+  expect_near(file[kDefaultScale], {1, 2});
+}
+
+TEST(Dng, RefusesPlacesThatCannotBeWritten) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "none/a.dng";
+  const std::string refusal =
+      message_of<InputError>([&] { write_dng(path, ramp(2, 2), capture_of("RGGB"), true, {}); });
+  EXPECT_TRUE(refusal.starts_with(path + ": cannot be written: ")) << refusal;
+}
+
+}  // namespace
+}  // namespace dualpixel
