@@ -112,7 +112,7 @@ struct Provenance {
   std::string program;                           ///< name and version of the program
   std::string scene_file;                        ///< name of the scene file, without its folder
   std::string gltf_xxh64;                        ///< hash of the scene's glTF file, see hash_of() in files.h
-  std::optional<double> noise_fraction_reached;  ///< rendering error over sensor noise, where a time budget limited it
+  std::optional<double> noise_fraction_reached;  ///< expected rendering error of the views over the sensor's noise
   std::string scene;                             ///< JSON text: the scene file with every override applied
   std::string plan;                              ///< JSON text: what `simulate --auto` measured and chose
   std::map<std::string, std::string> other;      ///< fields that other programs wrote: name -> JSON text

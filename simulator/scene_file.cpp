@@ -106,6 +106,7 @@ constexpr RenderGoal kRenderGoals[] = {{"noise_fraction", &Simulation::noise_fra
 
 void read_render(Fields render, Simulation& s) {
   read_ranges(render, s.render, kRenderRanges);
+  read_ranges(render, s.light, kLightCacheRanges);
   for (const auto& [name, goal, low, high] : kRenderGoals) {
     if (render.has(name)) render.number(name, (s.*goal).emplace(), low, high);
   }
@@ -132,6 +133,7 @@ std::optional<OptionProblem> check_environment(const Simulation& s) {
 
 std::optional<OptionProblem> check_render(const Simulation& s) {
   if (auto problem = check(s.render)) return problem;
+  if (auto problem = check_ranges(s.light, kLightCacheRanges)) return problem;
   if (s.noise_fraction.has_value() + s.render_error.has_value() + s.time_budget_s.has_value() > 1) {
     return OptionProblem{s.time_budget_s ? "time_budget_s" : "error",
                          "give one of noise_fraction, error and time_budget_s"};

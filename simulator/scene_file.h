@@ -45,6 +45,7 @@ struct Simulation {
   std::optional<std::array<double, 4>> face_px;
   double photograph_aperture_scale = 5;
   RenderOptions render;
+  LightCacheOptions light;  ///< in the file's "render", as the other fields
   /// Set: the two views get as many samples, tile by tile, as keep their error's RMS at this share of the sensor's
   /// noise; instead of render.samples_per_pixel.
   std::optional<double> noise_fraction;

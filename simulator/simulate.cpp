@@ -15,6 +15,7 @@
 #include "capture/error.h"
 #include "simulator/render/adaptive.h"
 #include "simulator/render/motion.h"
+#include "simulator/render/render_error.h"
 #include "simulator/render/truth.h"
 #include "simulator/render/views.h"
 #include "simulator/sampling/hash.h"
@@ -86,20 +87,48 @@ SampleMap samples_in_time(const Simulation& s, const RenderScene& world, const C
       pilot, [&] { return std::max(*s.time_budget_s - spent_s(), 0.0) / (sample_s * maps); }, limits);
 }
 
+/// What the two views may be off by where the scene file sets a goal for it.
+std::optional<ErrorTarget> goal_of(const Simulation& s, const ErrorTarget& noise, double unit_per_nit) {
+  if (s.noise_fraction) return scaled(noise, *s.noise_fraction * *s.noise_fraction);
+  if (!s.render_error) return {};
+  const double nits = *s.render_error / unit_per_nit;
+  return scaled(ErrorTarget{.constant = {1, 1, 1}}, nits * nits);
+}
+
+/// Gives `world` a light cache of so many samples that its square error takes half of what the goal allows. Returns how
+/// much of it.
+double prepare_light(const Simulation& s, RenderScene& world, const CameraView& view, const ErrorTarget& goal) {
+  constexpr int kPilotSamples = 16;
+  if (!world.light_cache) return 0;
+  LightCacheOptions light = s.light;
+  light.light_samples = kPilotSamples;
+  world.light_cache = std::make_unique<LightCache>(light);
+  const double error = estimate_error(world, view, s.render, goal, kPilotSamples).light;
+  light.light_samples = light_samples_for(0.5, error, kPilotSamples);
+  world.light_cache = std::make_unique<LightCache>(light);
+  return light_error(error, kPilotSamples, light.light_samples);
+}
+
 /// Each pose draws a net of its own, and errors of independent nets average: of P poses each may have sqrt(P) times
-/// the error of their mean. Counts stay powers of two, and at least 2, one for each half of the pupil.
-ViewSampling sample_map_of(const Simulation& s, const RenderScene& world, const CameraView& view, double unit_per_nit,
-                           const ProgressCallback& progress) {
+/// the error of their mean. Counts stay powers of two, and at least 2, one for each half of the pupil. `light`: share
+/// of the goal's square that the light cache takes.
+ViewSampling sample_map_of(const Simulation& s, const RenderScene& world, const CameraView& view,
+                           const std::optional<ErrorTarget>& goal, double light, const ProgressCallback& progress) {
   const std::uint32_t count = std::max(poses(s), 1);
   const SampleLimits all;
   const SampleLimits limits{std::max(all.fewest / std::bit_ceil(count), 2u), all.most / std::bit_floor(count)};
-  const ErrorTarget noise = sensor_noise(s, view.lens.lux_per_nit());
-  if (s.time_budget_s) return {samples_in_time(s, world, view, noise, limits, progress), noise};
-  if (s.noise_fraction || s.render_error) {
-    const double share = s.noise_fraction ? *s.noise_fraction : *s.render_error / unit_per_nit;
-    const ErrorTarget target = scaled(s.noise_fraction ? noise : ErrorTarget{.constant = {1, 1, 1}}, share * share);
-    const Pilot pilot = probe_tiles(world, view, s.render, target, all.most, progress);
-    return {share_samples(pilot, std::sqrt(count), limits), target};
+  if (s.time_budget_s) {
+    const ErrorTarget noise = sensor_noise(s, view.lens.lux_per_nit());
+    return {samples_in_time(s, world, view, noise, limits, progress), noise};
+  }
+  if (goal) {
+    const double left = std::max(1 - light, 0.25);
+    const Pilot pilot = probe_tiles(world, view, s.render, scaled(*goal, left), all.most, progress);
+    ViewSampling sampling{share_samples(pilot, std::sqrt(count), limits), goal};
+    for (float& ratio : sampling.map.error_ratio) {  // of a pose, while light is the same for all
+      ratio = static_cast<float>(std::sqrt(left * ratio * ratio + light * count));
+    }
+    return sampling;
   }
   const auto samples = static_cast<std::uint32_t>(s.render.samples_per_pixel);
   const std::uint32_t each = count == 1 ? samples : std::max(std::bit_floor(samples / count), 2u);
@@ -196,7 +225,7 @@ Views render_frame(const Simulation& s, const RenderScene& first_world, const Ca
     if (frame > 0 || pose > 0) options.seed = hash(s.render.seed, kPoseStream, frame * poses(s) + pose);
     const ProgressCallback part = [&](double fraction) { progress((pose + fraction) / poses(s)); };
     if (!now.own_scene) return render_views(first_world, now.view, options, map, part);
-    return render_views(RenderScene(*now.own_scene), now.view, options, map, part);
+    return render_views(RenderScene(*now.own_scene, s.light), now.view, options, map, part);
   };
   Views mean;
   for (int pose = 0; pose < poses(s); ++pose) {
@@ -305,7 +334,7 @@ Capture simulate(const Simulation& s, const Scene& scene, const CameraView& view
   require_valid(check(s), s.path);
   check_memory(s, (s.animation ? 2 : 1) * bytes_of(scene));
   if (s.animation) check_animation(s, scene);
-  const RenderScene world(scene);
+  RenderScene world(scene, s.light);
 
   Capture capture;
   capture.camera = describe_camera(s);
@@ -313,11 +342,21 @@ Capture simulate(const Simulation& s, const Scene& scene, const CameraView& view
   capture.face_px = s.face_px;
   const double lux_s_per_nit = view.lens.lux_per_nit() * s.exposure.time_s;
   const double unit_per_nit = lux_s_per_nit / capture.exposure.lux_s_per_unit;
+  const ErrorTarget noise = sensor_noise(s, view.lens.lux_per_nit());
+  const std::optional<ErrorTarget> goal = goal_of(s, noise, unit_per_nit);
+  const double light = goal ? prepare_light(s, world, view, *goal) : 0;
+  if (!goal && !s.time_budget_s) {
+    const RenderError error = estimate_error(world, view, s.render, noise, s.render.samples_per_pixel);
+    capture.provenance.noise_fraction_reached = std::sqrt(error.both());
+  }
   Truth& truth = capture.truth.emplace(trace_truth(world, view));
   add_truth_pictures(s, world, view, unit_per_nit, stage, truth);
 
-  const ViewSampling sampling = sample_map_of(s, world, view, unit_per_nit, step_of(stage, "error of the two views"));
-  if (s.time_budget_s) capture.provenance.noise_fraction_reached = expected_error(sampling.map, poses(s));
+  const ViewSampling sampling = sample_map_of(s, world, view, goal, light, step_of(stage, "error of the two views"));
+  if (s.time_budget_s || s.noise_fraction) {
+    const double over_target = expected_error(sampling.map, poses(s));
+    capture.provenance.noise_fraction_reached = over_target * s.noise_fraction.value_or(1);
+  }
   Image electrons;
   for (int i = 0; i < s.burst_frames; ++i) {
     const Moment middle = moment(s, view, middle_s(s, i));

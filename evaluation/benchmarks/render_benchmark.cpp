@@ -11,6 +11,7 @@
 #include "capture/json_fields.h"
 #include "capture/timing.h"
 #include "simulator/render/adaptive.h"
+#include "simulator/render/render_error.h"
 #include "simulator/sampling/hash.h"
 #include "simulator/sampling/mosaic.h"
 #include "simulator/sensor_noise.h"
@@ -21,6 +22,8 @@ namespace {
 
 using simulator::CameraView;
 using simulator::ErrorTarget;
+using simulator::LightCache;
+using simulator::LightCacheOptions;
 using simulator::LoggedRays;
 using simulator::Pilot;
 using simulator::RayLog;
@@ -34,7 +37,7 @@ constexpr int kPatchColumns = 6, kPatchRows = 4, kPatches = kPatchColumns * kPat
 constexpr int kPatchSide = 32;  ///< two tiles of a SampleMap
 
 struct Patches {
-  simulator::RenderScene world;
+  simulator::RenderScene world;  ///< all light sampled, but while the light cache is measured
   std::vector<CameraView> cameras;
   ErrorTarget sensor;
   int max_bounces;
@@ -248,6 +251,19 @@ std::vector<RenderCurve> measure_uniform(const Patches& patches, const Reference
   return curves;
 }
 
+/// The default renderer. Points of light take part of the time: they are computed anew for each run.
+RenderCurve measure_light_cache(Patches& patches, const Reference& reference, int most_samples) {
+  RenderCurve curve{"light cache", {}};
+  for (int samples = 16; samples <= most_samples; samples *= 2) {
+    patches.world.light_cache = std::make_unique<LightCache>(LightCacheOptions{.light_samples = samples});
+    Halves halves;
+    const double time_s = cpu_seconds([&] { halves = render(patches, Sampling::mirrored, 3, uniform(samples)); });
+    curve.runs.push_back(run_of(samples, time_s, error_of(patches, halves, reference.mean, reference.apart)));
+  }
+  patches.world.light_cache.reset();
+  return curve;
+}
+
 /// Adaptive sampling, asked for errors that uniform sampling reaches, so that the two curves can be compared.
 RenderCurve measure_adaptive(const Patches& patches, const Reference& reference,
                              const std::vector<RenderRun>& uniform_runs, const std::function<void(double)>& progress) {
@@ -266,6 +282,45 @@ RenderCurve measure_adaptive(const Patches& patches, const Reference& reference,
     curve.runs.back().target_error = uniform_runs[i].error;
     progress(0.9 + 0.1 * static_cast<double>(i + 1) / static_cast<double>(uniform_runs.size()));
   }
+  return curve;
+}
+
+/// Light samples for half of the square error that is allowed, as `simulate --noise-fraction` chooses them. Returns the
+/// share of it that they leave to camera samples.
+double fit_light_cache(Patches& patches, double error) {
+  constexpr int kPilotSamples = 16, kPilotPatches = 4;  // 256 photosites, a hundredth of them all
+  double light = 0;
+  for (int p = 0; p < kPilotPatches; ++p) {
+    const CameraView& camera = patches.cameras[p * (kPatches / kPilotPatches + 1)];
+    patches.world.light_cache = std::make_unique<LightCache>(LightCacheOptions{.light_samples = kPilotSamples});
+    const RenderOptions options{kPilotSamples, patches.max_bounces, 6};
+    light +=
+        simulator::estimate_error(patches.world, camera, options, patches.sensor, kPilotSamples).light / kPilotPatches;
+  }
+  const int samples = simulator::light_samples_for(0.5 * error * error, light, kPilotSamples);
+  patches.world.light_cache = std::make_unique<LightCache>(LightCacheOptions{.light_samples = samples});
+  return 1 - simulator::light_error(light, kPilotSamples, samples) / (error * error);
+}
+
+/// The default renderer with adaptive sampling, asked for the same errors.
+RenderCurve measure_adaptive_with_cache(Patches& patches, const Reference& reference,
+                                        const std::vector<RenderRun>& uniform_runs) {
+  RenderCurve curve{"light cache, adaptive", {}};
+  for (const RenderRun& run : uniform_runs) {
+    Halves halves;
+    std::vector<SampleMap> maps;
+    const double time_s = cpu_seconds([&] {
+      const double left = std::max(fit_light_cache(patches, run.error), 0.25);
+      maps = adapt(patches, run.error * std::sqrt(left), 4);
+      halves = render(patches, Sampling::mirrored, 5, maps);
+    });
+    double samples = 0;
+    for (const SampleMap& map : maps) samples += map.total_samples();
+    curve.runs.push_back(run_of(samples / (double{kPatches} * kPatchSide * kPatchSide), time_s,
+                                error_of(patches, halves, reference.mean, reference.apart)));
+    curve.runs.back().target_error = run.error;
+  }
+  patches.world.light_cache.reset();
   return curve;
 }
 
@@ -294,8 +349,10 @@ SceneRenderBenchmark measure_rendering(const std::string& scene_file, const Rend
   const Simulation s = simulator::read_simulation(read_json_file(scene_file), scene_file);
   const simulator::Scene scene = simulator::load_scene(s);
   const CameraView whole = simulator::place_camera(s, scene);
-  Patches patches{
-      simulator::RenderScene(scene), {}, simulator::sensor_noise(s, whole.lens.lux_per_nit()), s.render.max_bounces};
+  Patches patches{simulator::RenderScene(scene, {.light_spacing_px = 0}),
+                  {},
+                  simulator::sensor_noise(s, whole.lens.lux_per_nit()),
+                  s.render.max_bounces};
   for (int p = 0; p < kPatches; ++p) patches.cameras.push_back(patch_camera(s, whole, p));
 
   SceneRenderBenchmark result;
@@ -306,6 +363,8 @@ SceneRenderBenchmark measure_rendering(const std::string& scene_file, const Rend
   result.curves = measure_uniform(patches, reference, options.most_samples, progress);
   const std::vector<RenderRun> random = result.curves.front().runs, pairs = result.curves.back().runs;
   result.curves.push_back(measure_adaptive(patches, reference, pairs, progress));
+  result.curves.push_back(measure_light_cache(patches, reference, options.most_samples));
+  result.curves.push_back(measure_adaptive_with_cache(patches, reference, pairs));
   RenderCurve& floor = result.curves.emplace_back(RenderCurve{"Embree alone", pairs});
   for (RenderRun& run : floor.runs) run.time_s *= result.embree.share_of_embree;
   result.time_saved = time_saved_over_random(random, pairs);

@@ -23,7 +23,9 @@ struct RenderRun {
 
 /// One way of sampling, over growing sample counts.
 struct RenderCurve {
-  std::string name;  ///< "random", "padded", "joint", "mirrored pairs", "adaptive"
+  /// "random", "padded", "joint", "mirrored pairs", "adaptive": light sampled by every path; "light cache", "light
+  /// cache, adaptive": light at points of surfaces, as `simulate` has it by default
+  std::string name;
   std::vector<RenderRun> runs;
 };
 

@@ -38,7 +38,7 @@ Pilot probe_tiles(const RenderScene& scene, const CameraView& camera, const Rend
 
 /// Of each photosite; powers of two.
 struct SampleLimits {
-  std::uint32_t fewest = 32, most = 16384;
+  std::uint32_t fewest = 16, most = 16384;
 };
 
 /// The cheapest map whose RMS over the picture of standard error over allowed error is `error`. Counts are powers of

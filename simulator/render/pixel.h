@@ -1,23 +1,13 @@
 #pragma once
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <optional>
 
 #include "simulator/render/camera_view.h"
-#include "simulator/render/ray_log.h"
-#include "simulator/render/render_options.h"
-#include "simulator/render/render_scene.h"
+#include "simulator/render/paths.h"
 
 /// The light paths of one photosite: every camera sample crosses the pixel and the pupil at one point and is shared
 /// between the left and the right view by the split pixel. Sixteen samples go together as one packet.
 namespace dualpixel::simulator {
-
-struct PathOptions {
-  int max_bounces = 0;                         ///< as in RenderOptions
-  std::optional<double> ideal_aperture_scale;  ///< as in RenderOptions
-  Sampling sampling = Sampling::mirrored;
-  RayLog* log = nullptr;  ///< set: gets every packet that is traced, too; one log serves one thread
-};
 
 /// Linear RGB in nits, as Views holds it.
 struct HalfRadiance {

@@ -22,7 +22,7 @@ enum class Sampling {
 
 struct RenderOptions {
   int samples_per_pixel = 16;  ///< 1 .. 65536; powers of two sample best
-  int max_bounces = 0;         ///< 0: emitted and direct light; n: n further reflections
+  int max_bounces = 0;         ///< 0: emitted and direct light, also as a mirror shows it; n: n further reflections
   std::uint64_t seed = 1;
   /// Set: instead of the lens the ideal one with its chief rays is looked through, its pupil this much wider; 0 is a
   /// pinhole.
@@ -37,5 +37,18 @@ inline constexpr OptionRange<RenderOptions> kRenderRanges[] = {
 };
 
 inline std::optional<OptionProblem> check(const RenderOptions& render) { return check_ranges(render, kRenderRanges); }
+
+/// How diffuse light is computed at points of surfaces and interpolated between them, instead of at every sample.
+struct LightCacheOptions {
+  double light_spacing_px = 4;   ///< photosites between points, as the camera sees them; 0: all light is sampled
+  int light_samples = 64;        ///< of each point; powers of two sample best
+  double light_memory_mb = 256;  ///< that points may take; beyond it they are computed again where they are needed
+};
+
+inline constexpr OptionRange<LightCacheOptions> kLightCacheRanges[] = {
+    {"light_spacing_px", &LightCacheOptions::light_spacing_px, 0, 1000},
+    {"light_samples", &LightCacheOptions::light_samples, 16, 65536},
+    {"light_memory_mb", &LightCacheOptions::light_memory_mb, 1, 1e6},
+};
 
 }  // namespace dualpixel::simulator

@@ -32,8 +32,8 @@ TEST(OptionRanges, BothEndsAreAllowedAndNothingBeyond) {
   EXPECT_EQ(problem_of({}), "fine");
   EXPECT_EQ(problem_of({1, 0, -1e3}), "fine");
   EXPECT_EQ(problem_of({8, 1, 1e3}), "fine");
-  EXPECT_EQ(problem_of({0}), "count: 0: must be a number in [1, 8]");
-  EXPECT_EQ(problem_of({9}), "count: 9: must be a number in [1, 8]");
+  EXPECT_EQ(problem_of({0}), "count: 0: must be an integer in [1, 8]");
+  EXPECT_EQ(problem_of({9}), "count: 9: must be an integer in [1, 8]");
   EXPECT_EQ(problem_of({1, 1.25f}), "share: 1.25: must be a number in [0, 1]");
   EXPECT_EQ(problem_of({1, 0, 1000.5}), "length_m: 1000.5: must be a number in [-1000, 1000]");
 }
@@ -68,7 +68,7 @@ TEST(OptionRanges, AWholeNumberMustBeOneInAFileToo) {
 TEST(OptionRanges, AProblemNamesItsWay) {
   const auto problem = within("scene", within("options", check_ranges(Options{0}, kRanges)));
   EXPECT_EQ(message_of<InputError>([&] { require_valid(problem, "a.json"); }),
-            "a.json: /scene/options/count: 0: must be a number in [1, 8]");
+            "a.json: /scene/options/count: 0: must be an integer in [1, 8]");
   EXPECT_FALSE(within("options", std::nullopt));
   require_valid(std::nullopt, "a.json");
 }

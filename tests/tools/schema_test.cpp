@@ -120,6 +120,9 @@ json scene() {
   const json render = {{"samples_per_pixel", 4},
                        {"photograph_samples_per_pixel", 4},
                        {"max_bounces", 1},
+                       {"light_spacing_px", 4.5},
+                       {"light_samples", 32},
+                       {"light_memory_mb", 100},
                        {"seed", 5},
                        {"all_in_focus_samples_per_pixel", 4},
                        {"error", 0.01}};

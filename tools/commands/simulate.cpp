@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -32,6 +33,16 @@ struct SimulateOptions {
 std::string journal_beside(std::string folder) {
   while (folder.size() > 1 && folder.back() == '/') folder.pop_back();
   return folder + ".resume";
+}
+
+/// Noise that the sensor does not have is taken for texture by whatever is judged or trained on the capture.
+void warn_of_render_noise(const std::string& scene, std::optional<double> noise_fraction) {
+  constexpr double kHardToSee = 0.25, kFall = 0.55;  // error falls as samples^-kFall (docs/rendering.md)
+  if (noise_fraction.value_or(0) <= kHardToSee) return;
+  std::cerr << fmt::format(
+      "{}: rendering noise is {:.2f} of the sensor's noise; --noise-fraction {} would take about {:.2g} times as "
+      "long\n",
+      printable(scene), *noise_fraction, kHardToSee, std::pow(*noise_fraction / kHardToSee, 1 / kFall));
 }
 
 void run(const SimulateOptions& options) {
@@ -90,6 +101,7 @@ void run(const SimulateOptions& options) {
   capture.provenance.gltf_xxh64 = file_hash(simulation.gltf_path);
   capture.provenance.plan = plan_of_capture;
   write_capture(capture, options.output);
+  if (!simulation.noise_fraction) warn_of_render_noise(options.scene, capture.provenance.noise_fraction_reached);
   std::error_code left_behind;  // the capture is complete: a leftover journal is no failure
   if (options.resume) std::filesystem::remove(journal_path, left_behind);
 }

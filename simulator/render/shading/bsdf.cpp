@@ -49,23 +49,33 @@ glm::vec3 bsdf(const Surface& s, glm::vec3 to_eye, glm::vec3 to_light) {
   return glm::mix(dielectric, metal, s.metallic);
 }
 
+glm::vec3 diffuse_bsdf(const Surface& s) {
+  return is_lambertian(s) ? s.base_color / kPi : (1 - s.metallic) * (1 - 0.04f) * s.base_color / kPi;
+}
+
+namespace {
+
+/// How often sample_bsdf() takes the cosine lobe rather than the coat's: a metal has nothing diffuse.
+float cosine_share(const Surface& s) { return is_lambertian(s) ? 1 : 0.5f * (1 - s.metallic); }
+
+}  // namespace
+
 float bsdf_pdf(const Surface& s, glm::vec3 to_eye, glm::vec3 to_light) {
   const float cosine = std::max(glm::dot(s.normal, to_light), 0.0f) / kPi;
   if (is_lambertian(s)) return cosine;
   const glm::vec3 half = glm::normalize(to_eye + to_light);
   const float n_h = std::max(glm::dot(s.normal, half), 0.0f);
   const float v_h = std::max(glm::dot(to_eye, half), 1e-4f);
-  return 0.5f * cosine + 0.5f * ggx_density(n_h, ggx_alpha(s)) * n_h / (4 * v_h);
+  const float diffuse = cosine_share(s);
+  return diffuse * cosine + (1 - diffuse) * ggx_density(n_h, ggx_alpha(s)) * n_h / (4 * v_h);
 }
 
 glm::vec3 sample_bsdf(const Surface& s, glm::vec3 to_eye, float u, float v) {
   glm::vec3 x, y;
   frame(s.normal, x, y);
-  bool cosine_lobe = true;
-  if (!is_lambertian(s)) {
-    cosine_lobe = u < 0.5f;
-    u = cosine_lobe ? 2 * u : 2 * u - 1;
-  }
+  const float diffuse = cosine_share(s);
+  const bool cosine_lobe = u < diffuse;
+  u = cosine_lobe ? u / diffuse : (u - diffuse) / (1 - diffuse);
   const float phi = 2 * kPi * v;
   if (cosine_lobe) {
     const float r = std::sqrt(u);

@@ -13,11 +13,16 @@ namespace dualpixel::simulator {
 /// Reflected radiance per unit irradiance (1/sr), without the cosine.
 glm::vec3 bsdf(const Surface& surface, glm::vec3 to_eye, glm::vec3 to_light);
 
+/// The part of it that is the same for all directions: of a surface that is not Lambertian, base color under a coat
+/// that reflects .04.
+glm::vec3 diffuse_bsdf(const Surface& surface);
+
 /// Solid-angle density with which sample_bsdf() picks `to_light`.
 float bsdf_pdf(const Surface& surface, glm::vec3 to_eye, glm::vec3 to_light);
 
-/// A direction for u, v in [0, 1): with probability one half the cosine lobe, else the GGX lobe (the cosine lobe alone
-/// where the surface is Lambertian). It may lie below the surface: then it carries nothing.
+/// A direction for u, v in [0, 1): the cosine lobe or the GGX lobe, equally often where the surface is a dielectric,
+/// the cosine lobe less often the more it is a metal, and alone where it is Lambertian. It may lie below the surface:
+/// then it carries nothing.
 glm::vec3 sample_bsdf(const Surface& surface, glm::vec3 to_eye, float u, float v);
 
 }  // namespace dualpixel::simulator

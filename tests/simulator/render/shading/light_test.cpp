@@ -95,7 +95,7 @@ TEST(DirectLight, AreaLightMatchesItsFormFactor) {
                                        glm::vec4(forward, 0), glm::vec4(-1.5f, 0, 1.5f, 1));
   const double a = 0.5 / std::sqrt(1.25);
   const double form_factor = 4 * (2 * a * std::atan(a)) / (2 * M_PI);
-  const Image image = undivided(render_views(RenderScene(scene), camera, {1024, 0, 5}));
+  const Image image = undivided(render_views(RenderScene(scene, {.light_samples = 1024}), camera, {1024, 0, 5}));
   EXPECT_NEAR(mean(image), 100 * form_factor, 100 * form_factor * 0.005);
 }
 

@@ -1,0 +1,612 @@
+#include "simulator/render/paths.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulator/render/shading/bsdf.h"
+#include "simulator/render/shading/surface.h"
+#include "simulator/render/surface_lattice.h"
+#include "simulator/sampling/hash.h"
+#include "simulator/sampling/sobol.h"
+
+namespace dualpixel::simulator {
+namespace {
+
+constexpr float kPi = 3.14159265358979f;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+float luminance(glm::vec3 rgb) { return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z; }
+
+void set_ray(RayPacket& rays, int i, glm::vec3 origin, glm::vec3 direction, float far) {
+  rays.origin_x[i] = origin.x, rays.origin_y[i] = origin.y, rays.origin_z[i] = origin.z;
+  rays.direction_x[i] = direction.x, rays.direction_y[i] = direction.y, rays.direction_z[i] = direction.z;
+  rays.far[i] = far;
+  rays.mesh[i] = kNoMesh;
+}
+
+struct Padded {
+  alignas(64) float u[kPacket], v[kPacket];
+};
+
+/// Numbers for the decision `stream` of each path. Each of a mirrored pair has its own: with one light sample for both,
+/// the views would share their noise, and noise at the same position in both pulls disparity to 0.
+void path_samples(Sampling sampling, const SampleIndices& indices, std::uint32_t stream, Padded& out) {
+  if (sampling == Sampling::random) {
+    random_samples(indices, 4 + 2 * stream, out.u);
+    random_samples(indices, 5 + 2 * stream, out.v);
+  } else {
+    padded_samples(indices.first, indices.index_mask, indices.pixel_key, stream, out.u, out.v);
+  }
+}
+
+void write_down(RayLog& log, const int active[kPacket], const RayPacket& rays, bool shadow, bool coherent) {
+  LoggedRays& packet = log.emplace_back(LoggedRays{rays, {}, shadow, coherent});
+  std::copy_n(active, kPacket, packet.active);
+}
+
+/// Rays towards the lights, and what each adds to its path if nothing is in its way.
+struct ShadowRays {
+  alignas(64) int active[kPacket];
+  RayPacket rays;
+  Vec3Packet arriving;
+};
+
+/// kPacket where there is none.
+int first_set(const int lanes[kPacket]) {
+  int any = 0;
+  for (int i = 0; i < kPacket; ++i) any |= lanes[i];
+  if (!any) return kPacket;
+  int first = 0;
+  while (!lanes[first]) ++first;
+  return first;
+}
+
+/// How much of light found along a sampled ray counts when the light sampler could have found it too (balance
+/// heuristic, Veach 1995).
+float mis_weight(float own_pdf, float other_pdf) {
+  if (own_pdf == kCountedInFull) return 1;
+  return own_pdf > 0 ? own_pdf / (own_pdf + other_pdf) : 0;
+}
+
+void add_light(Paths& paths, int i, glm::vec3 light) {
+  paths.radiance.set(i, paths.radiance.at(i) + paths.throughput.at(i) * light);
+}
+
+void see_environment(const RenderScene& world, const RayPacket& rays, Paths& paths, int i) {
+  const Environment& environment = world.scene.environment;
+  if (environment.radiance_nits.empty() || paths.pdf[i] == 0) return;
+  const glm::vec3 d = glm::normalize(glm::vec3(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]));
+  const float other =
+      paths.pdf[i] == kCountedInFull ? 0 : world.lights.environment_pdf(paths.normal.at(i), d, paths.kinds);
+  add_light(paths, i, environment_radiance(environment, d) * mis_weight(paths.pdf[i], other));
+}
+
+void see_unlit(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RayPacket& rays, Paths& paths) {
+  Vec3Packet color;
+  base_colors_at(scene, mesh, lanes, rays, color);
+  Vec3Packet& r = paths.radiance;
+  const Vec3Packet& t = paths.throughput;
+  const float white_nits = scene.unlit_white_nits;
+#pragma GCC ivdep
+  for (int i = 0; i < kPacket; ++i) {
+    const float white = lanes[i] ? white_nits : 0.0f;
+    r.x[i] += t.x[i] * color.x[i] * white;
+    r.y[i] += t.y[i] * color.y[i] * white;
+    r.z[i] += t.z[i] * color.z[i] * white;
+  }
+}
+
+/// The sixteen hits of one packet, seen from where their rays came from.
+struct Hits {
+  SurfacePacket surface;
+  Vec3Packet to_eye, start;  ///< `start`: off the surface by more than the hit's rounding error
+  alignas(64) float distance[kPacket];
+  alignas(64) float spacing_m[kPacket];  ///< between points of light
+};
+
+void hits_at(const RenderScene& world, unsigned mesh_id, const int lanes[kPacket], const RayPacket& rays, Hits& hits) {
+  const SurfacePacket& surface = hits.surface;
+  surfaces_at(world.scene, world.scene.meshes[mesh_id], lanes, rays, hits.surface);
+  for (int i = 0; i < kPacket; ++i) {
+    const float dx = rays.direction_x[i], dy = rays.direction_y[i], dz = rays.direction_z[i];
+    const float length = std::sqrt(dx * dx + dy * dy + dz * dz);
+    hits.to_eye.x[i] = -dx / length, hits.to_eye.y[i] = -dy / length, hits.to_eye.z[i] = -dz / length;
+    hits.distance[i] = rays.far[i] * length;
+    const float px = surface.position.x[i], py = surface.position.y[i], pz = surface.position.z[i];
+    const float off = 1e-5f * std::max(surface.magnitude[i], hits.distance[i]);
+    hits.start.x[i] = px + off * surface.geometric_normal.x[i];
+    hits.start.y[i] = py + off * surface.geometric_normal.y[i];
+    hits.start.z[i] = pz + off * surface.geometric_normal.z[i];
+  }
+}
+
+/// Light that the surface itself emits.
+void add_emission(const RenderScene& world, unsigned mesh_id, const int lanes[kPacket], const RayPacket& rays,
+                  const Hits& hits, Paths& paths) {
+  for (int i = 0; i < kPacket; ++i) {
+    if (!lanes[i] || paths.pdf[i] == 0) continue;
+    const float cosine = glm::dot(hits.surface.geometric_normal.at(i), hits.to_eye.at(i));
+    const float other = paths.pdf[i] == kCountedInFull
+                            ? 0
+                            : world.lights.triangle_pdf(paths.normal.at(i), mesh_id, rays.triangle[i], hits.distance[i],
+                                                        cosine, paths.kinds);
+    add_light(paths, i, hits.surface.emission_nits.at(i) * mis_weight(paths.pdf[i], other));
+  }
+}
+
+/// The same at a vertex, for all triangles around it.
+void surface_of_vertex(const Mesh& mesh, const LatticePoint& point, Hits& hits) {
+  const glm::vec3 position = mesh.positions[point.vertex];
+  const glm::vec3 normal = (point.behind ? -1.0f : 1.0f) * mesh.normals[point.vertex];
+  const float magnitude = std::max({std::abs(position.x), std::abs(position.y), std::abs(position.z)});
+  hits.surface.normal.set(0, normal);
+  hits.surface.geometric_normal.set(0, normal);
+  hits.start.set(0, position + 1e-5f * magnitude * normal);
+}
+
+/// The surface at a point of a lattice, in lane 0: normals, and where rays start.
+void surface_of(const RenderScene& world, const TriangleLattice& lattice, const LatticePoint& point, Hits& hits) {
+  if (point.vertex >= 0) return surface_of_vertex(world.scene.meshes[lattice.hit().mesh], point, hits);
+  const glm::vec3 view = glm::normalize(lattice.view());
+  alignas(64) RayPacket rays{};
+  rays.direction_x[0] = view.x, rays.direction_y[0] = view.y, rays.direction_z[0] = view.z;
+  rays.triangle[0] = lattice.hit().triangle, rays.placement[0] = lattice.hit().placement;
+  rays.u[0] = point.u, rays.v[0] = point.v;
+  constexpr int kFirst[kPacket] = {-1};
+  hits_at(world, lattice.hit().mesh, kFirst, rays, hits);
+}
+
+/// Sum over sampled lights of irradiance that nothing hides.
+struct LightSum {
+  alignas(64) ShadowRays shadow{};
+  const RenderScene& world;
+  glm::vec3 start, normal, geometric_normal, irradiance{0};
+
+  LightSum(const RenderScene& scene, const Hits& hits)
+      : world(scene),
+        start(hits.start.at(0)),
+        normal(hits.surface.normal.at(0)),
+        geometric_normal(hits.surface.geometric_normal.at(0)) {}
+
+  void set(int i, glm::vec3 direction, float distance_m, glm::vec3 radiance) {
+    const float cosine = glm::dot(normal, direction);
+    shadow.active[i] = 0;
+    if (radiance == glm::vec3(0) || !(cosine > 0) || !(glm::dot(geometric_normal, direction) > 0)) return;
+    shadow.arriving.set(i, radiance * cosine);
+    set_ray(shadow.rays, i, start, direction, distance_m * (1 - 1e-4f));
+    shadow.active[i] = -1;
+  }
+  void add_unhidden() {
+    alignas(64) int hidden[kPacket];
+    if (first_set(shadow.active) == kPacket) return;
+    world.intersector.occluded(shadow.active, shadow.rays, false, hidden);
+    for (int i = 0; i < kPacket; ++i) {
+      if (shadow.active[i] && !hidden[i]) irradiance += shadow.arriving.at(i);
+    }
+  }
+};
+
+int packets_of(int samples) { return (samples + kPacket - 1) / kPacket; }
+
+/// Of lights of one kind, by at least `samples` samples. Those of a packet lie close together, so that Embree is fast.
+/// `shared`: as many directions, spread as their cosines, look for the same light.
+glm::vec3 sampled_irradiance(const RenderScene& world, const Hits& hits, std::uint64_t key, int samples,
+                             LightKinds kinds, bool shared) {
+  Vec3Packet point, normal;
+  alignas(64) int all[kPacket];
+  for (int i = 0; i < kPacket; ++i) {
+    point.set(i, hits.start.at(0));
+    normal.set(i, hits.surface.normal.at(0));
+    all[i] = -1;
+  }
+  LightSum sum(world, hits);
+  const int packets = packets_of(samples);
+  for (int packet = 0; packet < packets; ++packet) {
+    alignas(64) float u[kPacket], v[kPacket];
+    planar_samples(packet, packets, key, u, v);
+    LightPacket light;
+    world.lights.sample(all, point, normal, u, v, light, kinds);
+    for (int i = 0; i < kPacket; ++i) {
+      const glm::vec3 direction = light.direction.at(i);
+      const float cosine_pdf = std::max(glm::dot(sum.normal, direction), 0.0f) / kPi;
+      const float weight = shared && light.pdf[i] > 0 ? mis_weight(light.pdf[i], cosine_pdf) : 1;
+      sum.set(i, direction, light.distance_m[i], light.radiance.at(i) * weight);
+    }
+    sum.add_unhidden();
+  }
+  return sum.irradiance / static_cast<float>(packets * kPacket);
+}
+
+/// Of every light without extent.
+glm::vec3 hard_irradiance(const RenderScene& world, const Hits& hits, std::uint64_t key, int samples) {
+  constexpr std::size_t kMostOneByOne = 64;
+  const std::size_t count = world.lights.hard_count();
+  if (count > kMostOneByOne) return sampled_irradiance(world, hits, hash(key, 1), samples, LightKinds::hard, false);
+  LightSum sum(world, hits);
+  for (std::size_t first = 0; first < count; first += kPacket) {
+    for (int i = 0; i < kPacket; ++i) {
+      const LightSample light = first + i < count ? world.lights.hard(first + i, sum.start) : LightSample{};
+      sum.set(i, light.direction, light.distance_m, light.radiance);
+    }
+    sum.add_unhidden();
+  }
+  return sum.irradiance;
+}
+
+/// Mean of what arrives at a point along directions spread as their cosines, over the density 1 / pi: light that a path
+/// of reflection `bounce` and more finds. `pdf_counts`: light samples of the soft kinds could have found it, too.
+glm::vec3 gathered_irradiance(const RenderScene& world, const PathOptions& options, const Hits& hits, float spacing_m,
+                              std::uint64_t key, int samples, int bounce, bool pdf_counts) {
+  constexpr float kGatherSpread = 0.15f;  // of the distance: rays of 64 samples are about .3 apart
+  Surface matte;
+  matte.normal = hits.surface.normal.at(0);
+  const glm::vec3 up = hits.surface.geometric_normal.at(0), start = hits.start.at(0);
+  const int packets = packets_of(samples);
+  glm::vec3 sum(0);
+  for (int packet = 0; packet < packets; ++packet) {
+    alignas(64) float u[kPacket], v[kPacket];
+    planar_samples(packet, packets, key, u, v);
+    alignas(64) RayPacket rays;
+    alignas(64) Paths paths;
+    paths.kinds = LightKinds::soft;
+    for (int i = 0; i < kPacket; ++i) {
+      const glm::vec3 direction = sample_bsdf(matte, matte.normal, v[i], u[i]);
+      set_ray(rays, i, start, direction, kInfinity);
+      paths.active[i] = glm::dot(up, direction) > 0 ? -1 : 0;
+      paths.throughput.set(i, glm::vec3(1));
+      paths.radiance.set(i, glm::vec3(0));
+      paths.pdf[i] = pdf_counts ? bsdf_pdf(matte, matte.normal, direction) : 0;
+      paths.normal.set(i, matte.normal);
+      paths.spacing_m[i] = spacing_m, paths.spread[i] = kGatherSpread;
+    }
+    const std::uint32_t mask = packets * kPacket / 2 - 1;
+    trace_paths(world, options, {static_cast<std::uint32_t>(packet) * kPacket / 2, mask, hash(key, 1)}, bounce, rays,
+                paths);
+    for (int i = 0; i < kPacket; ++i) sum += paths.radiance.at(i);
+  }
+  return sum * (kPi / static_cast<float>(packets * kPacket));
+}
+
+/// Of environment and emissive surfaces. Near an emissive surface light samples alone would be far off: there half of
+/// the samples are directions.
+glm::vec3 soft_irradiance(const RenderScene& world, const PathOptions& options, const Hits& hits, std::uint64_t key,
+                          int samples) {
+  if (!world.lights.has_soft()) return glm::vec3(0);
+  if (!world.lights.has_emissive()) return sampled_irradiance(world, hits, key, samples, LightKinds::soft, false);
+  return sampled_irradiance(world, hits, key, samples / 2, LightKinds::soft, true) +
+         gathered_irradiance(world, options, hits, 0, hash(key, 4), samples / 2, options.max_bounces + 1, true);
+}
+
+/// Light at one point of a lattice. `bounces`: reflections that it may still take before it arrives; 0: direct light.
+SurfaceLight light_at(const RenderScene& world, const PathOptions& options, const TriangleLattice& lattice,
+                      const LatticePoint& point, int bounces) {
+  LightCache& cache = *world.light_cache;
+  const std::uint64_t key = bounces == 0 ? point.key : hash(point.key, bounces) | 1;
+  if (const auto known = cache.table.find(point.group, key)) return *known;
+  Hits hits;
+  surface_of(world, lattice, point, hits);
+  SurfaceLight light;
+  const int samples = cache.options.light_samples >> (2 * lattice.fewer());  // whole packets, at least one
+  const std::uint64_t random = hash(key, cache.scramble);
+  if (bounces > 0) {
+    light.soft = gathered_irradiance(world, options, hits, lattice.spacing_m(), random, samples,
+                                     options.max_bounces - bounces + 1, false);
+  } else {
+    light.soft = soft_irradiance(world, options, hits, random, samples);
+    light.hard = hard_irradiance(world, hits, random, samples);
+  }
+  return cache.table.add(point.group, key, light);
+}
+
+/// Light interpolated between the points around a hit, and whether they agree on it so far that it may be.
+struct InterpolatedLight {
+  SurfaceLight light;
+  bool soft_agrees = true, hard_agrees = true;
+};
+
+/// Looks up light for the hits of one packet, many of which share a triangle or even a cell of its lattice.
+class LightLookup {
+ public:
+  LightLookup(const RenderScene& world, const PathOptions& options, int bounces)
+      : world_(world), options_(options), bounces_(bounces), recent_(world.light_cache->recent.local()) {}
+
+  InterpolatedLight at(const Hit& hit, glm::vec3 direction, float spacing_m) {
+    if (!lattice_.is_of(hit, direction, spacing_m)) lattice_ = TriangleLattice(world_.scene, hit, direction, spacing_m);
+    const LatticeCell cell = lattice_.cell(hit.u, hit.v);
+    const CellLight around = around_cell(cell);
+    InterpolatedLight out;
+    out.soft_agrees = around.soft_agrees, out.hard_agrees = around.hard_agrees;
+    for (int k = 0; k < 2; ++k) {
+      const LatticeCell::Row& row = cell.rows[k];
+      const float right = row.share * row.beyond, left = row.share - right;
+      out.light.soft += left * around.light[k][0].soft + right * around.light[k][1].soft;
+      out.light.hard += left * around.light[k][0].hard + right * around.light[k][1].hard;
+    }
+    return out;
+  }
+
+ private:
+  CellLight around_cell(const LatticeCell& cell) {
+    const std::uint64_t key = lattice_.key_of(cell) + 2 * static_cast<std::uint64_t>(bounces_);
+    if (recent_.slot(key).key == key) return recent_.slot(key);
+    const CellLight found = fetch(cell, key);
+    return recent_.slot(key) = found;  // looked up again: what fetch() traces uses cells, too
+  }
+
+  CellLight fetch(const LatticeCell& cell, std::uint64_t key) const {
+    // Where neighbors differ by more than this share of the larger, an edge of a shadow or of a surface in contact lies
+    // between them, and light is sampled there.
+    constexpr float kSoft = 0.7f, kHard = 0.3f;
+    CellLight found;
+    found.key = key;
+    float soft_low = kInfinity, soft_high = 0, hard_low = kInfinity, hard_high = 0;
+    for (int k = 0; k < 2; ++k) {
+      const LatticeCell::Row& row = cell.rows[k];
+      for (int side = 0; side < 2; ++side) {
+        SurfaceLight& light = found.light[k][side];
+        if (side == 1 && row.pieces == 0) {
+          light = found.light[k][0];
+          continue;
+        }
+        light = light_at(world_, options_, lattice_, lattice_.point(row.row, row.left + side, row.pieces), bounces_);
+        const float soft = luminance(light.soft), hard = luminance(light.hard);
+        soft_low = std::min(soft_low, soft), soft_high = std::max(soft_high, soft);
+        hard_low = std::min(hard_low, hard), hard_high = std::max(hard_high, hard);
+      }
+    }
+    found.soft_agrees = soft_high - soft_low <= kSoft * soft_high;
+    found.hard_agrees = hard_high - hard_low <= kHard * hard_high;
+    return found;
+  }
+
+  const RenderScene& world_;
+  const PathOptions& options_;
+  const int bounces_;
+  RecentCells& recent_;
+  TriangleLattice lattice_;
+};
+
+/// What of each lane's light was taken from points on the surface.
+struct KnownLight {
+  int soft[kPacket], hard[kPacket];  ///< -1: all of this kind that is reflected diffusely
+  float nits[kPacket];               ///< luminance of the light reflected so
+};
+
+constexpr int kMostBounces = 32;  ///< that are told apart on the way to a surface: beyond, next to nothing is left
+
+void add_known_light(const RenderScene& world, const PathOptions& options, unsigned mesh_id, const int lanes[kPacket],
+                     const RayPacket& rays, const Hits& hits, int bounces_left, Paths& paths, KnownLight& known) {
+  constexpr float kIndirectSpacing = 4;  // over that of direct light, as it has no sharp shadows
+  const Material& material = world.scene.materials[world.scene.meshes[mesh_id].material];
+  const bool possible = world.light_cache && material.normal_texture.texture < 0;  // else normals vary between points
+  const bool placed = !world.scene.meshes[mesh_id].placements.empty();
+  for (int i = 0; i < kPacket; ++i) known.soft[i] = known.hard[i] = 0, known.nits[i] = 0;
+  if (!possible) return;
+  LightLookup direct(world, options, 0), indirect(world, options, std::min(bounces_left, kMostBounces));
+  for (int i = 0; i < kPacket; ++i) {
+    if (!lanes[i] || !(hits.spacing_m[i] > 0)) continue;
+    const glm::vec3 diffuse = diffuse_bsdf(hits.surface.at(i)), direction = -hits.to_eye.at(i);
+    const float facing = std::abs(glm::dot(hits.surface.geometric_normal.at(i), direction));
+    const float spacing_m = hits.spacing_m[i] / std::sqrt(std::max(facing, 0.1f));
+    const Hit hit{0, mesh_id, rays.triangle[i], rays.u[i], rays.v[i], placed ? rays.placement[i] : 0};
+    InterpolatedLight found = direct.at(hit, direction, spacing_m);
+    if (bounces_left > 0 && found.soft_agrees) {
+      found.light.soft += indirect.at(hit, direction, kIndirectSpacing * spacing_m).light.soft;
+    }
+    glm::vec3 irradiance(0);
+    if (found.soft_agrees) known.soft[i] = -1, irradiance += found.light.soft;
+    if (found.hard_agrees) known.hard[i] = -1, irradiance += found.light.hard;
+    known.nits[i] = luminance(diffuse * irradiance);
+    add_light(paths, i, diffuse * irradiance);
+  }
+}
+
+/// Numbers for one reflection of each path, drawn when first wanted.
+class ScatterSamples {
+ public:
+  ScatterSamples(Sampling sampling, const SampleIndices& indices, int bounce)
+      : sampling_(sampling), indices_(indices), bounce_(bounce) {}
+
+  const Padded& light() { return drawn(0); }
+  const Padded& reflection() { return drawn(1); }
+  const Padded& roulette() { return drawn(2); }
+
+ private:
+  const Padded& drawn(int which) {
+    if (!drawn_[which]) path_samples(sampling_, indices_, 3 * bounce_ + which, numbers_[which]);
+    drawn_[which] = true;
+    return numbers_[which];
+  }
+
+  Sampling sampling_;
+  const SampleIndices& indices_;
+  int bounce_;
+  bool drawn_[3] = {};
+  Padded numbers_[3];
+};
+
+/// Whether to follow something of this size, for which 1 is always followed; what is followed counts 1 / keep.
+bool keeps(float size, float random, float& keep) {
+  keep = std::min(size, 1.0f);
+  return random < keep;
+}
+
+/// The part of a surface's reflection that its next ray carries: not what comes from points on the surface, and after
+/// the last reflection only what is not diffuse.
+glm::vec3 carried(const Surface& s, glm::vec3 to_eye, glm::vec3 to_light, bool without_diffuse) {
+  return bsdf(s, to_eye, to_light) - (without_diffuse ? diffuse_bsdf(s) : glm::vec3(0));
+}
+
+bool carries_nothing(const SurfacePacket& surface, bool without_diffuse) {
+  return surface.lambertian && without_diffuse;
+}
+
+/// One shadow ray from each hit to a sampled point of a light of these kinds.
+void sample_lights(const RenderScene& world, const int lanes[kPacket], const Hits& hits, ScatterSamples& samples,
+                   LightKinds kinds, bool last, const KnownLight& known, const Paths& paths, ShadowRays& shadow) {
+  constexpr float kSmall = 0.15f;  // of the light that is known: what adds less is followed by fewer rays
+  const Padded &light = samples.light(), &roulette = samples.roulette();
+  LightPacket l;
+  world.lights.sample(lanes, hits.start, hits.surface.normal, light.u, light.v, l, kinds);
+  for (int i = 0; i < kPacket; ++i) {
+    if (!lanes[i]) continue;
+    const glm::vec3 direction = l.direction.at(i), radiance = l.radiance.at(i), to_eye = hits.to_eye.at(i);
+    const float cosine = glm::dot(hits.surface.normal.at(i), direction);
+    if (radiance == glm::vec3(0) || !(cosine > 0) || !(glm::dot(hits.surface.geometric_normal.at(i), direction) > 0)) {
+      continue;
+    }
+    const Surface s = hits.surface.at(i);
+    const bool hard = l.pdf[i] == 0, is_known = hard ? known.hard[i] : known.soft[i];
+    const bool without_diffuse = known.soft[i] || last;
+    const bool also_by_reflection = !hard && !carries_nothing(hits.surface, without_diffuse);
+    glm::vec3 reflected = carried(s, to_eye, direction, without_diffuse);
+    if (also_by_reflection) reflected *= mis_weight(l.pdf[i], bsdf_pdf(s, to_eye, direction));
+    if (!is_known && without_diffuse) reflected += diffuse_bsdf(s);
+    if (is_known && !without_diffuse) reflected -= diffuse_bsdf(s);
+    const glm::vec3 arriving = reflected * radiance * cosine;
+    float keep = 1;
+    const float size = known.nits[i] > 0 ? luminance(glm::abs(arriving)) / (kSmall * known.nits[i]) : 1.0f;
+    if (arriving == glm::vec3(0) || !keeps(size, roulette.u[i], keep)) continue;
+    shadow.arriving.set(i, paths.throughput.at(i) * arriving / keep);
+    // stop short of the light's own surface
+    set_ray(shadow.rays, i, hits.start.at(i), direction, l.distance_m[i] * (1 - 1e-4f));
+    shadow.active[i] = -1;
+  }
+}
+
+/// Light samples of the kinds that each lane still needs.
+void sample_missing_lights(const RenderScene& world, const int lanes[kPacket], const Hits& hits,
+                           ScatterSamples& samples, bool last, const KnownLight& known, const Paths& paths,
+                           ShadowRays& shadow) {
+  const auto missing = [&](int i) -> std::optional<LightKinds> {
+    if (!hits.surface.lambertian || (!known.soft[i] && !last)) return LightKinds::all;
+    if (known.soft[i] && known.hard[i]) return {};
+    if (known.soft[i]) return LightKinds::hard;
+    return known.hard[i] ? LightKinds::soft : LightKinds::all;
+  };
+  for (const LightKinds kinds : {LightKinds::all, LightKinds::hard, LightKinds::soft}) {
+    alignas(64) int wanted[kPacket];
+    for (int i = 0; i < kPacket; ++i) wanted[i] = lanes[i] && missing(i) == kinds ? -1 : 0;
+    if (first_set(wanted) == kPacket) continue;
+    sample_lights(world, wanted, hits, samples, kinds, last, known, paths, shadow);
+  }
+}
+
+/// The next ray of each path.
+void sample_reflections(const int lanes[kPacket], const Hits& hits, ScatterSamples& samples, bool last,
+                        const KnownLight& known, RayPacket& rays, Paths& paths) {
+  constexpr float kSmall = 0.25f;  // rays that carry less are followed less often
+  for (int i = 0; i < kPacket; ++i) {
+    const bool without_diffuse = known.soft[i] || last;
+    if (!lanes[i] || carries_nothing(hits.surface, without_diffuse)) continue;
+    const Surface s = hits.surface.at(i);
+    const glm::vec3 to_eye = hits.to_eye.at(i);
+    const glm::vec3 direction = sample_bsdf(s, to_eye, samples.reflection().u[i], samples.reflection().v[i]);
+    const float n_l = glm::dot(s.normal, direction);
+    const float pdf = bsdf_pdf(s, to_eye, direction);
+    if (!(n_l > 0) || !(glm::dot(s.geometric_normal, direction) > 0) || !(pdf > 0)) continue;
+    const glm::vec3 carries = carried(s, to_eye, direction, without_diffuse) * (n_l / pdf);
+    float keep = 1;
+    if (!keeps(luminance(glm::abs(carries)) / kSmall, samples.roulette().v[i], keep)) continue;
+    paths.throughput.set(i, paths.throughput.at(i) * carries / keep);
+    paths.pdf[i] = pdf;
+    paths.normal.set(i, s.normal);
+    paths.spacing_m[i] = hits.spacing_m[i];
+    paths.spread[i] += 0.2f * s.roughness;
+    set_ray(rays, i, hits.start.at(i), direction, kInfinity);
+    paths.active[i] = -1;
+  }
+}
+
+/// The paths of `lanes`, all at one mesh: emission at the hit, light known there, light samples, and the next ray.
+void scatter(const RenderScene& world, const PathOptions& options, unsigned mesh_id, const int lanes[kPacket],
+             int bounces_left, ScatterSamples& samples, RayPacket& rays, Paths& paths, ShadowRays& shadow) {
+  const bool last = bounces_left == 0;
+  Hits hits;
+  hits_at(world, mesh_id, lanes, rays, hits);
+  for (int i = 0; i < kPacket; ++i) hits.spacing_m[i] = paths.spacing_m[i] + paths.spread[i] * hits.distance[i];
+  if (hits.surface.emits) add_emission(world, mesh_id, lanes, rays, hits, paths);
+  KnownLight known;
+  add_known_light(world, options, mesh_id, lanes, rays, hits, bounces_left, paths, known);
+  sample_missing_lights(world, lanes, hits, samples, last, known, paths, shadow);
+  sample_reflections(lanes, hits, samples, last, known, rays, paths);
+}
+
+/// What a ray that is followed for lights alone finds on a mesh.
+void see_lights(const RenderScene& world, unsigned mesh_id, const int lanes[kPacket], const RayPacket& rays,
+                Paths& paths) {
+  if (world.scene.materials[world.scene.meshes[mesh_id].material].emission_nits == glm::vec3(0)) return;
+  Hits hits;
+  hits_at(world, mesh_id, lanes, rays, hits);
+  add_emission(world, mesh_id, lanes, rays, hits, paths);
+}
+
+void add_unhidden(const RenderScene& world, const PathOptions& options, const ShadowRays& shadow, Paths& paths) {
+  if (first_set(shadow.active) == kPacket) return;
+  if (options.log) write_down(*options.log, shadow.active, shadow.rays, true, false);
+  alignas(64) int hidden[kPacket];
+  world.intersector.occluded(shadow.active, shadow.rays, false, hidden);
+  for (int i = 0; i < kPacket; ++i) {
+    if (shadow.active[i] && !hidden[i]) paths.radiance.set(i, paths.radiance.at(i) + shadow.arriving.at(i));
+  }
+}
+
+/// One step of all active paths: nearest hits, light found there, shadow rays. Beyond the last reflection, rays look
+/// for lights alone.
+void advance(const RenderScene& world, const PathOptions& options, RayPacket& rays, Paths& paths,
+             const SampleIndices& indices, int bounce) {
+  const Scene& scene = world.scene;
+  const bool coherent = bounce == 0;
+  if (options.log) write_down(*options.log, paths.active, rays, false, coherent);
+  world.intersector.intersect(paths.active, rays, coherent);
+
+  alignas(64) int waiting[kPacket];  // paths that have hit a mesh and are still to be shaded
+  bool any_missed = false;
+  for (int i = 0; i < kPacket; ++i) {
+    waiting[i] = rays.mesh[i] == kNoMesh ? 0 : paths.active[i];
+    any_missed |= waiting[i] != paths.active[i];
+  }
+  for (int i = 0; any_missed && i < kPacket; ++i) {
+    if (paths.active[i] && !waiting[i]) see_environment(world, rays, paths, i);
+  }
+  alignas(64) ShadowRays shadow;
+  for (int i = 0; i < kPacket; ++i) paths.active[i] = shadow.active[i] = 0;
+  ScatterSamples samples(options.sampling, indices, bounce);
+  for (int first; (first = first_set(waiting)) < kPacket;) {  // mesh by mesh: most packets hit only one
+    const unsigned mesh_id = rays.mesh[first];
+    alignas(64) int lanes[kPacket];
+    for (int i = 0; i < kPacket; ++i) {
+      lanes[i] = rays.mesh[i] == mesh_id ? waiting[i] : 0;
+      waiting[i] &= ~lanes[i];
+    }
+    const Mesh& mesh = scene.meshes[mesh_id];
+    if (scene.materials[mesh.material].unlit) {
+      if (bounce > options.max_bounces && paths.kinds == LightKinds::soft) continue;
+      see_unlit(scene, mesh, lanes, rays, paths);
+      continue;
+    }
+    if (bounce > options.max_bounces) {
+      see_lights(world, mesh_id, lanes, rays, paths);
+      continue;
+    }
+    scatter(world, options, mesh_id, lanes, options.max_bounces - bounce, samples, rays, paths, shadow);
+  }
+  add_unhidden(world, options, shadow, paths);
+}
+
+}  // namespace
+
+void random_samples(const SampleIndices& indices, std::uint32_t stream, float out[kPacket]) {
+  for (int i = 0; i < kPacket; ++i) {
+    out[i] = unit_float(static_cast<std::uint32_t>(hash(indices.pixel_key, 2 * indices.first + i, stream) >> 32));
+  }
+}
+
+void trace_paths(const RenderScene& world, const PathOptions& options, const SampleIndices& indices, int bounce,
+                 RayPacket& rays, Paths& paths) {
+  for (; bounce <= options.max_bounces + 1 && first_set(paths.active) < kPacket; ++bounce) {
+    advance(world, options, rays, paths, indices, bounce);
+  }
+}
+
+}  // namespace dualpixel::simulator

@@ -1,0 +1,120 @@
+// Light kept on surfaces against light sampled anew by every path.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+
+#include "simulator/render/views.h"
+#include "simulator/sampling/mosaic.h"
+#include "tests/simulator/test_scenes.h"
+
+namespace dualpixel::simulator::testing {
+namespace {
+
+constexpr LightCacheOptions kNone{.light_spacing_px = 0};
+
+/// A room with a window onto a bright sky: a floor, walls, a ball-like box on the floor, and a lamp.
+Scene room() {
+  Scene scene;
+  scene.materials = {diffuse(0.6f), glowing(4000), diffuse(0.3f)};
+  scene.materials[2].roughness = 0.4f;
+  scene.meshes = {make_quad({-1, 0.5f, 0.6f}, {2, 0, 0}, {0, 0, 2}, 0),
+                  make_quad({-1, -1, 2}, {2, 0, 0}, {0, 1.5f, 0}, 0),
+                  make_quad({-0.3f, -0.9f, 1.2f}, {0.5f, 0, 0}, {0, 0, 0.3f}, 1),
+                  make_quad({-0.2f, 0, 1.2f}, {0.4f, 0, 0.2f}, {0, 0.49f, 0}, 2)};
+  scene.environment = {8, 4, std::vector<glm::vec3>(32, glm::vec3(200))};
+  scene.environment.radiance_nits[10] = glm::vec3(3000, 2500, 2000);
+  PunctualLight sun;
+  sun.kind = PunctualLight::Kind::directional;
+  sun.direction = glm::normalize(glm::vec3(0.4f, 1, 0.3f));
+  sun.intensity = glm::vec3(900);
+  scene.lights = {sun};
+  return scene;
+}
+
+struct Difference {
+  double rms = 0, mean = 0;  ///< over the mean picture
+};
+
+Difference difference(const Image& a, const Image& b) {
+  double squares = 0, sum = 0, all = 0;
+  for (std::size_t i = 0; i < a.data.size(); ++i) {
+    const double d = static_cast<double>(a.data[i]) - b.data[i];
+    squares += d * d, sum += d, all += b.data[i];
+  }
+  const auto count = static_cast<double>(a.data.size());
+  return {std::sqrt(squares / count) / (all / count), sum / all};
+}
+
+Image picture(const Scene& scene, const LightCacheOptions& cache, int samples, int bounces) {
+  return undivided(render_views(RenderScene(scene, cache), phone_camera(1.3, 48, 48), {samples, bounces, 5}));
+}
+
+// With many samples both give the same picture: direct light, and light of three reflections. The error of the sampled
+// picture and of 1024 light samples is about .002 each.
+TEST(LightCache, GivesThePictureOfPlainPathTracing) {
+  for (int bounces : {0, 3}) {
+    const Image cached = picture(room(), {.light_spacing_px = 1, .light_samples = 1024}, 256, bounces);
+    const Image sampled = picture(room(), kNone, 4096, bounces);
+    const Difference d = difference(cached, sampled);
+    EXPECT_LT(std::abs(d.mean), 0.003) << bounces;
+    EXPECT_LT(d.rms, 0.015) << bounces;
+  }
+}
+
+// A lamp 8 mm before a wall, just out of view: its light falls off within the 15 mm of wall that are seen. Linear
+// interpolation errs by the square of the spacing: by a sixteenth at a quarter of it, up to noise.
+TEST(LightCache, DenserPointsAreNearer) {
+  Scene scene;
+  scene.materials = {diffuse(0.6f), glowing(4000)};
+  scene.meshes = {make_quad({-1, -1, 1}, {2, 0, 0}, {0, 2, 0}, 0),
+                  make_quad({0.012f, -0.001f, 0.992f}, {0, 0.002f, 0}, {0.002f, 0, 0}, 1)};
+  const Image sampled = picture(scene, kNone, 4096, 0);
+  const auto error = [&](double spacing_px) {
+    return difference(picture(scene, {.light_spacing_px = spacing_px, .light_samples = 1024}, 256, 0), sampled).rms;
+  };
+  EXPECT_LT(error(4), 0.3 * error(16));
+}
+
+// It is there to save samples: with 16 of them the error is a fraction of that of plain path tracing.
+TEST(LightCache, TakesTheNoiseOfLightOffTheSamples) {
+  const Image truth = picture(room(), kNone, 4096, 0);
+  const double cached = difference(picture(room(), {}, 16, 0), truth).rms;
+  const double sampled = difference(picture(room(), kNone, 16, 0), truth).rms;
+  EXPECT_LT(cached, 0.5 * sampled);
+}
+
+// Bytes depend neither on threads, nor on what was rendered before, nor on whether the table is full.
+TEST(LightCache, BytesDependOnTheSceneAlone) {
+  const Scene scene = room();
+  const CameraView camera = phone_camera(1.3, 48, 48);
+  const auto render = [&](const RenderScene& world) { return render_views(world, camera, {16, 1, 5}).left.data; };
+  const std::vector<float> once = render(RenderScene(scene));
+  {
+    const RenderScene used(scene);
+    render_views(used, phone_camera(0.7, 32, 32), {16, 1, 9});
+    EXPECT_EQ(render(used), once) << "after another camera";
+    EXPECT_EQ(render(used), once) << "again";
+  }
+  const RenderScene full(scene, {.light_memory_mb = 0.004});
+  EXPECT_EQ(render(full), once) << "in a table of one page";
+  EXPECT_GT(full.light_cache->table.turned_away(), 0u);
+  for (int threads : {1, 8}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    EXPECT_EQ(render(RenderScene(scene)), once) << threads << " threads";
+  }
+}
+
+// A mirror shows lamp and sky at the default of no reflections, exactly as bright as they are.
+TEST(LightCache, MirrorsShowLights) {
+  Scene scene;
+  scene.materials = {diffuse(1), glowing(300)};
+  scene.materials[0].metallic = 1;
+  scene.materials[0].roughness = 0;
+  scene.meshes = {make_quad({-1, -1, 1}, {2, 0, 0}, {0, 2, 0}, 0), make_quad({-9, -9, -1}, {18, 0, 0}, {0, 18, 0}, 1)};
+  const Image image = undivided(render_views(RenderScene(scene), phone_camera(1, 8, 8), {64, 0, 5}));
+  for (float value : image.data) EXPECT_NEAR(value, 300, 6);
+}
+
+}  // namespace
+}  // namespace dualpixel::simulator::testing
