@@ -134,7 +134,7 @@ void add_emission(const RenderScene& world, unsigned mesh_id, const int lanes[kP
   }
 }
 
-/// The same at a vertex, for all triangles around it.
+/// The surface at a vertex, for all triangles around it, in lane 0: normals, and where rays start.
 void surface_of_vertex(const Mesh& mesh, const LatticePoint& point, Hits& hits) {
   const glm::vec3 position = mesh.positions[point.vertex];
   const glm::vec3 normal = (point.behind ? -1.0f : 1.0f) * mesh.normals[point.vertex];
@@ -144,7 +144,7 @@ void surface_of_vertex(const Mesh& mesh, const LatticePoint& point, Hits& hits) 
   hits.start.set(0, position + 1e-5f * magnitude * normal);
 }
 
-/// The surface at a point of a lattice, in lane 0: normals, and where rays start.
+/// The same at any point of a lattice.
 void surface_of(const RenderScene& world, const TriangleLattice& lattice, const LatticePoint& point, Hits& hits) {
   if (point.vertex >= 0) return surface_of_vertex(world.scene.meshes[lattice.hit().mesh], point, hits);
   const glm::vec3 view = glm::normalize(lattice.view());
@@ -188,7 +188,7 @@ struct LightSum {
 
 int packets_of(int samples) { return (samples + kPacket - 1) / kPacket; }
 
-/// Of lights of one kind, by at least `samples` samples. Those of a packet lie close together, so that Embree is fast.
+/// Of lights of one kind, by at least `samples` samples.
 /// `shared`: as many directions, spread as their cosines, look for the same light.
 glm::vec3 sampled_irradiance(const RenderScene& world, const Hits& hits, std::uint64_t key, int samples,
                              LightKinds kinds, bool shared) {
@@ -202,10 +202,10 @@ glm::vec3 sampled_irradiance(const RenderScene& world, const Hits& hits, std::ui
   LightSum sum(world, hits);
   const int packets = packets_of(samples);
   for (int packet = 0; packet < packets; ++packet) {
-    alignas(64) float u[kPacket], v[kPacket];
-    planar_samples(packet, packets, key, u, v);
+    alignas(64) float numbers[4][kPacket];
+    joint_samples(packet * kPacket, key, numbers);
     LightPacket light;
-    world.lights.sample(all, point, normal, u, v, light, kinds);
+    world.lights.sample(all, point, normal, numbers[0], numbers[1], light, kinds);
     for (int i = 0; i < kPacket; ++i) {
       const glm::vec3 direction = light.direction.at(i);
       const float cosine_pdf = std::max(glm::dot(sum.normal, direction), 0.0f) / kPi;
@@ -244,13 +244,13 @@ glm::vec3 gathered_irradiance(const RenderScene& world, const PathOptions& optio
   const int packets = packets_of(samples);
   glm::vec3 sum(0);
   for (int packet = 0; packet < packets; ++packet) {
-    alignas(64) float u[kPacket], v[kPacket];
-    planar_samples(packet, packets, key, u, v);
+    alignas(64) float numbers[4][kPacket];
+    joint_samples(packet * kPacket, key, numbers);
     alignas(64) RayPacket rays;
     alignas(64) Paths paths;
     paths.kinds = LightKinds::soft;
     for (int i = 0; i < kPacket; ++i) {
-      const glm::vec3 direction = sample_bsdf(matte, matte.normal, v[i], u[i]);
+      const glm::vec3 direction = sample_bsdf(matte, matte.normal, numbers[0][i], numbers[1][i]);
       set_ray(rays, i, start, direction, kInfinity);
       paths.active[i] = glm::dot(up, direction) > 0 ? -1 : 0;
       paths.throughput.set(i, glm::vec3(1));
@@ -401,11 +401,12 @@ void add_known_light(const RenderScene& world, const PathOptions& options, unsig
   }
 }
 
-/// Numbers for one reflection of each path, drawn when first wanted.
+/// Numbers for one reflection of each path, drawn when first wanted. They go by the reflections that are left, so that
+/// light at points is the same whatever the most reflections of the job are.
 class ScatterSamples {
  public:
-  ScatterSamples(Sampling sampling, const SampleIndices& indices, int bounce)
-      : sampling_(sampling), indices_(indices), bounce_(bounce) {}
+  ScatterSamples(Sampling sampling, const SampleIndices& indices, int bounces_left)
+      : sampling_(sampling), indices_(indices), bounces_left_(bounces_left) {}
 
   const Padded& light() { return drawn(0); }
   const Padded& reflection() { return drawn(1); }
@@ -413,14 +414,14 @@ class ScatterSamples {
 
  private:
   const Padded& drawn(int which) {
-    if (!drawn_[which]) path_samples(sampling_, indices_, 3 * bounce_ + which, numbers_[which]);
+    if (!drawn_[which]) path_samples(sampling_, indices_, 3 * bounces_left_ + which, numbers_[which]);
     drawn_[which] = true;
     return numbers_[which];
   }
 
   Sampling sampling_;
   const SampleIndices& indices_;
-  int bounce_;
+  int bounces_left_;
   bool drawn_[3] = {};
   Padded numbers_[3];
 };
@@ -571,7 +572,7 @@ void advance(const RenderScene& world, const PathOptions& options, RayPacket& ra
   }
   alignas(64) ShadowRays shadow;
   for (int i = 0; i < kPacket; ++i) paths.active[i] = shadow.active[i] = 0;
-  ScatterSamples samples(options.sampling, indices, bounce);
+  ScatterSamples samples(options.sampling, indices, std::max(options.max_bounces - bounce, 0));
   for (int first; (first = first_set(waiting)) < kPacket;) {  // mesh by mesh: most packets hit only one
     const unsigned mesh_id = rays.mesh[first];
     alignas(64) int lanes[kPacket];

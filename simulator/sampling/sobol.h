@@ -97,19 +97,6 @@ inline void joint_samples(std::uint32_t first, std::uint64_t pixel_key, float ou
   }
 }
 
-/// The first two joint coordinates of points first, first + stride, ...: where `stride` times sixteen points make a
-/// net, those that lie next to each other in the first coordinate.
-inline void planar_samples(std::uint32_t first, std::uint32_t stride, std::uint64_t key, float u[kPacket],
-                           float v[kPacket]) {
-  const auto seed_u = static_cast<std::uint32_t>(hash(key, 0) >> 32);
-  const auto seed_v = static_cast<std::uint32_t>(hash(key, 1) >> 32);
-  for (int i = 0; i < kPacket; ++i) {
-    const std::uint32_t index = first + i * stride;
-    u[i] = unit_float(owen_scramble_reversed(detail::sobol_reversed(0, index), seed_u));
-    v[i] = unit_float(owen_scramble_reversed(detail::sobol_reversed(1, index), seed_v));
-  }
-}
-
 /// Eight points, `first` a multiple of 8, as mirrored pairs: lanes i and i + 8 are at one position on the pixel and at
 /// opposite ones of the pupil, lanes 0 to 7 in its left half (third coordinate under 1/2).
 inline void mirrored_samples(std::uint32_t first, std::uint64_t pixel_key, float out[4][kPacket]) {

@@ -50,15 +50,15 @@ Image picture(const Scene& scene, const LightCacheOptions& cache, int samples, i
   return undivided(render_views(RenderScene(scene, cache), phone_camera(1.3, 48, 48), {samples, bounces, 5}));
 }
 
-// With many samples both give the same picture: direct light, and light of three reflections. The error of the sampled
-// picture and of 1024 light samples is about .002 each.
+// With many samples both give the same picture: direct light, and light of three reflections. RMS, measured: .0044 and
+// .0065, with the noise of the sampled picture, of 1024 light samples and of what the lamp leaves to each path.
 TEST(LightCache, GivesThePictureOfPlainPathTracing) {
   for (int bounces : {0, 3}) {
     const Image cached = picture(room(), {.light_spacing_px = 1, .light_samples = 1024}, 256, bounces);
     const Image sampled = picture(room(), kNone, 4096, bounces);
     const Difference d = difference(cached, sampled);
     EXPECT_LT(std::abs(d.mean), 0.003) << bounces;
-    EXPECT_LT(d.rms, 0.015) << bounces;
+    EXPECT_LT(d.rms, 0.009) << bounces;
   }
 }
 
@@ -95,6 +95,11 @@ TEST(LightCache, BytesDependOnTheSceneAlone) {
     render_views(used, phone_camera(0.7, 32, 32), {16, 1, 9});
     EXPECT_EQ(render(used), once) << "after another camera";
     EXPECT_EQ(render(used), once) << "again";
+  }
+  {
+    const RenderScene used(scene);
+    render_views(used, camera, {16, 3, 5});
+    EXPECT_EQ(render(used), once) << "after more reflections";
   }
   const RenderScene full(scene, {.light_memory_mb = 0.004});
   EXPECT_EQ(render(full), once) << "in a table of one page";
