@@ -17,7 +17,7 @@
 namespace dualpixel::simulator {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kFocusAtInfinity_m = std::numeric_limits<double>::infinity();
 
 void read_camera(Fields camera, Simulation& s, double& focus_distance_m) {
   camera.text("node", s.camera_node);
@@ -32,7 +32,7 @@ void read_camera(Fields camera, Simulation& s, double& focus_distance_m) {
       camera.fail("look_at_m", "must differ from position_m, and not lie along `up` from it");
     }
   }
-  camera.number("focus_distance_m", focus_distance_m, 0.001, kInfinity);
+  camera.number("focus_distance_m", focus_distance_m, 0.001, kFocusAtInfinity_m);
   camera.done();
 }
 
@@ -94,7 +94,7 @@ void read_environment_fields(Fields environment, Simulation& s, const std::strin
   environment.done();
 }
 
-/// What rendering may be asked to reach, in place of a number of samples.
+/// What rendering may be asked to reach, instead of a number of samples.
 struct RenderGoal {
   const char* name;
   std::optional<double> Simulation::*value;

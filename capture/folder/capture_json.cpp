@@ -11,14 +11,14 @@
 namespace dualpixel {
 namespace {
 
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kFocusAtInfinity_m = std::numeric_limits<double>::infinity();
 
 /// JSON has no infinity.
-json number_or_inf(double value) { return std::isinf(value) ? json("inf") : json(value); }
+Json number_or_inf(double value) { return std::isinf(value) ? Json("inf") : Json(value); }
 
-json to_json(const NoiseProfile& noise) { return {{"shot_dn", noise.shot_dn}, {"read_dn2", noise.read_dn2}}; }
+Json to_json(const NoiseProfile& noise) { return {{"shot_dn", noise.shot_dn}, {"read_dn2", noise.read_dn2}}; }
 
 NoiseProfile read_noise(Fields fields) {
   NoiseProfile noise;
@@ -60,7 +60,7 @@ bool read_known(const std::string& name, const nlohmann::json& value, Provenance
 
 }  // namespace
 
-json conventions() {
+Json conventions() {
   return {{"axes", "opencv"},
           {"pixel_center", 0.5},
           {"depth", "planar z from the entrance pupil, metres"},
@@ -69,7 +69,7 @@ json conventions() {
           {"camera_from_world", "row-major 4x4, points are columns, metres"}};
 }
 
-json to_json(const Camera& camera) {
+Json to_json(const Camera& camera) {
   return {{"name", camera.name},
           {"width_px", camera.width_px},
           {"height_px", camera.height_px},
@@ -85,7 +85,7 @@ json to_json(const Camera& camera) {
           {"alpha", camera.alpha}};
 }
 
-json to_json(const Exposure& exposure) {
+Json to_json(const Exposure& exposure) {
   return {{"time_s", exposure.time_s},
           {"iso", exposure.iso},
           {"bits", exposure.bits},
@@ -102,7 +102,7 @@ Camera read_camera(Fields fields) {
   camera.focus_distance_m = 0;
   read_intrinsics(fields, camera);
   fields.choice("cfa", camera.cfa, names_of(kColorFilterArrays));
-  fields.required("focus_distance_m").number("focus_distance_m", camera.focus_distance_m, 1e-4, kInfinity);
+  fields.required("focus_distance_m").number("focus_distance_m", camera.focus_distance_m, 1e-4, kFocusAtInfinity_m);
   std::vector<std::string> splits = names_of(kSplitKinds);
   splits.push_back(camera.split);  // "unknown"
   fields.choice("split", camera.split, splits);
@@ -151,7 +151,7 @@ nlohmann::json to_json(const Provenance& provenance, const std::string& where) {
 }
 
 void check_conventions(Fields fields) {
-  const json expected = conventions();
+  const Json expected = conventions();
   for (const auto& [key, value] : expected.items()) {
     if (fields.required(key).raw(key) != nlohmann::json(value)) fields.fail(key, "must be " + value.dump());
   }

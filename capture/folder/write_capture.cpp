@@ -17,9 +17,8 @@ namespace dualpixel {
 namespace {
 
 namespace fs = std::filesystem;
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr float kLargestHalf = 65504;
 
 /// A capture's files on their way to disk.
@@ -39,12 +38,12 @@ bool fits_half(const Image& image) {
 }
 
 /// Writes the frames' images; returns "frames" of capture.json.
-json write_frames(const Capture& capture, Output& output) {
-  json frames = json::array();
+Json write_frames(const Capture& capture, Output& output) {
+  Json frames = Json::array();
   fs::create_directory(output.folder + "/frames");
   for (std::size_t i = 0; i < capture.frames.size(); ++i) {
     const Frame& frame = capture.frames[i];
-    json entry;
+    Json entry;
     const auto write_image = [&](const char* kind, const ImageU16& pixels) {
       if (pixels.empty()) return;
       const std::string name = fmt::format("frames/{:03}_{}.png", i, kind);
@@ -73,14 +72,14 @@ void write_truth_pictures(const Truth& truth, const Capture& capture, Output& ou
       write_exr(file, {{"R", &image, 0}, {"G", &image, 1}, {"B", &image, 2}}, fits_half(image), nullptr, attributes);
     });
   };
-  write_picture(kAllInFocusFile, truth.all_in_focus, kInfinity);
+  write_picture(kAllInFocusFile, truth.all_in_focus, std::numeric_limits<double>::infinity());
   write_picture(kPhotographFile, truth.photograph, capture.camera.f_number / truth.photograph_aperture_scale);
 }
 
 /// Writes the truth's images; returns "truth" of capture.json.
-json write_truth(const Truth& truth, const Capture& capture, Output& output) {
+Json write_truth(const Truth& truth, const Capture& capture, Output& output) {
   fs::create_directory(output.folder + "/truth");
-  json entry = {{"geometry", kGeometryFile},
+  Json entry = {{"geometry", kGeometryFile},
                 {"all_in_focus", kAllInFocusFile},
                 {"photograph", kPhotographFile},
                 {"photograph_aperture_scale", truth.photograph_aperture_scale}};
@@ -115,7 +114,7 @@ json write_truth(const Truth& truth, const Capture& capture, Output& output) {
 }  // namespace
 
 void write_capture(const Capture& capture, const std::string& path) {
-  const json camera = to_json(capture.camera), exposure = to_json(capture.exposure);
+  const Json camera = to_json(capture.camera), exposure = to_json(capture.exposure);
   const nlohmann::json provenance = to_json(capture.provenance, path);
   // What read_capture would refuse is not written.
   const nlohmann::json camera_to_read = camera, exposure_to_read = exposure;
@@ -125,7 +124,7 @@ void write_capture(const Capture& capture, const std::string& path) {
 
   NewFolder folder(path, kCaptureMarker);
   Output output{folder.path(), {}, {}};
-  json document = {{"format", kCaptureFormat},     {"version", kCaptureFormatVersion},
+  Json document = {{"format", kCaptureFormat},     {"version", kCaptureFormatVersion},
                    {"conventions", conventions()}, {"camera", camera},
                    {"exposure", exposure},         {"frames", write_frames(capture, output)}};
   if (capture.face_px) document["face_px"] = *capture.face_px;

@@ -27,7 +27,7 @@ constexpr int kLongestSide = 65536;
 constexpr std::int64_t kMostValues = 500'000'000;
 constexpr int kMostChannels = 1024;
 
-[[noreturn]] void fail(const std::string& path, const std::string& why) {
+[[noreturn]] void refuse(const std::string& path, const std::string& why) {
   throw InputError(printable(path) + ": " + why);
 }
 
@@ -36,7 +36,7 @@ std::string format_of(const std::string& path) {
   require_regular_file(path);
   char bytes[16] = {};
   std::ifstream file(path, std::ios::binary);
-  if (!file) fail(path, "cannot be read");
+  if (!file) refuse(path, "cannot be read");
   file.read(bytes, sizeof(bytes));
   const std::string_view head(bytes, static_cast<std::size_t>(file.gcount()));
   using namespace std::string_view_literals;
@@ -45,14 +45,14 @@ std::string format_of(const std::string& path) {
   if (head.starts_with("II*\0"sv) || head.starts_with("MM\0*"sv) || head.starts_with("II+\0"sv)) return "tiff";
   if (head.starts_with("\xff\xd8\xff"sv)) return "jpeg";
   if (head.starts_with("#?RADIANCE"sv) || head.starts_with("#?RGBE"sv)) return "hdr";
-  fail(path, "is no picture that can be read (EXR, PNG, TIFF, JPEG or HDR)");
+  refuse(path, "is no picture that can be read (EXR, PNG, TIFF, JPEG or HDR)");
 }
 
 void check_size(const std::string& path, std::int64_t width, std::int64_t height, std::int64_t channels) {
   if (width < 1 || height < 1 || width > kLongestSide || height > kLongestSide || channels < 1 ||
       channels > kMostChannels || width * height > kMostValues / channels) {
-    fail(path, fmt::format("{} x {} pixels of {} channels: at most {} a side and {} values in all are allowed", width,
-                           height, channels, kLongestSide, kMostValues));
+    refuse(path, fmt::format("{} x {} pixels of {} channels: at most {} a side and {} values in all are allowed", width,
+                             height, channels, kLongestSide, kMostValues));
   }
 }
 
@@ -72,25 +72,25 @@ void require_whole_png(const std::string& path) {
     file.seekg(length + 4, std::ios::cur);
   }
   std::array<char, 4> checksum{};
-  if (!file.read(checksum.data(), checksum.size())) fail(path, "cannot be read: the file ends before the PNG does");
+  if (!file.read(checksum.data(), checksum.size())) refuse(path, "cannot be read: the file ends before the PNG does");
 }
 
 std::unique_ptr<ImageInput> open_picture(const std::string& path) {
   const std::string format = format_of(path);
   std::unique_ptr<ImageInput> input = ImageInput::create(format);
-  if (!input) fail(path, "this build of OpenImageIO cannot read " + format);
+  if (!input) refuse(path, "this build of OpenImageIO cannot read " + format);
   ImageSpec as_stored, spec;
   as_stored["oiio:UnassociatedAlpha"] = 1;
-  if (!input->open(path, spec, as_stored)) fail(path, "cannot be read: " + one_line(input->geterror()));
-  if (spec.deep) fail(path, "deep EXR is not supported");
+  if (!input->open(path, spec, as_stored)) refuse(path, "cannot be read: " + one_line(input->geterror()));
+  if (spec.deep) refuse(path, "deep EXR is not supported");
   check_size(path, spec.width, spec.height, spec.nchannels);
   if (format == "png") require_whole_png(path);
-  if (spec.depth > 1) fail(path, "volumes are not supported");
+  if (spec.depth > 1) refuse(path, "volumes are not supported");
   if (spec.tile_width > 0) check_size(path, spec.tile_width, spec.tile_height, spec.nchannels);
   if (format == "openexr") {
-    if (input->seek_subimage(1, 0)) fail(path, "EXR of several parts is not supported");
+    if (input->seek_subimage(1, 0)) refuse(path, "EXR of several parts is not supported");
     input->geterror();  // the message that there is no second part
-    if (!input->seek_subimage(0, 0)) fail(path, "cannot be read: " + one_line(input->geterror()));
+    if (!input->seek_subimage(0, 0)) refuse(path, "cannot be read: " + one_line(input->geterror()));
   }
   return input;
 }
@@ -103,7 +103,7 @@ auto reading(const std::string& path, Read read) {
   } catch (const InputError&) {
     throw;
   } catch (const std::exception& error) {
-    fail(path, "cannot be read: " + one_line(error.what()));
+    refuse(path, "cannot be read: " + one_line(error.what()));
   }
 }
 
@@ -113,7 +113,7 @@ ImageOf<T> read_channels(ImageInput& input, const std::string& path, int begin, 
   const ImageSpec& spec = input.spec();
   ImageOf<T> image(spec.width, spec.height, end - begin);
   if (!input.read_image(0, 0, begin, end, type, image.data.data())) {
-    fail(path, "cannot be read: " + one_line(input.geterror()));
+    refuse(path, "cannot be read: " + one_line(input.geterror()));
   }
   return image;
 }
@@ -121,8 +121,8 @@ ImageOf<T> read_channels(ImageInput& input, const std::string& path, int begin, 
 int find_channel(const ImageSpec& spec, const std::string& path, const std::string& channel) {
   const auto found = std::find(spec.channelnames.begin(), spec.channelnames.end(), channel);
   if (found == spec.channelnames.end()) {
-    fail(path, fmt::format("has no channel '{}' (it has {})", printable(channel),
-                           printable(fmt::format("{}", fmt::join(spec.channelnames, ", ")))));
+    refuse(path, fmt::format("has no channel '{}' (it has {})", printable(channel),
+                             printable(fmt::format("{}", fmt::join(spec.channelnames, ", ")))));
   }
   return static_cast<int>(found - spec.channelnames.begin());
 }
@@ -132,12 +132,12 @@ int find_channel(const ImageSpec& spec, const std::string& path, const std::stri
 void write_picture(const std::string& path, const std::string& format, const ImageSpec& spec, TypeDesc type,
                    const void* pixels, void (*write)(const std::string&, std::string_view) = write_file) {
   const std::unique_ptr<ImageOutput> output = ImageOutput::create(format);
-  if (!output) fail(path, "this build of OpenImageIO cannot write " + format);
+  if (!output) refuse(path, "this build of OpenImageIO cannot write " + format);
   std::vector<unsigned char> bytes;
   OIIO::Filesystem::IOVecOutput memory(bytes);
   if (!output->set_ioproxy(&memory) || !output->open(path, spec) || !output->write_image(type, pixels) ||
       !output->close()) {
-    fail(path, "cannot be written: " + one_line(output->geterror()));
+    refuse(path, "cannot be written: " + one_line(output->geterror()));
   }
   write(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
@@ -156,11 +156,11 @@ ImageU16 read_image_u16(const std::string& path, int channels) {
     const std::unique_ptr<ImageInput> input = open_picture(path);
     const ImageSpec& spec = input->spec();
     if (spec.nchannels != channels) {
-      fail(path, fmt::format("has {} channels; {} are needed", spec.nchannels, channels));
+      refuse(path, fmt::format("has {} channels; {} are needed", spec.nchannels, channels));
     }
     if (spec.format == TypeDesc::UINT16) return read_channels<std::uint16_t>(*input, path, 0, channels, spec.format);
     if (spec.format != TypeDesc::UINT8) {
-      fail(path, fmt::format("holds {}; integers of 8 or 16 bits are needed", spec.format.c_str()));
+      refuse(path, fmt::format("holds {}; integers of 8 or 16 bits are needed", spec.format.c_str()));
     }
     const ImageOf<std::uint8_t> bytes = read_channels<std::uint8_t>(*input, path, 0, channels, spec.format);
     ImageU16 image(bytes.width, bytes.height, channels);
@@ -240,7 +240,7 @@ ImageU32 read_exr_ids(const std::string& path) {
   return reading(path, [&] {
     const std::unique_ptr<ImageInput> input = open_picture(path);
     const int channel = find_channel(input->spec(), path, "id");
-    if (input->spec().channelformat(channel) != TypeDesc::UINT32) fail(path, "channel 'id' must be uint32");
+    if (input->spec().channelformat(channel) != TypeDesc::UINT32) refuse(path, "channel 'id' must be uint32");
     return read_channels<std::uint32_t>(*input, path, channel, channel + 1, TypeDesc::UINT32);
   });
 }

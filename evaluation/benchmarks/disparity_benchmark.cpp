@@ -20,8 +20,6 @@
 namespace dualpixel::evaluation {
 namespace {
 
-constexpr float kWrongDpPx = 0.5f, kConfidentDpPx = 0.2f;
-
 /// A quarter of the scene's photosites, one frame, 64 samples each: rendering noise is common to both views, and fewer
 /// samples would bias every matcher toward 0.
 Capture render(const std::string& scene_file) {

@@ -17,7 +17,7 @@
 namespace dualpixel::evaluation {
 namespace {
 
-constexpr int kWidth = 1344, kHeight = 1008, kSamples = 16;
+constexpr int kSensorWidth = 1344, kSensorHeight = 1008, kSamples = 16;
 
 /// RMS over the field and over depths, DP px.
 double disparity_error(const simulator::LensSampler& lens, const simulator::LensSampler& reference) {
@@ -46,8 +46,10 @@ LensBenchmark measure_lens(const std::string& file, const simulator::Simulation&
     throw InputError(printable(file) + ": /model: has no image circle to fill");
   }
   const double radius_m = 1e-3 * simulator::image_radius_mm(lens);
-  const simulator::SensorGrid sensor{
-      kWidth, kHeight, radius_m * 2 / std::hypot(kWidth, kHeight), {kWidth / 2, kHeight / 2}};
+  const simulator::SensorGrid sensor{kSensorWidth,
+                                     kSensorHeight,
+                                     radius_m * 2 / std::hypot(kSensorWidth, kSensorHeight),
+                                     {kSensorWidth / 2, kSensorHeight / 2}};
   const std::vector<simulator::LensCandidate> models = simulator::lens_candidates(lens);
   std::vector<simulator::CameraView> cameras;
   std::vector<double> ready_s, render_s(models.size(), 1e30);
@@ -63,7 +65,7 @@ LensBenchmark measure_lens(const std::string& file, const simulator::Simulation&
     }
   }
   LensBenchmark result{lens.name, file, {}};
-  const double samples = double{kWidth} * double{kHeight} * kSamples;
+  const double samples = double{kSensorWidth} * double{kSensorHeight} * kSamples;
   for (std::size_t i = 0; i < models.size(); ++i) {
     result.models.push_back({models[i].name, ready_s[i], samples / render_s[i], render_s[i] / render_s[0],
                              disparity_error(cameras[i].lens, cameras.back().lens)});

@@ -257,7 +257,7 @@ std::vector<SolverComparison> compare_with_opencv(const Problem& problem) {
   return rows;
 }
 
-std::vector<SolverFailure> measure_failures() {
+std::vector<SolverFailure> measure_solver_failures() {
   std::vector<SolverFailure> rows;
   for (const EdgeFailure& failure : edge_failures()) {
     const std::optional<Image> theirs = solve_with_opencv({{failure.guide}, {failure.target, failure.confidence}}, {});
@@ -287,7 +287,7 @@ SmoothingBenchmark measure_smoothing(const std::string& capture_path, const std:
   benchmark.capture = capture_path;
   benchmark.stages = measure_stages(matched);
   benchmark.opencv = compare_with_opencv(matched);
-  benchmark.failures = measure_failures();
+  benchmark.failures = measure_solver_failures();
   const std::vector<SmoothingMethod> all = smoothing_methods();
   for (std::size_t i = 0; i < all.size(); ++i) {
     report(0.3 + 0.7 * static_cast<double>(i) / static_cast<double>(all.size()));

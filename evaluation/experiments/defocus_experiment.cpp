@@ -19,13 +19,13 @@
 namespace dualpixel::evaluation {
 namespace {
 
-using Mask = std::vector<std::uint8_t>;
+using MarkedPixels = std::vector<std::uint8_t>;
 using Json = nlohmann::ordered_json;
 
 constexpr float kEdgeJumpDpPx = 0.1f;  // a depth edge, as score has it
 constexpr int kRimPx = 16;
 
-double psnr_within(const Image& a, const Image& b, const Mask& mask) {
+double psnr_within(const Image& a, const Image& b, const MarkedPixels& mask) {
   double squares = 0, values = 0;
   for (std::size_t i = 0; i < a.data.size(); ++i) {
     if (!mask[i / 3]) continue;
@@ -36,7 +36,7 @@ double psnr_within(const Image& a, const Image& b, const Mask& mask) {
 }
 
 /// Marks the pixels within `radius` of (x, y).
-void mark(Mask& mask, int width, int height, int x, int y, float radius) {
+void mark(MarkedPixels& mask, int width, int height, int x, int y, float radius) {
   const int reach = static_cast<int>(radius);
   for (int v = std::max(y - reach, 0); v <= std::min(y + reach, height - 1); ++v) {
     const int half = static_cast<int>(std::sqrt(std::max(radius * radius - std::pow(v - y, 2), 0.0)));
@@ -47,8 +47,8 @@ void mark(Mask& mask, int width, int height, int x, int y, float radius) {
 
 /// Pixels within reach_of(pixel, neighbor) of an edge: a pixel that differs from its right or lower neighbor.
 template <typename Differ, typename Reach>
-Mask near_edges(int width, int height, const Differ& differ, const Reach& reach_of) {
-  Mask mask(static_cast<std::size_t>(width) * height);
+MarkedPixels near_edges(int width, int height, const Differ& differ, const Reach& reach_of) {
+  MarkedPixels mask(static_cast<std::size_t>(width) * height);
   for (int y = 0; y < height - 1; ++y) {
     for (int x = 0; x < width - 1; ++x) {
       const int i = y * width + x;
@@ -76,7 +76,7 @@ class Comparison {
     for (std::size_t i = 0; i < edges_.size(); ++i) elsewhere_[i] = !edges_[i];
   }
 
-  double db(const Image& linear, const Mask& mask) const {
+  double db(const Image& linear, const MarkedPixels& mask) const {
     return psnr_within(displayed(clipped(linear)), photograph_, mask);
   }
   DefocusPsnr operator()(const Image& linear) const {
@@ -84,11 +84,11 @@ class Comparison {
     return {psnr_within(shown, photograph_, all_), psnr_within(shown, photograph_, edges_),
             psnr_within(shown, photograph_, elsewhere_)};
   }
-  const Mask& all() const { return all_; }
+  const MarkedPixels& all() const { return all_; }
 
  private:
   Image photograph_;
-  Mask all_, edges_, elsewhere_;
+  MarkedPixels all_, edges_, elsewhere_;
 };
 
 /// Scale and offset that bring `map` closest to `truth`, weighted by confidence, applied.
@@ -125,16 +125,16 @@ Image best_uniform(const Comparison& compare, const pipeline::DefocusMethod& met
   return best;
 }
 
-Mask mask_of(const Image& image) {
-  Mask mask(image.data.size());
+MarkedPixels mask_of(const Image& image) {
+  MarkedPixels mask(image.data.size());
   std::transform(image.data.begin(), image.data.end(), mask.begin(), [](float v) { return v > 0.5f; });
   return mask;
 }
 
 std::vector<RankedMethod> rank(const std::vector<std::pair<std::string, Image>>& pictures, const Comparison& compare,
                                const Image& person) {
-  const Mask subject = mask_of(person);
-  const Mask rim = near_edges(
+  const MarkedPixels subject = mask_of(person);
+  const MarkedPixels rim = near_edges(
       person.width, person.height, [&](int i, int j) { return subject[i] != subject[j]; },
       [](int, int) { return static_cast<float>(kRimPx); });
   std::vector<RankedMethod> ranked;

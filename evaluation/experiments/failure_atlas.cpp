@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "evaluation/metrics/disparity_metrics.h"
 #include "evaluation/metrics/statistics.h"
 #include "pipeline/disparity/tile_disparity.h"
 #include "pipeline/disparity/upsample.h"
@@ -14,7 +15,6 @@ namespace dualpixel::evaluation {
 namespace {
 
 constexpr int kBorder = 16;  // 2 tiles
-constexpr float kWrongDpPx = 0.5f, kConfidentDpPx = 0.2f;
 constexpr double kBrokenShare = 0.1;
 
 nlohmann::ordered_json to_json(const FailureFigures& figures) {

@@ -11,11 +11,10 @@
 namespace dualpixel::evaluation {
 namespace {
 
-constexpr int kWidth = kFailureWidth, kHeight = kFailureHeight;
 constexpr double kMean = 0.25, kElectrons = 811;  // of the views at 100 lux
 constexpr double kContrast = 0.2;                 // root mean square over mean
 constexpr double kPi = std::numbers::pi;
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 /// Points of one half of the pupil, the unit disc, that a view sees through, each with the same weight.
 struct Kernel {
@@ -63,22 +62,23 @@ class Waves {
   /// Through a pupil whose image is `blur_px` wide, signed: point p of the kernel moves the picture by
   /// blur_px / 2 * p to the right.
   Image seen(const Kernel& kernel, double blur_px, double shift_px) const {
-    std::vector<double> sums(static_cast<std::size_t>(kWidth) * kHeight);
-    std::vector<std::complex<double>> across(kWidth);
+    std::vector<double> sums(static_cast<std::size_t>(kFailureWidth) * kFailureHeight);
+    std::vector<std::complex<double>> across(kFailureWidth);
     for (const Wave& wave : waves_) {
       std::complex<double> gain = 0;
       for (const auto& p : kernel.points) {
         gain += std::polar(1.0, -0.5 * blur_px * (wave.x * p[0] + wave.y * p[1]));
       }
       gain *= std::polar(1 / static_cast<double>(kernel.points.size()), wave.phase - wave.x * shift_px);
-      for (int x = 0; x < kWidth; ++x) across[x] = std::polar(1.0, wave.x * x) * gain;
-      for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kFailureWidth; ++x) across[x] = std::polar(1.0, wave.x * x) * gain;
+      for (int y = 0; y < kFailureHeight; ++y) {
         const std::complex<double> down = std::polar(1.0, wave.y * y);
-        double* row = sums.data() + static_cast<std::size_t>(y) * kWidth;
-        for (int x = 0; x < kWidth; ++x) row[x] += across[x].real() * down.real() - across[x].imag() * down.imag();
+        double* row = sums.data() + static_cast<std::size_t>(y) * kFailureWidth;
+        for (int x = 0; x < kFailureWidth; ++x)
+          row[x] += across[x].real() * down.real() - across[x].imag() * down.imag();
       }
     }
-    Image image(kWidth, kHeight);
+    Image image(kFailureWidth, kFailureHeight);
     const double scale = std::sqrt(2.0 / static_cast<double>(waves_.size()));
     for (std::size_t i = 0; i < sums.size(); ++i) image.data[i] = static_cast<float>(scale * sums[i]);
     return image;
@@ -118,13 +118,13 @@ Image exposed(Image texture, double contrast = kContrast) {
   return texture;
 }
 
-Image constant(double value) { return Image(kWidth, kHeight, 1, static_cast<float>(value)); }
+Image uniform_image(double value) { return Image(kFailureWidth, kFailureHeight, 1, static_cast<float>(value)); }
 
 /// In focus, shifted by d.
 FailureCase shifted(const Waves& waves, double d, double contrast = kContrast, double lux = 100) {
   const Kernel pinhole{{{0, 0}}};
   return with_noise(exposed(waves.seen(pinhole, 0, 0), contrast), exposed(waves.seen(pinhole, 0, d), contrast),
-                    constant(d), lux);
+                    uniform_image(d), lux);
 }
 
 /// Out of focus. A point of the pupil at x moves the picture by b x / 2 to the right; the right view looks through the
@@ -132,7 +132,7 @@ FailureCase shifted(const Waves& waves, double d, double contrast = kContrast, d
 FailureCase defocused(const Waves& waves, double blur_px, double split = 0, double cut = 0) {
   const Kernel left = half_disc(-1, split, cut), right = half_disc(1, split, cut);
   return with_noise(exposed(waves.seen(left, blur_px, 0)), exposed(waves.seen(right, blur_px, 0)),
-                    constant(0.5 * blur_px * (right.centroid() - left.centroid())));
+                    uniform_image(0.5 * blur_px * (right.centroid() - left.centroid())));
 }
 
 /// Opaque bars of one blur in front of a background of another: each point of the pupil sees both, shifted, with the
@@ -140,20 +140,20 @@ FailureCase defocused(const Waves& waves, double blur_px, double split = 0, doub
 FailureCase layered(double front_blur_px, double back_blur_px, double bar_px, double period_px) {
   const Waves front(3, 0.25), back(4, 0.25);
   Image views[2];
-  Image front_count(kWidth, kHeight);
+  Image front_count(kFailureWidth, kFailureHeight);
   double points = 0;
   double centroids[2];
   for (int side = 0; side < 2; ++side) {
     const Kernel kernel = half_disc(2 * side - 1, 0, 0, 10);
     centroids[side] = kernel.centroid();
-    Image& view = views[side] = Image(kWidth, kHeight);
+    Image& view = views[side] = Image(kFailureWidth, kFailureHeight);
     for (const auto& point : kernel.points) {
       const Kernel one{{point}};
       const Image f = exposed(front.seen(one, front_blur_px, 0)), b = exposed(back.seen(one, back_blur_px, 0));
-      for (int x = 0; x < kWidth; ++x) {
+      for (int x = 0; x < kFailureWidth; ++x) {
         const double at = std::fmod(x + 0.5 - 0.5 * front_blur_px * point[0] + 16 * period_px, period_px);
         const bool covered = at < bar_px;
-        for (int y = 0; y < kHeight; ++y) {
+        for (int y = 0; y < kFailureHeight; ++y) {
           view.at(x, y) += (covered ? f : b).at(x, y) / static_cast<float>(kernel.points.size());
           front_count.at(x, y) += covered;
         }
@@ -162,7 +162,7 @@ FailureCase layered(double front_blur_px, double back_blur_px, double bar_px, do
     points += static_cast<double>(kernel.points.size());
   }
   const double apart = 0.5 * (centroids[1] - centroids[0]);
-  Image truth = constant(kNaN);
+  Image truth = uniform_image(kUnknown);
   for (std::size_t i = 0; i < truth.data.size(); ++i) {
     if (front_count.data[i] == 0) truth.data[i] = static_cast<float>(apart * back_blur_px);
     if (front_count.data[i] == static_cast<float>(points)) truth.data[i] = static_cast<float>(apart * front_blur_px);
@@ -181,21 +181,21 @@ FailureCase saturated(double clipped_share) {
   for (Image* view : {&left, &right}) {
     for (float& value : view->data) value = gain * std::max(1 + 0.4f * value, 0.0f);
   }
-  return with_noise(std::move(left), std::move(right), constant(0.4));
+  return with_noise(std::move(left), std::move(right), uniform_image(0.4));
 }
 
 FailureCase shaded(double ramp) {
   const Kernel pinhole{{{0, 0}}};
   const Waves waves(6);
   Image left = exposed(waves.seen(pinhole, 0, 0)), right = exposed(waves.seen(pinhole, 0, 0.4));
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      const double t = 2 * (x + 0.5) / kWidth - 1;
+  for (int y = 0; y < kFailureHeight; ++y) {
+    for (int x = 0; x < kFailureWidth; ++x) {
+      const double t = 2 * (x + 0.5) / kFailureWidth - 1;
       left.at(x, y) *= static_cast<float>(1 + ramp * t);
       right.at(x, y) *= static_cast<float>(1 - ramp * t);
     }
   }
-  return with_noise(std::move(left), std::move(right), constant(0.4));
+  return with_noise(std::move(left), std::move(right), uniform_image(0.4));
 }
 
 /// Small highlights, mirrored by the surface: mirror images of their sources, they have twice the surface's blur.
@@ -206,7 +206,7 @@ FailureCase highlights(double brightness) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> uniform(0, 1);
   std::vector<std::array<double, 2>> sources(60);
-  for (auto& source : sources) source = {kWidth * uniform(random), kHeight * uniform(random)};
+  for (auto& source : sources) source = {kFailureWidth * uniform(random), kFailureHeight * uniform(random)};
   double centroids[2];
   for (int side = 0; side < 2; ++side) {
     const Kernel kernel = half_disc(2 * side - 1);
@@ -218,7 +218,7 @@ FailureCase highlights(double brightness) {
         const double cx = source[0] + kBlur * p[0], cy = source[1] + kBlur * p[1];
         for (int y = static_cast<int>(cy) - 4; y <= cy + 4; ++y) {
           for (int x = static_cast<int>(cx) - 4; x <= cx + 4; ++x) {
-            if (x < 0 || y < 0 || x >= kWidth || y >= kHeight) continue;
+            if (x < 0 || y < 0 || x >= kFailureWidth || y >= kFailureHeight) continue;
             const double square = (x + 0.5 - cx) * (x + 0.5 - cx) + (y + 0.5 - cy) * (y + 0.5 - cy);
             views[side].at(x, y) += static_cast<float>(each * std::exp(-0.5 * square / (kRadius * kRadius)));
           }
@@ -226,7 +226,8 @@ FailureCase highlights(double brightness) {
       }
     }
   }
-  return with_noise(std::move(views[0]), std::move(views[1]), constant(0.5 * kBlur * (centroids[1] - centroids[0])));
+  return with_noise(std::move(views[0]), std::move(views[1]),
+                    uniform_image(0.5 * kBlur * (centroids[1] - centroids[0])));
 }
 
 /// What the views show.

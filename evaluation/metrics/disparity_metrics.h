@@ -55,6 +55,9 @@ struct Sparsification {
 };
 Sparsification sparsification(std::span<const float> error, std::span<const float> confidence);
 
+inline constexpr float kWrongDpPx = 0.5f;      ///< a larger error makes a disparity wrong
+inline constexpr float kConfidentDpPx = 0.2f;  ///< a smaller predicted sigma makes it confident
+
 using Mask = ImageOf<std::uint8_t>;  ///< 1 inside, 0 outside
 
 /// Pixels at most `reach_px` away, along x and y, from a border between two neighbors whose disparities differ by more

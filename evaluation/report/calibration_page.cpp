@@ -24,16 +24,16 @@ using pipeline::TargetMeasurement;
 
 constexpr float kGap = std::numeric_limits<float>::quiet_NaN();
 
-struct FieldPoint {
+struct FieldNode {
   const char* name;
   int column, row;
 };
 constexpr int kLastColumn = pipeline::kCalibrationColumns - 1, kLastRow = pipeline::kCalibrationRows - 1;
-constexpr FieldPoint kFieldPoints[] = {{"center", kLastColumn / 2, kLastRow / 2},
-                                       {"left", kLastColumn / 10, kLastRow / 2},
-                                       {"right", kLastColumn - kLastColumn / 10, kLastRow / 2},
-                                       {"top", kLastColumn / 2, kLastRow / 10},
-                                       {"corner", kLastColumn - kLastColumn / 10, kLastRow / 10}};
+constexpr FieldNode kFieldNodes[] = {{"center", kLastColumn / 2, kLastRow / 2},
+                                     {"left", kLastColumn / 10, kLastRow / 2},
+                                     {"right", kLastColumn - kLastColumn / 10, kLastRow / 2},
+                                     {"top", kLastColumn / 2, kLastRow / 10},
+                                     {"corner", kLastColumn - kLastColumn / 10, kLastRow / 10}};
 
 /// Lines run as far as their measurements, or, where those are not at hand, over the whole sweep's targets.
 Plot lines_plot(const Calibration& calibration, const FocusCalibration& focus,
@@ -54,7 +54,7 @@ Plot lines_plot(const Calibration& calibration, const FocusCalibration& focus,
     near = 1 / calibration.nearest_target_m;
     far = 1 / calibration.farthest_target_m;
   }
-  for (const FieldPoint& point : kFieldPoints) {
+  for (const FieldNode& point : kFieldNodes) {
     const double slope = focus.slope_dp_px_m.at(point.column, point.row);
     const double intercept = focus.intercept_dp_px.at(point.column, point.row);
     if (slope == 0) continue;
@@ -63,7 +63,7 @@ Plot lines_plot(const Calibration& calibration, const FocusCalibration& focus,
   Series measured{"measured", {}, false, true};
   for (const TargetMeasurement& m : measurements) {
     if (m.focus_distance_m != focus.focus_distance_m) continue;
-    for (const FieldPoint& point : kFieldPoints) {
+    for (const FieldNode& point : kFieldNodes) {
       if (m.usable.at(point.column, point.row) == 0) continue;
       measured.points.emplace_back(1 / m.target_distance_m, m.disparity_dp_px.at(point.column, point.row));
     }
@@ -100,7 +100,7 @@ Plot over_focus(const std::string& title, const std::string& unit, const Calibra
   plot.title = title;
   plot.x_label = "1 / focus distance, 1/m";
   plot.y_label = unit;
-  for (const FieldPoint& point : kFieldPoints) {
+  for (const FieldNode& point : kFieldNodes) {
     Series series{point.name, {}};
     for (const FocusCalibration& focus : calibration.focuses) {
       const bool line = focus.slope_dp_px_m.at(point.column, point.row) != 0;

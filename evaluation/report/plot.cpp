@@ -11,7 +11,7 @@
 namespace dualpixel::evaluation {
 namespace {
 
-constexpr double kWidth = 480, kHeight = 300, kLeft = 62, kRight = 14, kTop = 12, kBottom = 46;
+constexpr double kPlotWidth = 480, kPlotHeight = 300, kLeft = 62, kRight = 14, kTop = 12, kBottom = 46;
 constexpr int kColors = 6;
 
 struct Axis {
@@ -76,7 +76,7 @@ std::string svg_plot(const Plot& plot) {
   }
   x.widen();
   y.widen();
-  const double wide = kWidth - kLeft - kRight, high = kHeight - kTop - kBottom;
+  const double wide = kPlotWidth - kLeft - kRight, high = kPlotHeight - kTop - kBottom;
   if (plot.equal_scale) {
     const double unit = std::max((x.high - x.low) / wide, (y.high - y.low) / high);
     const double more_x = unit * wide - (x.high - x.low), more_y = unit * high - (y.high - y.low);
@@ -86,7 +86,7 @@ std::string svg_plot(const Plot& plot) {
   const auto at_y = [&](double value) { return kTop + high * (y.high - y.of(value)) / (y.high - y.low); };
 
   std::string svg = fmt::format("<figure class=\"plot\"><svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">",
-                                kWidth, kHeight, escape_html(plot.title));
+                                kPlotWidth, kPlotHeight, escape_html(plot.title));
   for (double tick : x.ticks()) {
     svg += fmt::format(
         "<line class=\"grid\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1}\" y2=\"{2}\"/>"
@@ -100,7 +100,7 @@ std::string svg_plot(const Plot& plot) {
         kLeft, kLeft + wide, at_y(tick), kLeft - 6, at_y(tick) + 4, tick);
   }
   svg += fmt::format("<rect class=\"frame\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>", kLeft, kTop, wide, high);
-  svg += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>", kLeft + wide / 2, kHeight - 8,
+  svg += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>", kLeft + wide / 2, kPlotHeight - 8,
                      escape_html(plot.x_label));
   svg += fmt::format("<text transform=\"translate(13 {}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
                      kTop + high / 2, escape_html(plot.y_label));

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <string>
 
-#include "capture/error.h"
 #include "capture/image/resample.h"
 #include "capture/image/rows.h"
 #include "capture/lanes.h"
+#include "pipeline/burst/require.h"
 
 namespace dualpixel::pipeline {
 namespace {
@@ -232,10 +232,6 @@ MotionField align_frame(const Pyramid& base, const Pyramid& other) {
   motion = align_level<2>(base[2], other[2], motion);
   motion = align_level<1>(base[1], other[1], motion);
   return align_level<0>(base[0], other[0], motion);
-}
-
-void require(bool holds, const std::string& what) {
-  if (!holds) throw InputError("burst: " + what);
 }
 
 void require_profile(const NoiseProfile& noise, const std::string& field) {

@@ -8,10 +8,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "capture/error.h"
 #include "capture/image/rows.h"
 #include "pipeline/burst/align.h"
 #include "pipeline/burst/fft16.h"
+#include "pipeline/burst/require.h"
 
 namespace dualpixel::pipeline {
 namespace {
@@ -220,7 +220,7 @@ void trust_columns(const Lanes (&energies)[kHalves], float noise_energy, Lanes (
 }
 
 /// Row -k of a spectrum, its columns reversed as well.
-inline Lanes mirrored(const Lanes (&spectrum)[kTile][kHalves], int row, int half) {
+inline Lanes mirror_lanes(const Lanes (&spectrum)[kTile][kHalves], int row, int half) {
   const Lanes(&from)[kHalves] = spectrum[(kTile - row) % kTile];
   return __builtin_shufflevector(from[half], from[1 - half], 0, 15, 14, 13, 12, 11, 10, 9);
 }
@@ -245,7 +245,7 @@ void subtract_difference(const ComplexTile& base, const ComplexTile& other, cons
   for (int row = 0; row < kTile; ++row) {
     for (int half = 0; half < kHalves; ++half) {
       const Lanes re = d.re[row][half], im = d.im[row][half];
-      const Lanes mirror_re = mirrored(d.re, row, half), mirror_im = mirrored(d.im, row, half);
+      const Lanes mirror_re = mirror_lanes(d.re, row, half), mirror_im = mirror_lanes(d.im, row, half);
       if constexpr (together) {
         const Lanes power = 0.5f * (re * re + im * im + mirror_re * mirror_re + mirror_im * mirror_im);
         const float limit = noise.first_threshold + noise.second_threshold;
@@ -325,10 +325,6 @@ void merge_pair(const std::vector<PlanePair<const std::uint16_t>>& frames, int b
   for (int parity = 0; parity < 2; ++parity) {
     for_rows((rows + 1 - parity) / 2, [&](int k) { merge_row(2 * k + parity); });
   }
-}
-
-void require(bool holds, const std::string& what) {
-  if (!holds) throw InputError("burst: " + what);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "capture/error.h"
 #include "pipeline/calibration/flow.h"
+#include "pipeline/calibration/meters.h"
 #include "pipeline/calibration/nodes.h"
 #include "pipeline/calibration/tilt.h"
 
@@ -74,16 +75,16 @@ NodeReading read_flow(const Flow& flow, double x, double y, double reach_x, doub
 /// Slopes smoothed by a quadratic surface through the nodes around that have one, which reduces errors from noise and
 /// texture. Slopes change slowly over the field, even where intercepts do not.
 Image smoothed_slopes(const Image& slopes) {
-  constexpr int kReach = 3;  // nodes; the weight is 0 there
+  constexpr int kNodeReach = 3;  // nodes; the weight is 0 there
   Image smooth = slopes;
   for (int row = 0; row < kRows; ++row) {
     for (int column = 0; column < kColumns; ++column) {
       if (slopes.at(column, row) == 0) continue;
       LocalQuadratic surface;
-      for (int j = std::max(row - kReach, 0); j <= std::min(row + kReach, kRows - 1); ++j) {
-        for (int i = std::max(column - kReach, 0); i <= std::min(column + kReach, kColumns - 1); ++i) {
+      for (int j = std::max(row - kNodeReach, 0); j <= std::min(row + kNodeReach, kRows - 1); ++j) {
+        for (int i = std::max(column - kNodeReach, 0); i <= std::min(column + kNodeReach, kColumns - 1); ++i) {
           if (slopes.at(i, j) == 0) continue;
-          const double u = 1.0 * (i - column) / kReach, v = 1.0 * (j - row) / kReach;
+          const double u = 1.0 * (i - column) / kNodeReach, v = 1.0 * (j - row) / kNodeReach;
           surface.add(u, v, tent(u, v), slopes.at(i, j));
         }
       }
@@ -127,8 +128,6 @@ FocusCalibration fit_lines(const Targets& targets, std::size_t principal, std::v
   }
   return fit;
 }
-
-std::string meters(double distance) { return fmt::format("{:g} m", distance); }
 
 /// Each once, ascending.
 std::vector<double> inverse_distances(const Targets& targets) {

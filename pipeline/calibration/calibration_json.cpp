@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 2;
 constexpr std::size_t kNodes = static_cast<std::size_t>(kCalibrationColumns) * kCalibrationRows;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kFocusAtInfinity_m = std::numeric_limits<double>::infinity();
 constexpr double kMost = 1e6;  ///< of any value at a node
 
 /// JSON has no infinity.
@@ -106,10 +106,10 @@ Calibration read_calibration(const nlohmann::json& json, const std::string& file
     if (!warning.is_string()) root.fail("warnings", "must be an array of texts");
     calibration.warnings.push_back(warning.get<std::string>());
   }
-  double last = kInfinity;
+  double last = kFocusAtInfinity_m;
   for (Fields& entry : root.required("focuses").objects("focuses")) {
     FocusCalibration& f = calibration.focuses.emplace_back();
-    entry.required("focus_distance_m").number("focus_distance_m", f.focus_distance_m, kNearest_m, kInfinity);
+    entry.required("focus_distance_m").number("focus_distance_m", f.focus_distance_m, kNearest_m, kFocusAtInfinity_m);
     if (calibration.focuses.size() > 1 && !(f.focus_distance_m < last)) {
       entry.fail("focus_distance_m", fmt::format("{}: must be nearer than the one before it", f.focus_distance_m));
     }
@@ -141,7 +141,7 @@ TargetMeasurement read_measurement(const nlohmann::json& json, const std::string
   Fields root(json, file);
   read_header(root, kMeasurementFormat);
   TargetMeasurement m;
-  root.required("focus_distance_m").number("focus_distance_m", m.focus_distance_m, kNearest_m, kInfinity);
+  root.required("focus_distance_m").number("focus_distance_m", m.focus_distance_m, kNearest_m, kFocusAtInfinity_m);
   root.required("target_distance_m").number("target_distance_m", m.target_distance_m, kNearest_m, 1e6);
   read_nodes(root, "disparity_dp_px", m.disparity_dp_px, -kMost);
   read_nodes(root, "usable", m.usable, 0, 1);

@@ -8,16 +8,14 @@
 
 #include "capture/error.h"
 #include "capture/image/rows.h"
+#include "pipeline/calibration/meters.h"
 #include "pipeline/calibration/nodes.h"
 
 namespace dualpixel::pipeline {
 namespace {
 
-constexpr int kColumns = kCalibrationColumns, kRows = kCalibrationRows;
 constexpr double kLeastSlope = 0.2;  ///< of the principal point's
 constexpr double kFocusReach_per_m = 0.5;
-
-std::string meters(double distance) { return fmt::format("{:g} m", distance); }
 
 /// Confidence and warning of a focus distance that lies outside the calibrated range.
 void set_focus_confidence(const Calibration& calibration, double focus_distance_m, Correction& correction) {
@@ -104,22 +102,22 @@ Correction make_correction(const Calibration& calibration, const Camera& camera)
 void correct_disparity(const Correction& correction, Image& disparity_dp_px, Image& confidence, Image* sigma_dp_px) {
   const int width = disparity_dp_px.width, height = disparity_dp_px.height;
   // first pixel of each interval of columns
-  std::array<int, kColumns> begin{};
-  for (int i = 1; i < kColumns; ++i) {
-    begin[i] = std::clamp(static_cast<int>(std::ceil(1.0 * i * width / (kColumns - 1) - 0.5)), 0, width);
+  std::array<int, kCalibrationColumns> begin{};
+  for (int i = 1; i < kCalibrationColumns; ++i) {
+    begin[i] = std::clamp(static_cast<int>(std::ceil(1.0 * i * width / (kCalibrationColumns - 1) - 0.5)), 0, width);
   }
-  begin[kColumns - 1] = width;
-  const float per_px = static_cast<float>(kColumns - 1) / static_cast<float>(width);
+  begin[kCalibrationColumns - 1] = width;
+  const float per_px = static_cast<float>(kCalibrationColumns - 1) / static_cast<float>(width);
   for_rows(height, [&](int y) {
-    const NodeInterval row = node_interval((y + 0.5) / height, kRows);
+    const NodeInterval row = node_interval((y + 0.5) / height, kCalibrationRows);
     const auto gains = node_row(correction.gain, row), offsets = node_row(correction.offset_dp_px, row);
     float* d = disparity_dp_px.row(y);
     float* confidences = confidence.row(y);
     float* sigma = sigma_dp_px != nullptr ? sigma_dp_px->row(y) : nullptr;
     const float *above = correction.usable.row(row.first), *below = correction.usable.row(row.first + 1);
-    for (int i = 0; i + 1 < kColumns; ++i) {
-      const std::array<float, 4> gain = cubic_over(gains.data(), 1, kColumns, i);
-      const std::array<float, 4> offset = cubic_over(offsets.data(), 1, kColumns, i);
+    for (int i = 0; i + 1 < kCalibrationColumns; ++i) {
+      const std::array<float, 4> gain = cubic_over(gains.data(), 1, kCalibrationColumns, i);
+      const std::array<float, 4> offset = cubic_over(offsets.data(), 1, kCalibrationColumns, i);
       const bool usable = above[i] * above[i + 1] * below[i] * below[i + 1] != 0;
       const float factor = usable ? correction.confidence : 0.0f;
       for (int x = begin[i]; x < begin[i + 1]; ++x) {

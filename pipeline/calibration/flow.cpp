@@ -22,16 +22,16 @@ constexpr int kGainDegree = 8;          ///< of the polynomial over the field th
 constexpr float kLeastTexture = 0.02f;  ///< variance of a normalized view; less is a view without texture
 constexpr int kGainBlocks = 8;          ///< blocks a side whose mean is one equation of its fit
 
-constexpr int kTaps = 6;
+constexpr int kQuinticTaps = 6;
 
 /// Weights of samples -2 ... 3 at a position t from sample 0 towards sample 1: the polynomial through all six. A cubic
 /// through four would read shifts 1 % too large where the texture is as fine as a few blocks.
-std::array<float, kTaps> quintic(float t) {
-  std::array<float, kTaps> weights{};
-  constexpr float kDenominators[kTaps] = {-120, 24, -12, 12, -24, 120};
-  for (int k = 0; k < kTaps; ++k) {
+std::array<float, kQuinticTaps> quintic(float t) {
+  std::array<float, kQuinticTaps> weights{};
+  constexpr float kDenominators[kQuinticTaps] = {-120, 24, -12, 12, -24, 120};
+  for (int k = 0; k < kQuinticTaps; ++k) {
     float product = 1;
-    for (int j = 0; j < kTaps; ++j) product *= j == k ? 1 : t - static_cast<float>(j - 2);
+    for (int j = 0; j < kQuinticTaps; ++j) product *= j == k ? 1 : t - static_cast<float>(j - 2);
     weights[k] = product / kDenominators[k];
   }
   return weights;
@@ -46,9 +46,9 @@ bool match_at(const float* left, const float* right, int width, int x, float d, 
   const float at = static_cast<float>(x) + d;
   if (x < 1 || x + 1 >= width || !(at >= 2 && at < static_cast<float>(width - 3))) return false;
   const int i = static_cast<int>(at);
-  const std::array<float, kTaps> weights = quintic(at - static_cast<float>(i));
+  const std::array<float, kQuinticTaps> weights = quintic(at - static_cast<float>(i));
   float moved = 0;
-  for (int k = 0; k < kTaps; ++k) moved += weights[k] * right[i - 2 + k];
+  for (int k = 0; k < kQuinticTaps; ++k) moved += weights[k] * right[i - 2 + k];
   // the mean of both views' slopes: neither is the reference, so neither's blur counts twice
   matched = {moved - left[x], 0.5f * (right[i + 1] - right[i] + 0.5f * (left[x + 1] - left[x - 1]))};
   return true;
@@ -125,9 +125,9 @@ Image moved(const Image& view, const Image& d) {
     for (int x = 0; x < view.width; ++x) {
       const float at = std::clamp(static_cast<float>(x) + d.at(x, y), 0.0f, static_cast<float>(view.width - 1));
       const int i = static_cast<int>(at);
-      const std::array<float, kTaps> weights = quintic(at - static_cast<float>(i));
+      const std::array<float, kQuinticTaps> weights = quintic(at - static_cast<float>(i));
       float sum = 0;
-      for (int k = 0; k < kTaps; ++k) sum += weights[k] * in[std::clamp(i - 2 + k, 0, view.width - 1)];
+      for (int k = 0; k < kQuinticTaps; ++k) sum += weights[k] * in[std::clamp(i - 2 + k, 0, view.width - 1)];
       out.at(x, y) = sum;
     }
   });
@@ -201,18 +201,19 @@ Image mismatch_of(const Image& left, const Image& right, const Image& d) {
   return squares;
 }
 
-void require(bool holds, const char* what) {
+void require_for_flow(bool holds, const char* what) {
   if (!holds) throw InputError(std::string("calibration: ") + what);
 }
 
 }  // namespace
 
 Flow match_target(const Image& left, const Image& right, const FlowOptions& options) {
-  require(!left.empty() && left.same_size(right), "left and right view must be of one size");
-  require(left.channels == 1 && right.channels == 1, "views must have one channel");
-  require(options.block_width_px > 0 && options.block_height_px > 0 && options.warps > 0 && options.refinements > 0 &&
-              options.sweeps > 0 && options.charbonnier > 0 && options.smooth_blocks > 0 && options.window_blocks > 0,
-          "flow options must be positive");
+  require_for_flow(!left.empty() && left.same_size(right), "left and right view must be of one size");
+  require_for_flow(left.channels == 1 && right.channels == 1, "views must have one channel");
+  require_for_flow(options.block_width_px > 0 && options.block_height_px > 0 && options.warps > 0 &&
+                       options.refinements > 0 && options.sweeps > 0 && options.charbonnier > 0 &&
+                       options.smooth_blocks > 0 && options.window_blocks > 0,
+                   "flow options must be positive");
   const int width = (left.width + options.block_width_px - 1) / options.block_width_px;
   const int height = (left.height + options.block_height_px - 1) / options.block_height_px;
   const Image blocks = resize_area(left, width, height);

@@ -15,11 +15,11 @@
 namespace dualpixel::pipeline {
 namespace {
 
-constexpr float kSteps = 16;  // of a radius, a pixel
+constexpr float kStepsPerPx = 16;  // of a radius, a pixel
 constexpr int kStripRows = 64;
 constexpr float kLeastRadius = 0.5f;  ///< of gradients: a smaller disc lies within its pixel
 
-int step_of(float radius_px) { return static_cast<int>(std::floor(radius_px * kSteps + 0.5f)); }
+int step_of(float radius_px) { return static_cast<int>(std::floor(radius_px * kStepsPerPx + 0.5f)); }
 
 /// A row of a kernel: pairs of weights for neighboring pixels, the first at `first` from the shape's middle.
 struct Pairs {
@@ -133,7 +133,7 @@ class Kernels {
         per_corner_(1 / std::max(std::hypot(half_width_, half_height_), 1.0)) {
     const std::vector<float>& radii = layer.radius_px.data;
     const float largest = radii.empty() ? 0 : *std::max_element(radii.begin(), radii.end());
-    largest_reach_ = reach_of(shape_, std::max(largest + 1 / kSteps, kLeastRadius));
+    largest_reach_ = reach_of(shape_, std::max(largest + 1 / kStepsPerPx, kLeastRadius));
     kept_.resize(aperture.cats_eye > 0 ? 1 : step_of(largest) + 1);
   }
 
@@ -141,7 +141,7 @@ class Kernels {
 
   const Kernel& operator()(int x, int y, float radius) {
     const int step = step_of(radius);
-    const float rounded = static_cast<float>(step) / kSteps;
+    const float rounded = static_cast<float>(step) / kStepsPerPx;
     if (aperture_.cats_eye > 0) {
       cut_to_cats_eye(shape_, aperture_, (x + 0.5 - half_width_) * per_corner_, (y + 0.5 - half_height_) * per_corner_);
       make_(shape_, rounded, 2, kept_[0]);

@@ -20,7 +20,7 @@ namespace {
 /// One value for each vertex and, at the end, the 0 of a missing neighbor.
 using Vertices = std::vector<double>;
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kUnknownVariance = std::numeric_limits<float>::infinity();
 constexpr int kGrain = 4096;  // part of the result: sums are taken in chunks of this size
 
 template <typename F>
@@ -402,7 +402,7 @@ BilateralSolution mean_everywhere(const BilateralGrid& grid, const Image& target
   BilateralSolution solution;
   solution.value = Image(grid.width, grid.height, target.channels);
   for (int c = 0; c < target.channels; ++c) fill_channel(solution.value, c, mean_of_finite(target, c));
-  if (variance) solution.variance = Image(grid.width, grid.height, target.channels, kInfinity);
+  if (variance) solution.variance = Image(grid.width, grid.height, target.channels, kUnknownVariance);
   return solution;
 }
 
@@ -486,7 +486,7 @@ BilateralSolution solve_bilateral(const BilateralGrid& grid, const Image& guide,
   solution.value = interpolate(grid, guide, values, width);
   if (options.variance) std::tie(solution.value, solution.variance) = split_channels(solution.value);
   take_nearest(solution.value);
-  for (float& value : solution.variance.data) value = std::isnan(value) ? kInfinity : value;
+  for (float& value : solution.variance.data) value = std::isnan(value) ? kUnknownVariance : value;
   return solution;
 }
 

@@ -18,7 +18,7 @@ inline float falloff(float t) {
   return base * base;
 }
 
-constexpr float kLeastRange = 1e-6f;  // keeps the weights from vanishing where nothing resembles the pixel
+constexpr float kLeastSimilarity = 1e-6f;  // keeps the weights from vanishing where nothing resembles the pixel
 
 /// One row of the small map and its guide, spread out to the large width: entry x is small pixel nearest(x) + offset.
 struct SpreadRow {
@@ -37,7 +37,7 @@ void add_tap(const SpreadRow& near, const float* __restrict weight_x, float weig
   const int width = static_cast<int>(near.value.size());
   for (int x = 0; x < width; ++x) {
     const float dr = red[x] - large_red[x], dg = green[x] - large_green[x], db = blue[x] - large_blue[x];
-    const float weight = weight_y * weight_x[x] * (falloff(range * (dr * dr + dg * dg + db * db)) + kLeastRange);
+    const float weight = weight_y * weight_x[x] * (falloff(range * (dr * dr + dg * dg + db * db)) + kLeastSimilarity);
     weights[x] += weight;
     sum[x] += weight * value[x];
   }

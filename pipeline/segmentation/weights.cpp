@@ -18,7 +18,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kLongestHeader = 1 << 20, kLargestFile = std::size_t{256} << 20;
-constexpr int kMostChannels = 1024, kMostStages = 3, kLevels = 4;
+constexpr int kMostChannels = 1024, kMostStages = 3, kUnetLevels = 4;
 
 struct Tensor {
   std::vector<int> shape;
@@ -114,22 +114,22 @@ std::map<std::string, Tensor> parse_tensors(std::string_view bytes, const std::s
   return tensors;
 }
 
-struct Layer {
+struct ConvolutionLayer {
   std::string name;
   int out, in, kernel;
 };
 
-std::vector<Layer> layers_of(const NetworkWeights& weights) {
+std::vector<ConvolutionLayer> layers_of(const NetworkWeights& weights) {
   const int fine = weights.fine_channels;
   const std::vector<int>& c = weights.unet_channels;
-  std::vector<Layer> layers = {
+  std::vector<ConvolutionLayer> layers = {
       {"stem_half", fine, 4, 3}, {"stem_fine", fine, fine, 3}, {"stem_quarter", c[0], fine, 3}};
   for (int s = 0; s < weights.stages; ++s) {
-    for (int level = 0; level < kLevels; ++level) {
+    for (int level = 0; level < kUnetLevels; ++level) {
       const auto name = [&](const char* part) { return fmt::format("stage{}.{}{}", s, part, level); };
       if (level > 0) layers.push_back({name("down"), c[level], c[level - 1], 3});
       layers.push_back({name("across"), c[level], c[level], 3});
-      if (level + 1 == kLevels) break;
+      if (level + 1 == kUnetLevels) break;
       layers.push_back({name("lateral"), c[level], c[level + 1], 1});
       layers.push_back({name("up"), c[level], c[level], 3});
     }
@@ -160,11 +160,11 @@ NetworkWeights parse_weights(std::string_view bytes, const std::string& file) {
   }
   if (weights.stages == 0) fail(file, "holds no stage of a person network");
   weights.fine_channels = width_of("stem_half");
-  for (int level = 0; level < kLevels; ++level) {
+  for (int level = 0; level < kUnetLevels; ++level) {
     weights.unet_channels.push_back(width_of(fmt::format("stage0.across{}", level)));
   }
 
-  for (const Layer& layer : layers_of(weights)) {
+  for (const ConvolutionLayer& layer : layers_of(weights)) {
     const auto take = [&](const std::string& part, const std::vector<int>& shape) {
       const auto found = tensors.find(layer.name + part);
       if (found == tensors.end()) fail(file, fmt::format("tensor {}{}: is missing", layer.name, part));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "simulator/render/shading/bsdf.h"
+#include "simulator/render/shading/radiometry.h"
 #include "simulator/render/shading/surface.h"
 #include "simulator/render/surface_lattice.h"
 #include "simulator/sampling/hash.h"
@@ -12,10 +13,7 @@
 namespace dualpixel::simulator {
 namespace {
 
-constexpr float kPi = 3.14159265358979f;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-float luminance(glm::vec3 rgb) { return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z; }
 
 void set_ray(RayPacket& rays, int i, glm::vec3 origin, glm::vec3 direction, float far) {
   rays.origin_x[i] = origin.x, rays.origin_y[i] = origin.y, rays.origin_z[i] = origin.z;

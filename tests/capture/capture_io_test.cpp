@@ -83,7 +83,7 @@ Capture small_capture(bool with_truth) {
   return capture;
 }
 
-std::string read_refusal(const std::string& path) {
+std::string capture_refusal(const std::string& path) {
   return message_of<InputError>([&] { read_capture(path, true); });
 }
 
@@ -175,7 +175,7 @@ TEST(CaptureIo, MotionIsThereForEveryFrameButTheFirstOrForNone) {
   for (const json& wrong : {json(3), json::array({1, 2}), json::array({"no.exr", "truth/motion_002.exr"})}) {
     write_capture(small_capture(true), folder / "out");
     edit(folder / "out", [&](json& d) { d["truth"]["motion"] = wrong; });
-    EXPECT_NE(read_refusal(folder / "out"), "") << wrong;
+    EXPECT_NE(capture_refusal(folder / "out"), "") << wrong;
   }
 }
 
@@ -288,11 +288,12 @@ TEST(CaptureIo, NoticesChangedFiles) {
     std::string bytes = read_bytes(out + "/" + name);
     bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
     write_bytes(out + "/" + name, bytes);
-    EXPECT_EQ(read_refusal(out), out + "/" + name + ": its xxh64 is not the one in capture.json: the file was changed");
+    EXPECT_EQ(capture_refusal(out),
+              out + "/" + name + ": its xxh64 is not the one in capture.json: the file was changed");
     write_bytes(out + "/" + name, bytes + "x");
-    EXPECT_NE(read_refusal(out).find("capture.json says"), std::string::npos);
+    EXPECT_NE(capture_refusal(out).find("capture.json says"), std::string::npos);
     fs::remove(out + "/" + name);
-    EXPECT_NE(read_refusal(out), "");
+    EXPECT_NE(capture_refusal(out), "");
   }
 }
 
@@ -321,10 +322,10 @@ TEST(CaptureIo, RefusesProvenanceThatIsNoJson) {
 
 TEST(CaptureIo, RefusesFoldersThatAreNoCapture) {
   const TemporaryFolder folder;
-  EXPECT_EQ(read_refusal(folder / "none"), folder / "none" + ": is no capture: no such folder");
-  EXPECT_EQ(read_refusal(folder.path.string()), folder.path.string() + ": is no capture: it has no capture.json");
+  EXPECT_EQ(capture_refusal(folder / "none"), folder / "none" + ": is no capture: no such folder");
+  EXPECT_EQ(capture_refusal(folder.path.string()), folder.path.string() + ": is no capture: it has no capture.json");
   write_bytes(folder / "capture.json", "{");
-  EXPECT_NE(read_refusal(folder.path.string()), "");
+  EXPECT_NE(capture_refusal(folder.path.string()), "");
 }
 
 TEST(CaptureIo, RefusesWhatTheDocumentForbids) {
@@ -333,7 +334,7 @@ TEST(CaptureIo, RefusesWhatTheDocumentForbids) {
   const auto refusal = [&](const std::function<void(json&)>& change) {
     write_capture(small_capture(true), out);
     edit(out, change);
-    return read_refusal(out);
+    return capture_refusal(out);
   };
   const std::string where = out + "/capture.json: ";
   EXPECT_EQ(refusal([](json&) {}), "");
@@ -379,7 +380,7 @@ TEST(CaptureIo, StaysInsideItsFolder) {
       d.erase("files");
       d["frames"][0]["left"] = name;
     });
-    return read_refusal(out);
+    return capture_refusal(out);
   };
   for (const std::string& name : {std::string("../outside.png"), folder / "outside.png", std::string("link.png"),
                                   std::string("up/outside.png"), std::string("frames/../../outside.png"), std::string(),

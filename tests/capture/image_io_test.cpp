@@ -14,7 +14,7 @@
 namespace dualpixel {
 namespace {
 
-std::string read_refusal(const std::string& path) {
+std::string image_refusal(const std::string& path) {
   return message_of<InputError>([&] { read_image(path); });
 }
 
@@ -119,7 +119,7 @@ TEST(ImageIo, TheFormatIsKnownByItsBytes) {
   std::filesystem::rename(folder / "a.png", folder / "a.exr");
   EXPECT_EQ(read_image(folder / "a.exr").width, 3);
   write_bytes(folder / "b.png", "P6 1 1 255 abc");
-  EXPECT_EQ(read_refusal(folder / "b.png"),
+  EXPECT_EQ(image_refusal(folder / "b.png"),
             folder / "b.png" + ": is no picture that can be read (EXR, PNG, TIFF, JPEG or HDR)");
 }
 
@@ -138,12 +138,12 @@ TEST(ImageIo, ReadsOtherFormats) {
 
 TEST(ImageIo, RefusesWhatIsNoRegularFile) {
   const TemporaryFolder folder;
-  EXPECT_EQ(read_refusal(folder / "none.png"), folder / "none.png" + ": no such file");
-  EXPECT_EQ(read_refusal(folder.path.string()), folder.path.string() + ": is a folder, not a file");
+  EXPECT_EQ(image_refusal(folder / "none.png"), folder / "none.png" + ": no such file");
+  EXPECT_EQ(image_refusal(folder.path.string()), folder.path.string() + ": is a folder, not a file");
   ASSERT_EQ(mkfifo((folder / "pipe.png").c_str(), 0600), 0);
-  EXPECT_EQ(read_refusal(folder / "pipe.png"), folder / "pipe.png" + ": is not a regular file");
+  EXPECT_EQ(image_refusal(folder / "pipe.png"), folder / "pipe.png" + ": is not a regular file");
   write_bytes(folder / "empty.png", "");
-  EXPECT_NE(read_refusal(folder / "empty.png"), "");
+  EXPECT_NE(image_refusal(folder / "empty.png"), "");
 }
 
 TEST(ImageIo, RefusesEveryTruncation) {
@@ -157,7 +157,7 @@ TEST(ImageIo, RefusesEveryTruncation) {
     const std::size_t needed = name == "a.png" ? bytes.size() : bytes.size() - 32;
     for (std::size_t size = 0; size<needed; size += size + 16> needed ? 1 : 1 + size / 8) {
       write_bytes(folder / "cut", bytes.substr(0, size));
-      const std::string message = read_refusal(folder / "cut");
+      const std::string message = image_refusal(folder / "cut");
       EXPECT_TRUE(message.starts_with(folder / "cut" + ": ")) << name << " cut to " << size << " of " << bytes.size();
       EXPECT_EQ(message.find('\n'), std::string::npos);
     }
@@ -186,9 +186,9 @@ std::string png_header(std::uint32_t width, std::uint32_t height) {
 TEST(ImageIo, RefusesClaimedSizesBeforeReading) {
   const TemporaryFolder folder;
   write_bytes(folder / "wide.png", png_header(70000, 1));
-  EXPECT_NE(read_refusal(folder / "wide.png"), "");
+  EXPECT_NE(image_refusal(folder / "wide.png"), "");
   write_bytes(folder / "big.png", png_header(60000, 60000));
-  EXPECT_NE(read_refusal(folder / "big.png").find("at most 65536 a side and 500000000 values"), std::string::npos);
+  EXPECT_NE(image_refusal(folder / "big.png").find("at most 65536 a side and 500000000 values"), std::string::npos);
 }
 
 TEST(ImageIo, RefusesDeepAndMultipartExr) {
@@ -204,7 +204,7 @@ TEST(ImageIo, RefusesDeepAndMultipartExr) {
     output->write_image(OIIO::TypeDesc::FLOAT, image.data.data());
     output->close();
   }
-  EXPECT_EQ(read_refusal(folder / "parts.exr"), folder / "parts.exr" + ": EXR of several parts is not supported");
+  EXPECT_EQ(image_refusal(folder / "parts.exr"), folder / "parts.exr" + ": EXR of several parts is not supported");
   {
     const auto output = OIIO::ImageOutput::create("openexr");
     OIIO::ImageSpec deep(4, 4, 1, OIIO::TypeDesc::FLOAT);
@@ -216,7 +216,7 @@ TEST(ImageIo, RefusesDeepAndMultipartExr) {
     output->write_deep_image(data);
     output->close();
   }
-  EXPECT_EQ(read_refusal(folder / "deep.exr"), folder / "deep.exr" + ": deep EXR is not supported");
+  EXPECT_EQ(image_refusal(folder / "deep.exr"), folder / "deep.exr" + ": deep EXR is not supported");
 }
 
 TEST(ImageIo, RefusesToWriteWhereItCannot) {

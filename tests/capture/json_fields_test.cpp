@@ -14,7 +14,7 @@ namespace dualpixel {
 namespace {
 
 using nlohmann::json;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 template <typename Act>
 std::string refusal(Act act) {
@@ -88,13 +88,13 @@ TEST(Fields, KeepsDefaultsAndReadsEachType) {
   bool b = false;
   std::string t, c = "hard";
   std::array<double, 3> n{};
-  fields.number("d", d, 0, 10).number("d", single, 0, 10).number("far", far, 0, kInfinity).number("no", absent, 0, 1);
+  fields.number("d", d, 0, 10).number("d", single, 0, 10).number("far", far, 0, kUnbounded).number("no", absent, 0, 1);
   fields.integer("i", i, -5, 5).integer("u", u, 0, ~std::uint64_t{0}).boolean("b", b).text("t", t);
   fields.choice("c", c, {"hard", "ramp"}).numbers("n", n.data(), 3);
   fields.done();
   EXPECT_EQ(d, 2.5);
   EXPECT_EQ(single, 2.5f);
-  EXPECT_EQ(far, kInfinity);
+  EXPECT_EQ(far, kUnbounded);
   EXPECT_EQ(absent, 7);
   EXPECT_EQ(i, -3);
   EXPECT_EQ(u, ~std::uint64_t{0});
@@ -116,7 +116,7 @@ std::string field_refusal(const std::string& value, Read read) {
 
 TEST(Fields, RefusesNumbersOutOfRange) {
   double value = 1;
-  const auto read = [&](Fields& fields) { fields.number("x", value, 0.01, kInfinity); };
+  const auto read = [&](Fields& fields) { fields.number("x", value, 0.01, kUnbounded); };
   EXPECT_EQ(field_refusal("-1", read), "s.json: /camera/x: -1: must be a number in [0.01, inf]");
   EXPECT_EQ(field_refusal("\"1\"", read), "s.json: /camera/x: \"1\": must be a number in [0.01, inf]");
   EXPECT_EQ(field_refusal("\"nan\"", read), "s.json: /camera/x: \"nan\": must be a number in [0.01, inf]");

@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
+#include "tests/temporary_folder.h"
 
 namespace dualpixel {
 namespace {
@@ -14,15 +14,6 @@ namespace {
 enum class Falloff { none, cos4, forgotten };
 constexpr Named<Falloff> kFalloffs[] = {{"none", Falloff::none, "the same light everywhere"},
                                         {"cos4", Falloff::cos4, "fourth power of the cosine"}};
-
-std::string refusal(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
 
 TEST(Names, NameAndValueFindEachOther) {
   for (const auto& row : kFalloffs) {
@@ -34,7 +25,7 @@ TEST(Names, NameAndValueFindEachOther) {
 }
 
 TEST(Names, AnUnknownNameIsRefusedWithWhatIsAllowed) {
-  EXPECT_EQ(refusal([] { value_named(kFalloffs, "cos5", "--falloff"); }),
+  EXPECT_EQ(message_of<InputError>([] { value_named(kFalloffs, "cos5", "--falloff"); }),
             "--falloff: cos5: must be one of 'none', 'cos4'; did you mean 'cos4'?");
 }
 
@@ -50,7 +41,7 @@ TEST(Names, AreReadFromJson) {
   EXPECT_EQ(falloff, Falloff::none);
   read_named(fields, "falloff", falloff, kFalloffs);
   EXPECT_EQ(falloff, Falloff::cos4);
-  EXPECT_EQ(refusal([&] { read_named(fields, "wrong", falloff, kFalloffs); }),
+  EXPECT_EQ(message_of<InputError>([&] { read_named(fields, "wrong", falloff, kFalloffs); }),
             "lens.json: /lens/wrong: \"cos\": must be one of 'none', 'cos4'; did you mean 'cos4'?");
 }
 

@@ -13,7 +13,7 @@
 namespace dualpixel::simulator::testing {
 namespace {
 
-constexpr int kWidth = 72, kHeight = 40;  // 5 x 3 tiles, the last of them cut
+constexpr int kJournalWidth = 72, kJournalHeight = 40;  // 5 x 3 tiles, the last of them cut
 constexpr std::size_t kTiles = 15;
 
 Scene wall() {
@@ -28,14 +28,14 @@ Views render(Journal* journal, std::uint64_t seed = 5) {
   const Scene scene = wall();
   RenderOptions options{16, 0, seed};
   options.store = journal;
-  return render_views(RenderScene(scene), phone_camera(0.8, kWidth, kHeight), options);
+  return render_views(RenderScene(scene), phone_camera(0.8, kJournalWidth, kJournalHeight), options);
 }
 
 /// How many tiles of render() with seed 5 and 16 samples the journal at `path` knows.
 std::size_t known(const std::string& path) {
   Journal journal(path, 1);
-  Views views{Image(kWidth, kHeight, 3), Image(kWidth, kHeight, 3)};
-  const SampleMap map = uniform_map(kWidth, kHeight, 16);
+  Views views{Image(kJournalWidth, kJournalHeight, 3), Image(kJournalWidth, kJournalHeight, 3)};
+  const SampleMap map = uniform_map(kJournalWidth, kJournalHeight, 16);
   std::size_t count = 0;
   for (int i = 0; i < map.columns() * map.rows(); ++i) count += journal.restore(hash(5, 16), tile_at(map, i), views);
   return count;
@@ -81,7 +81,8 @@ TEST(Journal, DoesNotRenderWhatItKnows) {
   dark.environment = {};
   RenderOptions options{16, 0, 5};
   options.store = &journal;
-  EXPECT_EQ(render_views(RenderScene(dark), phone_camera(0.8, kWidth, kHeight), options).left.data, views.left.data);
+  EXPECT_EQ(render_views(RenderScene(dark), phone_camera(0.8, kJournalWidth, kJournalHeight), options).left.data,
+            views.left.data);
   EXPECT_NE(render(&journal, 6).left.data, views.left.data);  // another render of the same capture
 }
 
@@ -133,8 +134,8 @@ TEST(Journal, DoesNotTakeTilesOfAnotherSize) {
     render(&journal);
   }
   Journal journal(folder / "journal", 1);
-  Views views{Image(kWidth + 8, kHeight + 8, 3), Image(kWidth + 8, kHeight + 8, 3)};
-  const SampleMap larger = uniform_map(kWidth + 8, kHeight + 8, 16);
+  Views views{Image(kJournalWidth + 8, kJournalHeight + 8, 3), Image(kJournalWidth + 8, kJournalHeight + 8, 3)};
+  const SampleMap larger = uniform_map(kJournalWidth + 8, kJournalHeight + 8, 16);
   ASSERT_EQ(larger.samples.size(), kTiles);
   EXPECT_FALSE(journal.restore(hash(5, 16), tile_at(larger, kTiles - 1), views));
   EXPECT_TRUE(journal.restore(hash(5, 16), tile_at(larger, 0), views));
@@ -153,11 +154,11 @@ Scene full_scene() {
 }
 
 TEST(Journal, FingerprintsTellScenesAndLensesApart) {
-  const CameraView camera = phone_camera(0.8, kWidth, kHeight);
+  const CameraView camera = phone_camera(0.8, kJournalWidth, kJournalHeight);
   const std::uint64_t here = fingerprint(full_scene(), camera, "");
   EXPECT_EQ(fingerprint(full_scene(), camera, ""), here);
   EXPECT_NE(fingerprint(full_scene(), camera, "more"), here);
-  EXPECT_NE(fingerprint(full_scene(), phone_camera(0.81, kWidth, kHeight), ""), here);
+  EXPECT_NE(fingerprint(full_scene(), phone_camera(0.81, kJournalWidth, kJournalHeight), ""), here);
   CameraView elsewhere = camera;
   elsewhere.world_from_camera[3].x = 1e-6f;
   EXPECT_NE(fingerprint(full_scene(), elsewhere, ""), here);

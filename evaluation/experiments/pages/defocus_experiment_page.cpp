@@ -94,7 +94,7 @@ std::string halo_section(const std::vector<HaloStep>& sweep) {
          "<div class=\"pictures\">" + pictures + "</div>";
 }
 
-constexpr const char* kIntroduction = R"html(
+constexpr const char* kDefocusIntroduction = R"html(
 <h1>Synthetic defocus against a real photograph</h1>
 <p>The simulator took the same scene through a wider pupil, focused at the same distance. The pipeline's picture, blurred
 as by that lens, is compared with it: PSNR of pictures clipped and encoded for display. Each step adds one cause of
@@ -104,7 +104,7 @@ error to those before it. Near depth edges: within the true blur radius of a jum
 }  // namespace
 
 std::string to_page(const std::vector<SceneDefocus>& scenes, const std::vector<HaloStep>& halos) {
-  std::string body = kIntroduction;
+  std::string body = kDefocusIntroduction;
   for (const SceneDefocus& scene : scenes) body += scene_section(scene);
   return html_page("Synthetic defocus", body + halo_section(halos));
 }

@@ -83,7 +83,7 @@ Table summary_table(const std::vector<FailureSweep>& sweeps) {
   return table;
 }
 
-constexpr const char* kIntroduction = R"html(
+constexpr const char* kAtlasIntroduction = R"html(
 <h1>How matching two dual-pixel views fails</h1>
 <p>Each row sweeps one cause of failure until a matcher breaks. The views are made in closed form: textures with as much
 contrast in every octave (20 % of a mean of 811 electrons, 100 lux, unless swept), seen through mirrored halves of the
@@ -98,7 +98,7 @@ disparity d by 1/D = 1/z - d / (alpha L f) is then wrong by the difference of 1/
 }  // namespace
 
 std::string to_page(const std::vector<FailureSweep>& sweeps) {
-  std::string body = kIntroduction + html_table(summary_table(sweeps)) +
+  std::string body = kAtlasIntroduction + html_table(summary_table(sweeps)) +
                      "<p class=\"soft\">Broken: more than a tenth of the pixels are wrong.</p>";
   for (const FailureSweep& sweep : sweeps) {
     body += "<h2>" + escape_html(sweep.row.title) + "</h2>" + plots(sweep) + figure_table(sweep);

@@ -9,7 +9,7 @@ namespace dualpixel::pipeline {
 namespace {
 
 constexpr int kTaps = 8;
-constexpr int kSteps = 256;  // table entries a pixel; linear between them, which errs by less than 1e-4
+constexpr int kEntriesPerPx = 256;  // table entries a pixel; linear between them, which errs by less than 1e-4
 
 using Weights = std::array<double, kTaps>;
 
@@ -74,11 +74,11 @@ SincTaps make_taps(double fraction) {
 SincTaps sinc_taps(float fraction) {
   static const std::vector<SincTaps> table = [] {
     std::vector<SincTaps> entries;
-    for (int i = 0; i <= kSteps; ++i) entries.push_back(make_taps(static_cast<double>(i) / kSteps));
+    for (int i = 0; i <= kEntriesPerPx; ++i) entries.push_back(make_taps(static_cast<double>(i) / kEntriesPerPx));
     return entries;
   }();
-  const float at = fraction * kSteps;
-  const int low = std::min(static_cast<int>(at), kSteps - 1);
+  const float at = fraction * kEntriesPerPx;
+  const int low = std::min(static_cast<int>(at), kEntriesPerPx - 1);
   const SincTaps& a = table[low];
   const SincTaps& b = table[low + 1];
   const auto mix = [t = at - static_cast<float>(low)](float x, float y) { return x + t * (y - x); };

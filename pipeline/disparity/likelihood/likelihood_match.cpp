@@ -11,12 +11,11 @@
 
 namespace dualpixel::pipeline {
 
-using namespace likelihood;
-
 /// Correlation of neighboring tiles' errors other than noise, measured on the portrait scene.
 constexpr float kModelShare = 0.2f;
 
 TileDisparity match_by_likelihood(const Image& left, const Image& right, const LikelihoodMatchOptions& options) {
+  using namespace likelihood;
   require_views(left, right);
   check(options);
   if (left.empty()) return {};

@@ -15,7 +15,7 @@ struct Match {
   float confidence = 0;
 };
 
-float square(float value) { return value * value; }
+float squared(float value) { return value * value; }
 
 /// Pixels [x0, x1) x [y0, y1) of the left view against the right view; all shifts stay inside.
 Match match_tile(const Image& left, const Image& right, int x0, int x1, int y0, int y1, const MatchOptions& options,
@@ -29,11 +29,11 @@ Match match_tile(const Image& left, const Image& right, int x0, int x1, int y0, 
     const float* r = right.row(y);
     for (int shift = -range; shift <= range; ++shift) {
       float sum = 0;
-      for (int x = x0; x < x1; ++x) sum += square(l[x] - r[x + shift]);
+      for (int x = x0; x < x1; ++x) sum += squared(l[x] - r[x + shift]);
       cost[shift + range] += sum / pixels;
     }
     for (int x = x0; x < x1; ++x) {
-      gradient_square += square(l[std::min(x + 1, left.width - 1)] - l[std::max(x - 1, 0)]) / (4 * pixels);
+      gradient_square += squared(l[std::min(x + 1, left.width - 1)] - l[std::max(x - 1, 0)]) / (4 * pixels);
     }
   }
 
@@ -55,7 +55,7 @@ Match match_tile(const Image& left, const Image& right, int x0, int x1, int y0, 
   const float offset = 0.5f * (before - after) / curvature;
   match.disparity = best + offset;
 
-  const float least = std::max(at - 0.125f * square(before - after) / curvature, 0.0f);
+  const float least = std::max(at - 0.125f * squared(before - after) / curvature, 0.0f);
   float second = INFINITY;
   for (int shift = -range; shift <= range; ++shift) {
     if (std::abs(shift - best) > 1) second = std::min(second, cost[shift + range]);
@@ -66,7 +66,7 @@ Match match_tile(const Image& left, const Image& right, int x0, int x1, int y0, 
   const float distinct =
       second > 0 ? std::clamp((1 - least / second) / (1 - options.second_minimum), 0.0f, 1.0f) : 0.0f;
   match.confidence =
-      std::exp(-least / options.ssd_scale) / (1 + variance / square(options.deviation_dp_px)) * square(distinct);
+      std::exp(-least / options.ssd_scale) / (1 + variance / squared(options.deviation_dp_px)) * squared(distinct);
   return match;
 }
 
@@ -79,7 +79,7 @@ float agreement(const TileDisparity& tiles, int x, int y, const MatchOptions& op
       if (u == x && v == y) continue;
       const float weight = tiles.confidence.at(u, v);
       const float difference = disparity.at(u, v) - disparity.at(x, y);
-      supported += weight * std::exp(-square(difference / options.agreement_dp_px));
+      supported += weight * std::exp(-squared(difference / options.agreement_dp_px));
       total += weight;
     }
   }

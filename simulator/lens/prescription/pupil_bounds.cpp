@@ -12,7 +12,7 @@
 namespace dualpixel::simulator {
 namespace {
 
-constexpr int kLanes = 16;
+constexpr int kPupilLanes = 16;
 /// The cells of a grid of directions that pass: rows in M, columns in L >= 0 (the lens is symmetric about M's axis).
 struct Grid {
   int columns, rows;
@@ -26,9 +26,9 @@ struct Grid {
 Grid trace_grid(const TracedLens<float>& lens, double r, double center_m, double half_m, double half_l, int columns,
                 int rows) {
   Grid grid{columns, rows, center_m - half_m, 2 * half_m / rows, half_l / columns, std::vector<char>(columns * rows)};
-  RayBatch<float, kLanes> rays;
-  for (int first = 0; first < columns * rows; first += kLanes) {
-    for (int i = 0; i < kLanes; ++i) {
+  RayBatch<float, kPupilLanes> rays;
+  for (int first = 0; first < columns * rows; first += kPupilLanes) {
+    for (int i = 0; i < kPupilLanes; ++i) {
       const int cell = std::min(first + i, columns * rows - 1);
       const auto l = static_cast<float>(grid.l(cell % columns)), m = static_cast<float>(grid.m(cell / columns));
       rays.x[i] = 0, rays.y[i] = static_cast<float>(r), rays.z[i] = static_cast<float>(lens.sensor_z_mm());
@@ -38,7 +38,7 @@ Grid trace_grid(const TracedLens<float>& lens, double r, double center_m, double
       rays.end[i] = l * l + m * m > 0.9999f ? static_cast<float>(RayEnd::missed) : 0.0f;
     }
     lens.trace(rays);
-    for (int i = 0; i < kLanes && first + i < columns * rows; ++i) grid.passes[first + i] = rays.end[i] == 0;
+    for (int i = 0; i < kPupilLanes && first + i < columns * rows; ++i) grid.passes[first + i] = rays.end[i] == 0;
   }
   return grid;
 }
@@ -174,10 +174,10 @@ PupilEllipse find_region(const TracedLens<float>& lens, double r, double chief_m
 
 double chief_cosine(const TracedLens<double>& unclipped, double r_mm, double guess) {
   double low = guess - 0.08, high = guess + 0.08;
-  RayBatch<double, kLanes> rays;
+  RayBatch<double, kPupilLanes> rays;
   for (int round = 0; round < 9; ++round) {
-    const double step = (high - low) / (kLanes - 1);
-    for (int i = 0; i < kLanes; ++i) {
+    const double step = (high - low) / (kPupilLanes - 1);
+    for (int i = 0; i < kPupilLanes; ++i) {
       rays.x[i] = 0, rays.y[i] = r_mm, rays.z[i] = unclipped.sensor_z_mm();
       rays.l[i] = 0;
       rays.m[i] = low + i * step;
@@ -187,7 +187,7 @@ double chief_cosine(const TracedLens<double>& unclipped, double r_mm, double gue
     unclipped.trace(rays);
     int bracket = -1;
     double nearest = std::numeric_limits<double>::infinity();
-    for (int i = 0; i + 1 < kLanes; ++i) {
+    for (int i = 0; i + 1 < kPupilLanes; ++i) {
       const bool usable = rays.end[i] == 0 && rays.end[i + 1] == 0;
       if (!usable || (rays.stop_y[i] < 0) == (rays.stop_y[i + 1] < 0)) continue;
       const double distance = std::abs(low + (i + 0.5) * step - guess);

@@ -14,7 +14,7 @@
 namespace dualpixel::simulator {
 namespace {
 
-constexpr int kLanes = 16;
+constexpr int kFitLanes = 16;
 
 /// Rays of one node with their positions in the ellipse: what a polynomial is fitted to.
 struct Bundle {
@@ -44,11 +44,11 @@ Bundle trace_bundle(const TracedLens<double>& unclipped, double r, const PupilEl
   Bundle bundle;
   bundle.rim2.resize(count);
   const std::vector<std::pair<double, double>> positions = fitting_positions();
-  RayBatch<double, kLanes> rays;
-  std::vector<double> storage(count * kLanes);
-  auto* rim2 = reinterpret_cast<double(*)[kLanes]>(storage.data());
-  for (std::size_t first = 0; first < positions.size(); first += kLanes) {
-    for (std::size_t i = 0; i < kLanes; ++i) {
+  RayBatch<double, kFitLanes> rays;
+  std::vector<double> storage(count * kFitLanes);
+  auto* rim2 = reinterpret_cast<double(*)[kFitLanes]>(storage.data());
+  for (std::size_t first = 0; first < positions.size(); first += kFitLanes) {
+    for (std::size_t i = 0; i < kFitLanes; ++i) {
       const auto& [x, y] = positions[std::min(first + i, positions.size() - 1)];
       rays.x[i] = 0, rays.y[i] = r, rays.z[i] = unclipped.sensor_z_mm();
       rays.l[i] = ellipse.half_l * x;
@@ -59,7 +59,7 @@ Bundle trace_bundle(const TracedLens<double>& unclipped, double r, const PupilEl
     }
     unclipped.trace(rays, rim2);
     move_to_plane(rays, pupil_z);
-    for (std::size_t i = 0; i < kLanes && first + i < positions.size(); ++i) {
+    for (std::size_t i = 0; i < kFitLanes && first + i < positions.size(); ++i) {
       if (rays.end[i] != 0 || -rays.n[i] < 0.02) continue;
       bundle.x.push_back(positions[first + i].first);
       bundle.y.push_back(positions[first + i].second);

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulator/render/shading/radiometry.h"
+
 namespace dualpixel::simulator {
 namespace {
-
-constexpr float kPi = 3.14159265358979f;
 
 bool is_lambertian(const Surface& s) { return s.metallic == 0 && s.roughness >= 1; }
 

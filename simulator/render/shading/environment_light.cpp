@@ -6,14 +6,12 @@
 #include <cmath>
 
 #include "simulator/render/shading/pick.h"
+#include "simulator/render/shading/radiometry.h"
 
 namespace dualpixel::simulator {
 namespace {
 
-constexpr float kPi = 3.14159265358979f;
 constexpr int kNormals = 48;  // cells a side of the octahedral map of normals, up to 4.2 degrees each
-
-float luminance(glm::vec3 rgb) { return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z; }
 
 /// u runs once around from +z over -x, -z (the middle), +x; v from straight up to straight down.
 glm::vec3 radiance_at(const Environment& e, float u, float v) {

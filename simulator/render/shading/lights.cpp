@@ -6,15 +6,10 @@
 #include <limits>
 
 #include "simulator/render/shading/pick.h"
+#include "simulator/render/shading/radiometry.h"
 #include "simulator/render/shading/surface.h"
 
 namespace dualpixel::simulator {
-namespace {
-
-float luminance(glm::vec3 rgb) { return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z; }
-
-}  // namespace
-
 Lights::Lights(const Scene& scene, glm::vec3 low, glm::vec3 high) : scene_(scene), environment_(scene.environment) {
   for (const PunctualLight& light : scene.lights) {
     const bool far = light.kind == PunctualLight::Kind::directional;

@@ -28,19 +28,19 @@ double median_error(const MotionField& motion, int width, int height, const Pose
   return errors[errors.size() / 2];
 }
 
-constexpr int kWidth = 256, kHeight = 192;
+constexpr int kFrameWidth = 256, kFrameHeight = 192;
 
 /// The largest median error of the frames of a hand-held burst.
 double hand_held_error(double lux, bool with_mosaic) {
   const Exposure exposure = exposure_at(lux);
-  std::vector<Frame> frames = hand_held(Target(1), kWidth, kHeight, exposure, 10);
+  std::vector<Frame> frames = hand_held(Target(1), kFrameWidth, kFrameHeight, exposure, 10);
   if (!with_mosaic) {
     for (Frame& frame : frames) frame.mosaic = {};
   }
   const std::vector<MotionField> motions = align_burst(frames, 0, exposure);
   double worst = 0;
   for (std::size_t z = 1; z < motions.size(); ++z) {
-    worst = std::max(worst, median_error(motions[z], kWidth, kHeight, kHandShake[z]));
+    worst = std::max(worst, median_error(motions[z], kFrameWidth, kFrameHeight, kHandShake[z]));
   }
   return worst;
 }
@@ -65,10 +65,10 @@ TEST(Align, BaseAndFlatFramesStandStill) {
 
 TEST(Align, IsTheSameForAnotherBase) {
   const Exposure exposure = exposure_at(100);
-  std::vector<Frame> frames = hand_held(Target(3), kWidth, kHeight, exposure, 20);
+  std::vector<Frame> frames = hand_held(Target(3), kFrameWidth, kFrameHeight, exposure, 20);
   const std::vector<MotionField> motions = align_burst(frames, 1, exposure);
   const Pose back = {kHandShake[0].x - kHandShake[1].x, kHandShake[0].y - kHandShake[1].y, 1};
-  EXPECT_LT(median_error(motions[0], kWidth, kHeight, back), 0.15);
+  EXPECT_LT(median_error(motions[0], kFrameWidth, kFrameHeight, back), 0.15);
 }
 
 TEST(Align, FindsMotionUpToTheReachAndStaysFiniteBeyond) {

@@ -75,7 +75,7 @@ std::string message_of(const std::function<void()>& act) {
   return "";
 }
 
-std::string refusal(const std::vector<TargetMeasurement>& measurements) {
+std::string refusal_of(const std::vector<TargetMeasurement>& measurements) {
   return message_of([&] { fit_calibration(test_camera(), measurements); });
 }
 
@@ -178,27 +178,29 @@ TEST(Calibration, RecoversExactLines) {
 }
 
 TEST(Calibration, RefusesWhatGivesNoLine) {
-  EXPECT_EQ(refusal({measurement(1, 0.5), measurement(1, 0.5), measurement(1, 1)}),
+  EXPECT_EQ(refusal_of({measurement(1, 0.5), measurement(1, 0.5), measurement(1, 1)}),
             "calibration: focus distance 1 m: 2 target distances: a line needs at least 3");
-  EXPECT_EQ(refusal({measurement(1, 0.99), measurement(1, 1), measurement(1, 1.02)}),
+  EXPECT_EQ(refusal_of({measurement(1, 0.99), measurement(1, 1), measurement(1, 1.02)}),
             "calibration: focus distance 1 m: targets from 0.99 m to 1.02 m: too close together; their inverses must "
             "differ by 0.2 / m");
   std::vector<TargetMeasurement> unseen = sweep({1});
   for (std::size_t k = 0; k < 2; ++k) unseen[k].usable = Image(kColumns, kRows);
   const std::string principal = "calibration: focus distance 1 m: at the principal point ";
-  EXPECT_EQ(refusal(unseen), principal +
-                                 "the views of only 2 targets match; 3 are needed: is the target textured and within "
-                                 "range?");
+  EXPECT_EQ(refusal_of(unseen),
+            principal +
+                "the views of only 2 targets match; 3 are needed: is the target textured and within "
+                "range?");
   std::vector<TargetMeasurement> close = {measurement(1, 0.5), measurement(1, 0.98), measurement(1, 1),
                                           measurement(1, 1.02)};
   close[0].usable = Image(kColumns, kRows);
-  EXPECT_EQ(refusal(close), principal +
-                                "the 3 targets whose views match are too close together: their inverses differ by "
-                                "0.04 / m; must be 0.2 / m");
+  EXPECT_EQ(refusal_of(close), principal +
+                                   "the 3 targets whose views match are too close together: their inverses differ by "
+                                   "0.04 / m; must be 0.2 / m");
   std::vector<TargetMeasurement> equal = sweep({1});
   for (TargetMeasurement& m : equal) m.disparity_dp_px = Image(kColumns, kRows);
-  EXPECT_EQ(refusal(equal), principal + "disparity does not change with distance: are the two views the same picture?");
-  EXPECT_EQ(refusal({}), "calibration: no measurements");
+  EXPECT_EQ(refusal_of(equal),
+            principal + "disparity does not change with distance: are the two views the same picture?");
+  EXPECT_EQ(refusal_of({}), "calibration: no measurements");
 }
 
 TEST(Calibration, SaysWhenTheTargetWasTilted) {

@@ -15,14 +15,15 @@
 namespace dualpixel::pipeline {
 namespace {
 
-constexpr int kWidth = 700, kHeight = 360;
+constexpr int kPhotoWidth = 700, kPhotoHeight = 360;
 constexpr int kMargin = 40;  // discs of 30 px are cut by the border, and rows near it left out
 
 /// As much contrast in each of six octaves, the finest of them near what a pixel can hold.
 Image octaves() {
-  Image picture(kWidth, kHeight, 3, 0.3f);
+  Image picture(kPhotoWidth, kPhotoHeight, 3, 0.3f);
   for (int octave = 0; octave < 6; ++octave) {
-    const Image texture = textured(Texture(10 + octave, 0.4 / (1 << octave), 30), kWidth, kHeight, 0, 0, 0.05);
+    const Image texture =
+        textured(Texture(10 + octave, 0.4 / (1 << octave), 30), kPhotoWidth, kPhotoHeight, 0, 0, 0.05);
     for (std::size_t i = 0; i < picture.data.size(); ++i) picture.data[i] += texture.data[i / 3];
   }
   return picture;
@@ -30,21 +31,21 @@ Image octaves() {
 
 /// A plane whose disparity runs from `left` to `right` along x.
 struct Plane {
-  Image rgb, disparity{kWidth, kHeight}, radius;
+  Image rgb, disparity{kPhotoWidth, kPhotoHeight}, radius;
   BlurMapping mapping = make_blur_mapping(1, 0, 2688, false);
   double left, right;
   std::vector<Band> bands;
 
   Plane(const Image& picture, double left_, double right_) : rgb(picture), left(left_), right(right_) {
-    for (int i = 0; i < kWidth * kHeight; ++i) {
-      disparity.data[i] = static_cast<float>(left + (right - left) * (i % kWidth + 0.5) / kWidth);
+    for (int i = 0; i < kPhotoWidth * kPhotoHeight; ++i) {
+      disparity.data[i] = static_cast<float>(left + (right - left) * (i % kPhotoWidth + 0.5) / kPhotoWidth);
     }
     radius = blur_radii(disparity, mapping);
     const auto [low, high] = std::minmax_element(disparity.data.begin(), disparity.data.end());
     bands = make_bands(*low, *high, mapping);
   }
   /// The column where a disparity lies.
-  int column(double d) const { return static_cast<int>(std::floor((d - left) / (right - left) * kWidth)); }
+  int column(double d) const { return static_cast<int>(std::floor((d - left) / (right - left) * kPhotoWidth)); }
 };
 
 /// Discs of the whole picture, none in layers, laid down from the farthest column to the nearest: each over what is
@@ -75,8 +76,8 @@ Image exact(const Plane& plane, bool ordered) {
       }
     }
   }
-  const Image enlarged = resize_bilinear(sums, kWidth, kHeight);
-  Image green(kWidth, kHeight);
+  const Image enlarged = resize_bilinear(sums, kPhotoWidth, kPhotoHeight);
+  Image green(kPhotoWidth, kPhotoHeight);
   for (std::size_t i = 0; i < green.data.size(); ++i)
     green.data[i] = enlarged.data[4 * i + 1] / enlarged.data[4 * i + 3];
   return green;
@@ -84,7 +85,7 @@ Image exact(const Plane& plane, bool ordered) {
 
 Image display_error(const Plane& plane, const Image& exact_green) {
   const Image rendered = render_defocus(plane.rgb, plane.disparity, plane.radius, plane.mapping).rgb;
-  Image green(kWidth, kHeight);
+  Image green(kPhotoWidth, kPhotoHeight);
   for (std::size_t i = 0; i < green.data.size(); ++i) green.data[i] = rendered.data[3 * i + 1];
   Image error = encode_for_display(green);
   const Image truth = encode_for_display(exact_green);
@@ -108,7 +109,7 @@ TEST(DefocusBands, NoSeamWhereBruteForceEnds) {
       const int seam = plane.column(plane.right > 0 ? band.high_dp_px : band.low_dp_px);
       ASSERT_NEAR(plane.radius.at(seam, 0), 5.5, 0.1);
       float jump = 0;
-      for (int y = kMargin; y < kHeight - kMargin; ++y) {
+      for (int y = kMargin; y < kPhotoHeight - kMargin; ++y) {
         for (int x = seam - 8; x <= seam + 8; ++x) {
           jump = std::max(jump, std::abs(error.at(x + 1, y) - error.at(x - 1, y)));
         }
@@ -125,16 +126,16 @@ TEST(DefocusBands, NoSeamWhereBruteForceEnds) {
 TEST(DefocusBands, NoStepBetweenBandsAgainstOrderedCompositing) {
   for (const Plane& plane : planes()) {
     const Image error = display_error(plane, exact(plane, true));
-    std::vector<double> profile(kWidth);
-    for (int y = kMargin; y < kHeight - kMargin; ++y) {
-      for (int x = 0; x < kWidth; ++x) profile[x] += error.at(x, y) / (kHeight - 2 * kMargin);
+    std::vector<double> profile(kPhotoWidth);
+    for (int y = kMargin; y < kPhotoHeight - kMargin; ++y) {
+      for (int x = 0; x < kPhotoWidth; ++x) profile[x] += error.at(x, y) / (kPhotoHeight - 2 * kMargin);
     }
     int ends = 0;
     for (const Band& band : plane.bands) {
       for (const double d :
            {band.low_dp_px - band.taper_dp_px, band.low_dp_px, band.high_dp_px, band.high_dp_px + band.taper_dp_px}) {
         const int end = plane.column(d);
-        if (end < kMargin || end >= kWidth - kMargin) continue;
+        if (end < kMargin || end >= kPhotoWidth - kMargin) continue;
         ++ends;
         for (int x = end - 8; x <= end + 8; ++x) {
           double step = 0;

@@ -14,7 +14,7 @@
 namespace dualpixel::pipeline {
 namespace {
 
-constexpr int kWidth = 512, kHeight = 384;
+constexpr int kCaptureWidth = 512, kCaptureHeight = 384;
 constexpr double kBackground = 0.8;  // disparity, DP px
 
 bool on_subject(double x, double y) { return std::abs(x - 256) < 110 && std::abs(y - 220) < 120; }
@@ -22,8 +22,8 @@ bool on_subject(double x, double y) { return std::abs(x - 256) < 110 && std::abs
 /// A warm, in-focus rectangle in front of a cool background, both textured, shifted without blur.
 Capture make_capture(double background_dp_px = kBackground) {
   Capture capture;
-  capture.camera.width_px = kWidth;
-  capture.camera.height_px = kHeight;
+  capture.camera.width_px = kCaptureWidth;
+  capture.camera.height_px = kCaptureHeight;
   capture.camera.focus_distance_m = 1;
   capture.exposure.black_level_dn = 64;
   capture.exposure.white_level_dn = 1023;
@@ -40,23 +40,25 @@ Capture make_capture(double background_dp_px = kBackground) {
     return static_cast<std::uint16_t>(
         std::clamp(std::lround(64 + dn + std::sqrt(0.16 * dn + 1) * normal(random)), 0l, 1023l));
   };
-  const Image subject_full = subject.raster(kWidth, kHeight, 0.5, 1, 0.5, 1);
-  const Image background_full = background.raster(kWidth, kHeight, 0.5, 1, 0.5, 1);
-  const Image subject_dp = subject.raster(kWidth / 2, kHeight / 4, 1, 2, 2, 4);
+  const Image subject_full = subject.raster(kCaptureWidth, kCaptureHeight, 0.5, 1, 0.5, 1);
+  const Image background_full = background.raster(kCaptureWidth, kCaptureHeight, 0.5, 1, 0.5, 1);
+  const Image subject_dp = subject.raster(kCaptureWidth / 2, kCaptureHeight / 4, 1, 2, 2, 4);
   // Half of the disparity either way, so that the picture lies in the middle; 2 photosites a DP pixel.
-  const Image background_left = background.raster(kWidth / 2, kHeight / 4, 1 + background_dp_px, 2, 2, 4);
-  const Image background_right = background.raster(kWidth / 2, kHeight / 4, 1 - background_dp_px, 2, 2, 4);
+  const Image background_left = background.raster(kCaptureWidth / 2, kCaptureHeight / 4, 1 + background_dp_px, 2, 2, 4);
+  const Image background_right =
+      background.raster(kCaptureWidth / 2, kCaptureHeight / 4, 1 - background_dp_px, 2, 2, 4);
   for (int k = 0; k < 3; ++k) {
-    Frame frame{ImageU16(kWidth, kHeight), ImageU16(kWidth / 2, kHeight / 4), ImageU16(kWidth / 2, kHeight / 4)};
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
+    Frame frame{ImageU16(kCaptureWidth, kCaptureHeight), ImageU16(kCaptureWidth / 2, kCaptureHeight / 4),
+                ImageU16(kCaptureWidth / 2, kCaptureHeight / 4)};
+    for (int y = 0; y < kCaptureHeight; ++y) {
+      for (int x = 0; x < kCaptureWidth; ++x) {
         const bool person = on_subject(x + 0.5, y + 0.5);
         frame.mosaic.at(x, y) =
             digital(signal(person, (person ? subject_full : background_full).at(x, y), (x & 1) + (y & 1)));
       }
     }
-    for (int y = 0; y < kHeight / 4; ++y) {
-      for (int x = 0; x < kWidth / 2; ++x) {
+    for (int y = 0; y < kCaptureHeight / 4; ++y) {
+      for (int x = 0; x < kCaptureWidth / 2; ++x) {
         const bool person = on_subject(2 * x + 1, 4 * y + 2);
         frame.left.at(x, y) = digital(0.5 * signal(person, (person ? subject_dp : background_left).at(x, y), 1));
         frame.right.at(x, y) = digital(0.5 * signal(person, (person ? subject_dp : background_right).at(x, y), 1));
@@ -71,12 +73,12 @@ PortraitOptions test_options(Mode mode = Mode::dp) {
   PortraitOptions options;
   options.mode = mode;
   options.blur_radius.reference_width_px = options.defocus.mask_blur.reference_width_px =
-      kWidth;  // as strong as in a large picture
+      kCaptureWidth;  // as strong as in a large picture
   return options;
 }
 
 Image person_mask() {
-  Image mask(kWidth / 4, kHeight / 4);
+  Image mask(kCaptureWidth / 4, kCaptureHeight / 4);
   for (int y = 0; y < mask.height; ++y) {
     for (int x = 0; x < mask.width; ++x) mask.at(x, y) = on_subject(4 * x + 2, 4 * y + 2) ? 1 : 0;
   }
@@ -86,8 +88,8 @@ Image person_mask() {
 /// Calls f(x, y) at least `margin` pixels from the subject's outline and the border, on it or off it.
 template <typename F>
 void away_from_edges(bool subject, int margin, const F& f) {
-  for (int y = margin; y < kHeight - margin; ++y) {
-    for (int x = margin; x < kWidth - margin; ++x) {
+  for (int y = margin; y < kCaptureHeight - margin; ++y) {
+    for (int x = margin; x < kCaptureWidth - margin; ++x) {
       bool all = true;
       for (const int dx : {-margin, 0, margin}) {
         for (const int dy : {-margin, 0, margin}) all = all && on_subject(x + dx, y + dy) == subject;
@@ -129,8 +131,8 @@ TEST(Portrait, FindsDisparitiesKeepsTheSubjectAndBlursTheBackground) {
   EXPECT_NEAR(mean_of(result.disparity_dp_px, true), 0, 0.05);
   EXPECT_NEAR(mean_of(result.disparity_dp_px, false), kBackground, 0.08);  // locking to pixels included
   EXPECT_GT(mean_of(result.confidence, false), 0.5);
-  EXPECT_EQ(result.matched_disparity_dp_px.width, kWidth / 2);
-  EXPECT_EQ(result.matched_disparity_dp_px.height, kHeight / 4);
+  EXPECT_EQ(result.matched_disparity_dp_px.width, kCaptureWidth / 2);
+  EXPECT_EQ(result.matched_disparity_dp_px.height, kCaptureHeight / 4);
   EXPECT_EQ(result.focus_disparity_dp_px, 0);
   EXPECT_GT(detail_of(result.portrait, true), 0.98 * detail_of(result.input, true));
   EXPECT_LT(detail_of(result.portrait, false), 0.2 * detail_of(result.input, false));
@@ -155,7 +157,7 @@ TEST(Portrait, TheLikelihoodMatcherReachesFurther) {
     const int which = matcher == std::string("paper") ? 0 : 1;
     int count = 0;
     for (int y = 4; y < 12; ++y) {  // above the subject
-      for (int x = 24; x < kWidth / 2 - 24; ++x, ++count) {
+      for (int x = 24; x < kCaptureWidth / 2 - 24; ++x, ++count) {
         within[which] += std::abs(result.matched_disparity_dp_px.at(x, y) - 5) < 0.25 ? 1 : 0;
         confidence[which] += result.matched_confidence.at(x, y);
       }
@@ -255,12 +257,13 @@ TEST(Portrait, MissingOrBrokenMasksAreTheUsersErrors) {
 TEST(Portrait, AGivenPictureTakesTheBurstsPlace) {
   Capture capture = make_capture();
   PortraitOptions options = test_options();
-  options.picture = Image(kWidth, kHeight, 3, 0.25f);
+  options.picture = Image(kCaptureWidth, kCaptureHeight, 3, 0.25f);
   EXPECT_THROW(run_portrait(capture, options), InputError);  // of which of the three frames?
   capture.frames.resize(1);
   EXPECT_EQ(run_portrait(capture, options).input.data, options.picture->data);
-  for (const Image& unfit : {Image(kWidth, kHeight / 2, 3, 0.25f), Image(kWidth, kHeight, 1, 0.25f),
-                             Image(kWidth, kHeight, 3, 1.5f), Image(kWidth, kHeight, 3, NAN)}) {
+  for (const Image& unfit :
+       {Image(kCaptureWidth, kCaptureHeight / 2, 3, 0.25f), Image(kCaptureWidth, kCaptureHeight, 1, 0.25f),
+        Image(kCaptureWidth, kCaptureHeight, 3, 1.5f), Image(kCaptureWidth, kCaptureHeight, 3, NAN)}) {
     options.picture = unfit;
     EXPECT_THROW(run_portrait(capture, options), InputError);
   }
@@ -272,7 +275,7 @@ TEST(Portrait, PeopleAreFoundWhereNoMaskIsGiven) {
     PortraitOptions options = test_options(mode);
     const Face face{200, 120, 60, 60};
     options.find_people = [&](const Image& picture, const std::vector<Face>&) {
-      EXPECT_EQ(picture.width, kWidth);
+      EXPECT_EQ(picture.width, kCaptureWidth);
       EXPECT_EQ(picture.channels, 3);
       return FoundPeople{{face}, person_mask()};
     };
@@ -306,12 +309,12 @@ TEST(Portrait, TransposedPicturesGiveUprightResults) {
   options.faces = {{120, 200, 60, 70}};
   options.defocus.bokeh.aperture.blades = 5;
   const PortraitResult given = run_portrait(capture, options, transposed(person_mask()));
-  EXPECT_EQ(given.portrait.width, kHeight);
+  EXPECT_EQ(given.portrait.width, kCaptureHeight);
   EXPECT_EQ(given.portrait.data, transposed(expected.portrait).data);
   EXPECT_EQ(given.matched_disparity_dp_px.data, transposed(expected.matched_disparity_dp_px).data);
 
   options.find_people = [](const Image& picture, const std::vector<Face>& seeds) {
-    EXPECT_EQ(picture.width, kHeight);
+    EXPECT_EQ(picture.width, kCaptureHeight);
     EXPECT_EQ(seeds.at(0).y, 200);
     return FoundPeople{seeds, transposed(person_mask()), seeds};
   };

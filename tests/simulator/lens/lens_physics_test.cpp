@@ -1,6 +1,6 @@
-// Every knob of the lens and of the split pixel against its closed form (lens_models/README.md), by Monte Carlo over
-// the sampler that rendering uses. N samples of a net err less than N independent ones; tolerances are three standard
-// errors of the latter, so a failure is a wrong formula.
+// Every parameter of the lens and of the split pixel against its closed form (lens_models/README.md), by Monte Carlo
+// over the sampler that rendering uses. N samples of a net err less than N independent ones; tolerances are three
+// standard errors of the latter, so a failure is a wrong formula.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -63,7 +63,7 @@ TEST(DisparityField, CountsInTheSensorsOwnDpPixels) {
   }
 }
 
-TEST(Knobs, AllZeroIsTheThinLens) {
+TEST(LensParameters, AllZeroIsTheThinLens) {
   Lens aberrated = base_lens(SplitKind::ramp);
   Lens thin = aberrated;
   thin.model = ThinModel{};
@@ -83,7 +83,7 @@ TEST(Knobs, AllZeroIsTheThinLens) {
 }
 
 // Two equal discs displaced by e: area, and alpha and the left view's share where the split stays in the middle.
-TEST(Knobs, CatsEye) {
+TEST(LensParameters, CatsEye) {
   struct Row {
     double e, area, alpha_along, left_along, alpha_across;
   };
@@ -108,7 +108,7 @@ TEST(Knobs, CatsEye) {
   EXPECT_LT(at(lens, 1, 0).left_light, at(lens, 1, 0).right_light);
 }
 
-TEST(Knobs, SplitOffset) {
+TEST(LensParameters, SplitOffset) {
   for (double e : {-0.2, 0.0, 0.1, 0.3}) {
     Lens lens = base_lens();
     aberrations(lens).split_offset.constant = e;
@@ -123,7 +123,7 @@ TEST(Knobs, SplitOffset) {
   EXPECT_NEAR(at(lens, -1, 0).left_light, 0.436, binomial_error(0.436) + 5e-4);
 }
 
-TEST(Knobs, SplitOffsetMapIsBilinearBetweenItsCells) {
+TEST(LensParameters, SplitOffsetMapIsBilinearBetweenItsCells) {
   FieldMap map;
   map.columns = 2;
   map.rows = 1;
@@ -135,7 +135,7 @@ TEST(Knobs, SplitOffsetMapIsBilinearBetweenItsCells) {
 }
 
 // Field curvature moves the image behind the sensor by dz: b = -L dz / z_i, at the depth that would else be sharp.
-TEST(Knobs, FieldCurvature) {
+TEST(LensParameters, FieldCurvature) {
   Lens lens = base_lens();
   aberrations(lens).tangential_focus_um.c = {30, -10};
   aberrations(lens).sagittal_focus_um.c = {-8};
@@ -151,7 +151,7 @@ TEST(Knobs, FieldCurvature) {
 }
 
 // d = 2 [(b/2) 4/(3 pi) + c3 4/(5 pi)] for the hard split; the fifth power has 4/(7 pi).
-TEST(Knobs, SphericalAberration) {
+TEST(LensParameters, SphericalAberration) {
   Lens lens = base_lens();
   aberrations(lens).spherical_um = {5, -2};
   const DisparityCoefficients c = at(lens, 0, 0);
@@ -161,7 +161,7 @@ TEST(Knobs, SphericalAberration) {
   EXPECT_NEAR(2 * (c.slope_dp_px_m / depth + c.intercept_dp_px), expected_px, 2 * kAlphaError * std::abs(b_px));
 }
 
-TEST(Knobs, DistortionMovesThePicture) {
+TEST(LensParameters, DistortionMovesThePicture) {
   Lens lens = base_lens();
   aberrations(lens).distortion.c = {-0.04, 0.01};
   const double h = 0.8, shrink = 1 + (-0.04 * h * h + 0.01 * h * h * h * h);
@@ -183,7 +183,7 @@ TEST(Knobs, DistortionMovesThePicture) {
   EXPECT_NEAR(mean.y, slope.y, 2e-5);
 }
 
-TEST(Knobs, ColorMovesFocusAndSize) {
+TEST(LensParameters, ColorMovesFocusAndSize) {
   Lens lens = base_lens();
   aberrations(lens).longitudinal_color_um = {12, -20};
   aberrations(lens).lateral_color = {0.001, -0.002};
@@ -207,7 +207,7 @@ TEST(Knobs, ColorMovesFocusAndSize) {
 }
 
 // The irradiance of a disc of radius R at distance d, h off its axis (the exact law), and cos^4 beside it.
-TEST(Knobs, Falloff) {
+TEST(LensParameters, Falloff) {
   Lens lens = base_lens();
   const double d = lens.thin.image_distance_m(), r = lens.thin.pupil_diameter_m() / 2;
   for (double field : {0.0, 0.5, 1.0}) {
@@ -230,7 +230,7 @@ TEST(Knobs, Falloff) {
   EXPECT_NEAR(disc / std::pow(1 + x * x / (4.442e-3 * 4.442e-3), -2), 1.084, 5e-4);
 }
 
-TEST(Knobs, ViewGainsShadeEachView) {
+TEST(LensParameters, ViewGainsShadeEachView) {
   Lens lens = base_lens();
   aberrations(lens).left_gain = {0.8, -0.2, 0};
   aberrations(lens).right_gain = {0.7, 0, 0};

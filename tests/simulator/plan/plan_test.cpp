@@ -47,8 +47,8 @@ Scene speckled_wall() {
   Texture texture;
   texture.width = texture.height = 128;
   for (int i = 0; i < 128 * 128; ++i) {
-    const auto grey = static_cast<std::uint8_t>(40 + hash(7, i) % 200);
-    texture.rgba.insert(texture.rgba.end(), {grey, grey, grey, 255});
+    const auto gray = static_cast<std::uint8_t>(40 + hash(7, i) % 200);
+    texture.rgba.insert(texture.rgba.end(), {gray, gray, gray, 255});
   }
   scene.textures.push_back(texture);
   Material m = diffuse(1);
@@ -257,7 +257,7 @@ Simulation covering(const std::string& scene, const std::string& lens) {
   return s;
 }
 
-/// RMS disparity error of a lens against another one over the depths of a scene, at places that the plan does not use.
+/// RMS disparity error of a lens against another one over the depths of a scene, at points that the plan does not use.
 double traced_error(const Simulation& s, const Scene& scene, const Lens& lens, const Lens& reference) {
   const RenderScene world(scene);
   const auto camera_with = [&](const Lens& chosen) {

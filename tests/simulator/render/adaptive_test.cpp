@@ -31,8 +31,8 @@ Scene barred_wall() {
 
 constexpr int kWidth = 96, kHeight = 64;
 
-// Light noise that lies at one place in both views pulls their disparity to 0: the views' errors must go together no
-// more than those of independent samples do.
+// Light noise that lies at the same pixel in both views pulls their disparity to 0: the views' errors must go together
+// no more than those of independent samples do.
 TEST(Views, DoNotShareTheirNoise) {
   Scene scene = barred_wall();
   scene.meshes.pop_back();

@@ -18,8 +18,8 @@ Scene soft_waves(const CameraView& camera) {
   const auto wave = [](int i) { return std::sin(2 * std::numbers::pi * kWaves * (i + 0.5) / kTexels); };
   for (int y = 0; y < kTexels; ++y) {
     for (int x = 0; x < kTexels; ++x) {
-      const auto grey = static_cast<std::uint8_t>(std::lround(127.5 + 60 * (wave(x) + wave(y))));
-      waves.rgba.insert(waves.rgba.end(), {grey, grey, grey, 255});
+      const auto gray = static_cast<std::uint8_t>(std::lround(127.5 + 60 * (wave(x) + wave(y))));
+      waves.rgba.insert(waves.rgba.end(), {gray, gray, gray, 255});
     }
   }
   Scene scene = shining_picture(std::move(waves), 100);

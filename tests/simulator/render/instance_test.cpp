@@ -22,7 +22,7 @@ constexpr float kRounding = 0x1p-24f;
 
 float largest(glm::vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
-/// The same scene with one mesh in six places, and with six meshes, each as large as the other's places.
+/// The same scene with one mesh instanced six times, and with six meshes, each as large as the other's instances.
 struct Twins {
   Scene shared = placed_sheets(sheets_in_view(), true).read(), copied = placed_sheets(sheets_in_view(), false).read();
   Twins() {
@@ -58,7 +58,7 @@ float normal_rounding(const std::array<glm::vec3, 3>& p, float magnitude) {
   return 2 * moved * longest / area2 * 2 + 32 * kRounding;
 }
 
-// Rays to the middle of each triangle, from two places, meet the same object at the same distance in packets of all
+// Rays to the middle of each triangle, from two origins, meet the same object at the same distance in packets of all
 // widths and alone. What rays lose on their way is less than by what they leave surfaces, 1e-5 of the largest
 // coordinate (pixel.cpp), measured across the surface: else surfaces would shadow themselves.
 TEST(Instance, RaysMeetWhatTheyMeetOfCopies) {
@@ -75,14 +75,14 @@ TEST(Instance, RaysMeetWhatTheyMeetOfCopies) {
         const Mesh &mesh = twins.shared.meshes[0], &copy = twins.copied.meshes[expected->mesh];
         EXPECT_EQ(hit->mesh, 0u);
         EXPECT_EQ(hit->triangle, expected->triangle);
-        const Placement& place = mesh.placements[hit->placement];
-        EXPECT_EQ(place.object_id, copy.object_id);
-        EXPECT_EQ(place.person, copy.person);
-        ++met_of_object[place.object_id - 1];
+        const Placement& instance = mesh.placements[hit->placement];
+        EXPECT_EQ(instance.object_id, copy.object_id);
+        EXPECT_EQ(instance.person, copy.person);
+        ++met_of_object[instance.object_id - 1];
         const glm::vec3 normal = geometric_normal(mesh, *hit, ray.direction);
         const glm::vec3 expected_normal = geometric_normal(copy, *expected, ray.direction);
         const glm::vec3 point = origin + expected->t * ray.direction;
-        const float magnitude = std::max({largest(point), largest(origin), largest(place.world_from_mesh[3])});
+        const float magnitude = std::max({largest(point), largest(origin), largest(instance.world_from_mesh[3])});
         const float across = std::abs(glm::dot(ray.direction, expected_normal));
         EXPECT_LE(std::abs(hit->t - expected->t) * across, 1e-5f * magnitude);
         EXPECT_LE(glm::length(normal - expected_normal), normal_rounding(corners(copy, expected->triangle), magnitude));
@@ -115,7 +115,7 @@ TEST(Instance, RaysMeetWhatTheyMeetOfCopies) {
   EXPECT_GT(*std::min_element(met_of_object.begin(), met_of_object.end()), 50);
 }
 
-// Position, geometric normal, and a normal that is interpolated and bent by a texture, at the same places of both. What
+// Position, geometric normal, and a normal that is interpolated and bent by a texture, at the same points of both. What
 // is interpolated from rounded corners is as far apart as they; lengths and products add a few ulps.
 TEST(Instance, SurfacesAreThoseOfCopies) {
   Twins twins;
@@ -156,7 +156,7 @@ TEST(Instance, SurfacesAreThoseOfCopies) {
           EXPECT_LE(glm::length(packet.geometric_normal.at(i) - expected.geometric_normal.at(i)), of_face);
           // the texture adds tangent and bitangent, up to once each, which are as wrong as the face
           EXPECT_LE(glm::length(packet.normal.at(i) - expected.normal.at(i)), bumpy ? 4 * of_face : 64 * kRounding)
-              << "triangle " << rays.triangle[i] << " in place " << placement;
+              << "triangle " << rays.triangle[i] << " in instance " << placement;
         }
       }
     }
@@ -248,14 +248,14 @@ double resident_bytes() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-// Ten million triangles: a thousand places of ten thousand. The scene and Embree's structures take what those of one
-// copy take, 1.1 MB, and less than a kilobyte for each place, in place of a gigabyte; 4 MB are for the pools of
+// Ten million triangles: a thousand instances of ten thousand. The scene and Embree's structures take what those of one
+// copy take, 1.1 MB, and less than a kilobyte for each instance, not a gigabyte; 4 MB are for the pools of
 // threads.
 TEST(Instance, TenMillionTrianglesTakeTheMemoryOfTenThousand) {
   constexpr int kPlaces = 1000, kSide = 71;  // 10082 triangles
-  const auto bytes_of = [](int places) {
+  const auto bytes_of = [](int instances) {
     nlohmann::json nodes = nlohmann::json::array();
-    for (int i = 0; i < places; ++i) nodes.push_back({{"translation", {3 * i, 0, 0}}});
+    for (int i = 0; i < instances; ++i) nodes.push_back({{"translation", {3 * i, 0, 0}}});
     const GltfBuilder gltf = placed_sheets(nodes, true, kSide);
     const double before = resident_bytes();
     const Scene scene = gltf.read();

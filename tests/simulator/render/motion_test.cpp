@@ -96,8 +96,8 @@ CameraView whole_view(const Lens& lens, double image_radius_m) {
   return {glm::mat4(1), LensSampler(lens, phone_sensor(64, 48, 2 * image_radius_m / 80))};
 }
 
-/// Turns the camera by `turn_rad` about y and compares: the chief ray of the place that motion leads to must run to the
-/// turned direction of the pixel's own chief ray. Returns the share of the pixels for which there is such a place.
+/// Turns the camera by `turn_rad` about y and compares: the chief ray of the point that motion leads to must run to the
+/// turned direction of the pixel's own chief ray. Returns the share of the pixels for which there is such a point.
 double check_turned(const CameraView& first, double turn_rad) {
   const glm::dmat4 pose = glm::rotate(glm::dmat4(1), turn_rad, glm::dvec3(0, 1, 0));
   const CameraView later = moved(first, pose);
@@ -125,7 +125,7 @@ double check_turned(const CameraView& first, double turn_rad) {
 }
 
 // Chief rays of a lens of glass are known up to the corners of the picture and go on straight beyond: a hand's turn and
-// one by half the field lead every point to a place, the corners' to one outside of the picture.
+// one by half the field lead every point to another, the corners' to one outside of the picture.
 TEST(TraceMotion, FollowsChiefRaysOfAPrescriptionBeyondThePicture) {
   constexpr const char* kFile = DUALPIXEL_SOURCE_DIR "/lens_models/phone_7p_4.9mm_f1.85.json";
   nlohmann::json json = read_json_file(kFile);
@@ -136,7 +136,7 @@ TEST(TraceMotion, FollowsChiefRaysOfAPrescriptionBeyondThePicture) {
   EXPECT_EQ(check_turned(camera, 0.4), 1);
 }
 
-// The twin's distortion is a polynomial that means nothing far beyond the picture: a place is right, or there is none.
+// The twin's distortion is a polynomial that means nothing far beyond the picture: a point is right, or there is none.
 TEST(TraceMotion, FollowsChiefRaysOfAnAberratedLensOrSaysThatThereAreNone) {
   const Lens lens = read_lens_file(DUALPIXEL_SOURCE_DIR "/lens_models/phone_aberrated_4.4mm_f1.8.json", 1);
   const CameraView camera = whole_view(lens, std::get<Aberrations>(lens.model).image_radius_mm * 1e-3);

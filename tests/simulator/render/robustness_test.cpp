@@ -81,15 +81,15 @@ TEST(Robustness, EdgesOfPlacedBoxesLetNothingThrough) {
       scene.materials = {diffuse(0.9f)};
       scene.meshes = {box(1, 16, glm::vec3(0))};
       Mesh& mesh = scene.meshes[0];
-      const Placement place{glm::mat4x3(half * axes[0], half * axes[1], half * axes[2], glm::vec3(0)), 1, false};
-      mesh.placements = {place};
+      const Placement instance{glm::mat4x3(half * axes[0], half * axes[1], half * axes[2], glm::vec3(0)), 1, false};
+      mesh.placements = {instance};
       const Intersector intersector(scene);
       const glm::vec3 origin = half * glm::vec3(0.1f, -0.1f, 0.05f);
       for (std::uint64_t i = 0; i < 100000; ++i) {
         const glm::uvec3& t = mesh.triangles[i % mesh.triangles.size()];
         const float along = unit_float(static_cast<std::uint32_t>(hash(i) >> 32));
         const glm::vec3 end = glm::mix(mesh.positions[t.x], mesh.positions[t.z], along);
-        ASSERT_TRUE(intersector.intersect(Ray{origin, place.world_from_mesh * glm::vec4(end, 1) - origin}))
+        ASSERT_TRUE(intersector.intersect(Ray{origin, instance.world_from_mesh * glm::vec4(end, 1) - origin}))
             << half << ' ' << i;
       }
     }
@@ -158,7 +158,7 @@ TEST(Robustness, GrazingViewsKeepTheirLight) {
   EXPECT_NEAR(high, 500, 0.5);
 }
 
-// Two sheets in one place look like one, whichever of them a ray meets.
+// Two coincident sheets look like one, whichever of them a ray meets.
 TEST(Robustness, CoplanarSheetsDoNotShadowEachOther) {
   for (float size : {0.1f, 10.0f, 1e3f}) {
     Scene scene;

@@ -71,7 +71,7 @@ TEST(Sobol, PupilQuadrantsGetEqualShares) {
   for (int c : count) EXPECT_EQ(c, 16);
 }
 
-// In each half of the pupil by itself, and not in the same places.
+// In each half of the pupil by itself, and not at the same points.
 TEST(Sobol, PaddedNetsAreStratifiedAndTheirOrderIsShuffled) {
   constexpr int n = 64;
   std::vector<int> count[2] = {std::vector<int>(n, 0), std::vector<int>(n, 0)};

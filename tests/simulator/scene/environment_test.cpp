@@ -44,9 +44,9 @@ TEST(ReadEnvironment, HdrWithinItsPrecision) {
   for (const glm::vec3& nits : environment.radiance_nits) EXPECT_NEAR(nits.g, 6, 6.0 / 128);
 }
 
-TEST(ReadEnvironment, GreyAndAlpha) {
+TEST(ReadEnvironment, GrayAndAlpha) {
   const TemporaryFolder folder;
-  EXPECT_EQ(read_environment(write_picture(folder, "grey.exr", Image(2, 1, 1, 0.5f)), 2).radiance_nits[1],
+  EXPECT_EQ(read_environment(write_picture(folder, "gray.exr", Image(2, 1, 1, 0.5f)), 2).radiance_nits[1],
             glm::vec3(1));
   EXPECT_EQ(read_environment(write_picture(folder, "rgba.exr", Image(2, 1, 4, 0.5f)), 2).radiance_nits[1],
             glm::vec3(1));

@@ -148,10 +148,10 @@ TEST(SlowSensor, FixedPatternIsTheCamerasOwnAndStaysFromFrameToFrame) {
   for (int j = 0; j < 2048; ++j) product += (light[16384 + j] - left) * (light[2 * 16384 + j] - right) / 2048;
   EXPECT_NEAR(product / std::pow(deviation(light, 16384, 2048, 0), 2), 0, 4 / std::sqrt(2048.0));
 
-  const Image grey(128, 128, 2, 1500);
-  const Frame one = expose(grey, sensor, exposure, 1);
+  const Image gray(128, 128, 2, 1500);
+  const Frame one = expose(gray, sensor, exposure, 1);
   sensor.fixed_pattern_seed = 2;
-  EXPECT_NE(expose(grey, sensor, exposure, 1).mosaic.data, one.mosaic.data);
+  EXPECT_NE(expose(gray, sensor, exposure, 1).mosaic.data, one.mosaic.data);
 }
 
 // As MeanAndVarianceFollowTheProfile, for the parts that it leaves out; 1 % is seven standard errors.

@@ -19,7 +19,7 @@
 namespace dualpixel::pipeline {
 namespace {
 
-constexpr int kWidth = 384, kHeight = 96;
+constexpr int kViewWidth = 384, kViewHeight = 96;
 constexpr int kBorder = 2;  // tiles at the left and right border, which have less of the other view
 
 // 100 lux: 811 electrons a DP sample (mean 0.25 here), four half-photosites' read noise of 2.4 electrons each.
@@ -40,8 +40,8 @@ struct Pair {
 Pair shifted_pair(unsigned seed, double highest, double contrast, double d) {
   const Texture texture(seed, highest);
   const double amplitude = 0.25 * contrast * std::numbers::sqrt2;
-  return {textured(texture, kWidth, kHeight, 0, 0.25, amplitude),
-          textured(texture, kWidth, kHeight, d, 0.25, amplitude), d};
+  return {textured(texture, kViewWidth, kViewHeight, 0, 0.25, amplitude),
+          textured(texture, kViewWidth, kViewHeight, d, 0.25, amplitude), d};
 }
 
 /// A texture seen through mirrored half discs of diameter |b|, uniform; the disparity is that of their centroids.
@@ -57,9 +57,9 @@ Pair defocused_pair(unsigned seed, double highest, double contrast, double b) {
       const double x = (i + 0.5) / steps * 2 * radius, y = ((j + 0.5) / steps * 2 - 1) * radius;
       if (x * x + y * y > radius * radius) continue;
       const double side = b > 0 ? x : -x;
-      const Image l = texture.raster(kWidth, kHeight, 0.5 + side, 1, 0.5 - y, 1);
-      const Image r = texture.raster(kWidth, kHeight, 0.5 - side, 1, 0.5 - y, 1);
-      if (points == 0) pair.left = pair.right = Image(kWidth, kHeight);
+      const Image l = texture.raster(kViewWidth, kViewHeight, 0.5 + side, 1, 0.5 - y, 1);
+      const Image r = texture.raster(kViewWidth, kViewHeight, 0.5 - side, 1, 0.5 - y, 1);
+      if (points == 0) pair.left = pair.right = Image(kViewWidth, kViewHeight);
       for (std::size_t k = 0; k < l.data.size(); ++k) {
         pair.left.data[k] += l.data[k];
         pair.right.data[k] += r.data[k];
@@ -298,10 +298,10 @@ TEST(SlowLikelihoodMatch, PredictsItsErrorsUnderMoreDefocusOnAverage) {
 
 TEST(LikelihoodMatch, ATileThatStandsAloneHasLowConfidence) {
   const Texture surface(9, 0.3), other(10, 0.3);
-  Image left = textured(surface, kWidth, kHeight, 0, 0.25, 0.07),
-        right = textured(surface, kWidth, kHeight, 0.5, 0.25, 0.07);
-  const Image a = textured(other, kWidth, kHeight, 0, 0.25, 0.07),
-              b = textured(other, kWidth, kHeight, 2.5, 0.25, 0.07);
+  Image left = textured(surface, kViewWidth, kViewHeight, 0, 0.25, 0.07),
+        right = textured(surface, kViewWidth, kViewHeight, 0.5, 0.25, 0.07);
+  const Image a = textured(other, kViewWidth, kViewHeight, 0, 0.25, 0.07),
+              b = textured(other, kViewWidth, kViewHeight, 2.5, 0.25, 0.07);
   for (int y = 40; y < 56; ++y) {  // 2 x 2 tiles from (10, 5), as a highlight would show: with another disparity
     std::copy_n(a.row(y) + 78, 20, left.row(y) + 78);
     std::copy_n(b.row(y) + 80, 20, right.row(y) + 80);
@@ -319,8 +319,8 @@ TEST(LikelihoodMatch, RoughSurfacesAreDoubted) {
   // counts.
   const Pair up = shifted_pair(61, 0.3, 0.2, 0.1), down = shifted_pair(61, 0.3, 0.2, -0.1);
   Pair rough = up;
-  for (int y = 0; y < kHeight; ++y) {
-    if (y / 8 % 2 == 0) std::copy_n(down.right.row(y), kWidth, rough.right.row(y));
+  for (int y = 0; y < kViewHeight; ++y) {
+    if (y / 8 % 2 == 0) std::copy_n(down.right.row(y), kViewWidth, rough.right.row(y));
   }
   const auto mean_sigma = [](const Pair& pair) {
     Image left = pair.left, right = pair.right;
@@ -357,10 +357,10 @@ TEST(LikelihoodMatch, BordersAreNoHighlights) {
 
 TEST(LikelihoodMatch, TakesOutShading) {
   Pair pair = shifted_pair(12, 0.3, 0.2, 0.4);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      pair.left.at(x, y) *= 1 + 0.3f * static_cast<float>(x) / kWidth;
-      pair.right.at(x, y) *= 1.3f - 0.3f * static_cast<float>(x) / kWidth;
+  for (int y = 0; y < kViewHeight; ++y) {
+    for (int x = 0; x < kViewWidth; ++x) {
+      pair.left.at(x, y) *= 1 + 0.3f * static_cast<float>(x) / kViewWidth;
+      pair.right.at(x, y) *= 1.3f - 0.3f * static_cast<float>(x) / kViewWidth;
     }
   }
   const Errors errors = errors_of(pair, 3);
@@ -380,13 +380,13 @@ TEST(LikelihoodMatch, ConfidenceIsTheFormulaOfSigma) {
 }
 
 TEST(LikelihoodMatch, NothingToSeeHasLowConfidence) {
-  Image flat_left(kWidth, kHeight, 1, 0.25f), flat_right = flat_left;
+  Image flat_left(kViewWidth, kViewHeight, 1, 0.25f), flat_right = flat_left;
   add_view_noise(flat_left, 1);
   add_view_noise(flat_right, 2);
   EXPECT_LT(mean_of(match_by_likelihood(flat_left, flat_right, {.noise = kNoise}).confidence), 0.02);
 
-  Image rows_left(kWidth, kHeight), rows_right;  // structure parallel to the baseline
-  for (int y = 0; y < kHeight; ++y) std::fill_n(rows_left.row(y), kWidth, y % 5 < 2 ? 0.2f : 0.4f);
+  Image rows_left(kViewWidth, kViewHeight), rows_right;  // structure parallel to the baseline
+  for (int y = 0; y < kViewHeight; ++y) std::fill_n(rows_left.row(y), kViewWidth, y % 5 < 2 ? 0.2f : 0.4f);
   rows_right = rows_left;
   add_view_noise(rows_left, 1);
   add_view_noise(rows_right, 2);
@@ -395,9 +395,9 @@ TEST(LikelihoodMatch, NothingToSeeHasLowConfidence) {
 
 TEST(LikelihoodMatch, RepetitionHasLowConfidence) {
   for (const double period : {3.5, 4.0, 5.0, 7.3, 11.0}) {
-    Image left(kWidth, kHeight), right(kWidth, kHeight);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
+    Image left(kViewWidth, kViewHeight), right(kViewWidth, kViewHeight);
+    for (int y = 0; y < kViewHeight; ++y) {
+      for (int x = 0; x < kViewWidth; ++x) {
         const auto wave = [&](double at) {
           return static_cast<float>(0.25 + 0.08 * std::sin(2 * std::numbers::pi * at / period));
         };

@@ -14,13 +14,13 @@
 namespace dualpixel::pipeline {
 namespace {
 
-constexpr int kWidth = 256, kHeight = 64;
+constexpr int kTextureWidth = 256, kTextureHeight = 64;
 
 TileDisparity match_shifted(double d, double highest_frequency, double noise = 0, double contrast = 0.1,
                             unsigned seed = 5) {
   const Texture texture(seed, highest_frequency);
-  Image left = textured(texture, kWidth, kHeight, 0, 0.5, contrast);
-  Image right = textured(texture, kWidth, kHeight, d, 0.5, contrast);  // right(x + d) = left(x)
+  Image left = textured(texture, kTextureWidth, kTextureHeight, 0, 0.5, contrast);
+  Image right = textured(texture, kTextureWidth, kTextureHeight, d, 0.5, contrast);  // right(x + d) = left(x)
   if (noise > 0) {
     add_white_noise(left, 1, noise);
     add_white_noise(right, 2, noise);
@@ -28,7 +28,7 @@ TileDisparity match_shifted(double d, double highest_frequency, double noise = 0
   return match_tiles(normalize_locally(left), normalize_locally(right));
 }
 
-double mean_of(const Image& image) {
+double mean_value(const Image& image) {
   double sum = 0;
   for (const float value : image.data) sum += value;
   return sum / static_cast<double>(image.data.size());
@@ -83,10 +83,10 @@ TEST(Match, FindsShiftsUpToTheKnownLockingOfAParabola) {
   // The costs of a texture are no parabola; reading one through them locks to whole pixels.
   for (const auto& [highest, most] : {std::pair{0.5, 0.1}, {0.25, 0.03}}) {
     const Texture texture(5, highest);
-    const Image left = textured(texture, kWidth, kHeight, 0, 0, 1);
+    const Image left = textured(texture, kTextureWidth, kTextureHeight, 0, 0, 1);
     for (double d = -2.375; d <= 2.4; d += 0.25) {
-      const Image right = textured(texture, kWidth, kHeight, d, 0, 1);
-      const double measured = mean_of(match_tiles(left, right).disparity_dp_px);
+      const Image right = textured(texture, kTextureWidth, kTextureHeight, d, 0, 1);
+      const double measured = mean_value(match_tiles(left, right).disparity_dp_px);
       EXPECT_NEAR(measured, locked(texture, d), 0.02) << d;  // tiles differ from the average texture
       EXPECT_NEAR(measured, d, most) << d;
     }
@@ -95,39 +95,40 @@ TEST(Match, FindsShiftsUpToTheKnownLockingOfAParabola) {
 
 TEST(Match, SignIsThatOfTheRightViewsShift) {
   const Texture texture(9, 0.3);
-  const Image left = normalize_locally(textured(texture, kWidth, kHeight, 0));
-  const Image right = normalize_locally(textured(texture, kWidth, kHeight, 1.0));
-  EXPECT_NEAR(mean_of(match_tiles(left, right).disparity_dp_px), 1, 0.05);
-  EXPECT_NEAR(mean_of(match_tiles(right, left).disparity_dp_px), -1, 0.05);  // swapped views
+  const Image left = normalize_locally(textured(texture, kTextureWidth, kTextureHeight, 0));
+  const Image right = normalize_locally(textured(texture, kTextureWidth, kTextureHeight, 1.0));
+  EXPECT_NEAR(mean_value(match_tiles(left, right).disparity_dp_px), 1, 0.05);
+  EXPECT_NEAR(mean_value(match_tiles(right, left).disparity_dp_px), -1, 0.05);  // swapped views
 }
 
 TEST(Match, ConfidenceIsHighOnTextureAndFallsWithNoise) {
-  const double clean = mean_of(match_shifted(0.4, 0.25).confidence);
-  const double noisy = mean_of(match_shifted(0.4, 0.25, 0.035).confidence);   // half the texture's deviation
-  const double drowned = mean_of(match_shifted(0.4, 0.25, 0.14).confidence);  // twice
+  const double clean = mean_value(match_shifted(0.4, 0.25).confidence);
+  const double noisy = mean_value(match_shifted(0.4, 0.25, 0.035).confidence);   // half the texture's deviation
+  const double drowned = mean_value(match_shifted(0.4, 0.25, 0.14).confidence);  // twice
   EXPECT_GT(clean, 0.8);
   EXPECT_LT(noisy, 0.8 * clean);
   EXPECT_LT(drowned, 0.05);
 }
 
 TEST(Match, FlatTilesHaveNoConfidence) {
-  const Image flat(kWidth, kHeight, 1, 0.3f);
+  const Image flat(kTextureWidth, kTextureHeight, 1, 0.3f);
   const TileDisparity tiles = match_tiles(normalize_locally(flat), normalize_locally(flat));
   for (const float confidence : tiles.confidence.data) EXPECT_EQ(confidence, 0);
   for (const float d : tiles.disparity_dp_px.data) EXPECT_EQ(d, 0);
-  EXPECT_LT(mean_of(match_shifted(0.4, 0.25, 0.01, 0).confidence), 0.05);  // noise alone
+  EXPECT_LT(mean_value(match_shifted(0.4, 0.25, 0.01, 0).confidence), 0.05);  // noise alone
 }
 
 TEST(Match, DisparityBeyondTheRangeHasLowConfidence) {
   for (const double d : {3.6, -3.6, 4.5, 6.0}) {
-    EXPECT_LT(mean_of(match_shifted(d, 0.25).confidence), 0.1) << d;
+    EXPECT_LT(mean_value(match_shifted(d, 0.25).confidence), 0.1) << d;
   }
 }
 
 TEST(Match, LeastCostAtTheEndOfTheRangeIsNoMinimum) {
-  Image left(kWidth, kHeight), right(kWidth, kHeight);  // the cost of shift s is (s - 3.8)^2 in every tile
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
+  Image left(kTextureWidth, kTextureHeight),
+      right(kTextureWidth, kTextureHeight);  // the cost of shift s is (s - 3.8)^2 in every tile
+  for (int y = 0; y < kTextureHeight; ++y) {
+    for (int x = 0; x < kTextureWidth; ++x) {
       left.at(x, y) = static_cast<float>(x);
       right.at(x, y) = static_cast<float>(x) - 3.8f;
     }
@@ -138,19 +139,19 @@ TEST(Match, LeastCostAtTheEndOfTheRangeIsNoMinimum) {
 }
 
 TEST(Match, VerticalContrastAloneHasLowConfidence) {
-  Image rows(kWidth, kHeight);  // the aperture problem: nothing changes along x
-  for (int y = 0; y < kHeight; ++y) std::fill_n(rows.row(y), kWidth, y % 5 < 2 ? 0.3f : 0.6f);
+  Image rows(kTextureWidth, kTextureHeight);  // the aperture problem: nothing changes along x
+  for (int y = 0; y < kTextureHeight; ++y) std::fill_n(rows.row(y), kTextureWidth, y % 5 < 2 ? 0.3f : 0.6f);
   Image other = rows;
   add_white_noise(rows, 1, 0.002);
   add_white_noise(other, 2, 0.002);
-  EXPECT_LT(mean_of(match_tiles(normalize_locally(rows), normalize_locally(other)).confidence), 0.05);
+  EXPECT_LT(mean_value(match_tiles(normalize_locally(rows), normalize_locally(other)).confidence), 0.05);
 }
 
 TEST(Match, ATileUnlikeItsNeighborsLosesConfidence) {
   const Texture texture(9, 0.25);
-  const Image left = textured(texture, kWidth, kHeight, 0, 0, 1);
+  const Image left = textured(texture, kTextureWidth, kTextureHeight, 0, 0, 1);
   Image right = left;
-  const Image moved = textured(texture, kWidth, kHeight, 1.5, 0, 1);
+  const Image moved = textured(texture, kTextureWidth, kTextureHeight, 1.5, 0, 1);
   for (int y = 24; y < 32; ++y) std::copy_n(moved.row(y) + 101, 14, right.row(y) + 101);  // tile (13, 3) and its range
   const TileDisparity tiles = match_tiles(left, right);
   EXPECT_LT(tiles.confidence.at(13, 3), 0.1f);
@@ -158,9 +159,9 @@ TEST(Match, ATileUnlikeItsNeighborsLosesConfidence) {
 }
 
 TEST(Match, ShiftsThatFitPerfectlyTwiceHaveLowConfidence) {
-  Image columns(kWidth, kHeight);  // period 2: every other shift costs nothing at all
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; x += 2) columns.at(x, y) = 1;
+  Image columns(kTextureWidth, kTextureHeight);  // period 2: every other shift costs nothing at all
+  for (int y = 0; y < kTextureHeight; ++y) {
+    for (int x = 0; x < kTextureWidth; x += 2) columns.at(x, y) = 1;
   }
   for (const float confidence : match_tiles(columns, columns).confidence.data) EXPECT_EQ(confidence, 0);
 }

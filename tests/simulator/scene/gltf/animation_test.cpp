@@ -23,21 +23,21 @@ glm::vec3 corner_at(const GltfBuilder& gltf, double time_s) {
   return read_gltf_bytes(gltf.glb(), "test.glb", "", time_s).meshes[0].positions[1];  // (1, 0, 0) at rest
 }
 
-void expect_near(glm::vec3 a, glm::vec3 b) {
+void expect_position(glm::vec3 a, glm::vec3 b) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], 1e-6f);
 }
 
 TEST(GltfAnimation, MovesTurnsAndScalesNodes) {
   const GltfBuilder moving = animated("translation", {0, 0, 0, 4, 0, 8}, "LINEAR");
-  expect_near(corner_at(moving, 0), {1, 0, 0});    // before the first key
-  expect_near(corner_at(moving, 1.5), {2, 0, 2});  // a quarter of the way
-  expect_near(corner_at(moving, 9), {5, 0, 8});    // after the last
-  expect_near(moving.read().meshes[0].positions[1], {1, 0, 0});
-  expect_near(corner_at(animated("translation", {0, 0, 0, 4, 0, 8}, "STEP"), 2.9), {1, 0, 0});
-  expect_near(corner_at(animated("scale", {1, 1, 1, 3, 1, 1}, "LINEAR"), 2), {2, 0, 0});
+  expect_position(corner_at(moving, 0), {1, 0, 0});    // before the first key
+  expect_position(corner_at(moving, 1.5), {2, 0, 2});  // a quarter of the way
+  expect_position(corner_at(moving, 9), {5, 0, 8});    // after the last
+  expect_position(moving.read().meshes[0].positions[1], {1, 0, 0});
+  expect_position(corner_at(animated("translation", {0, 0, 0, 4, 0, 8}, "STEP"), 2.9), {1, 0, 0});
+  expect_position(corner_at(animated("scale", {1, 1, 1, 3, 1, 1}, "LINEAR"), 2), {2, 0, 0});
   // a quarter turn about z: half way at 2 s, the shorter way round although the second quaternion is negated
   const float h = std::sqrt(0.5f);
-  expect_near(corner_at(animated("rotation", {0, 0, 0, 1, 0, 0, -h, -h}, "LINEAR"), 2), {h, h, 0});
+  expect_position(corner_at(animated("rotation", {0, 0, 0, 1, 0, 0, -h, -h}, "LINEAR"), 2), {h, h, 0});
 }
 
 TEST(GltfAnimation, IgnoresWithAWarningWhatItCannotPlay) {

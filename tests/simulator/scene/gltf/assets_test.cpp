@@ -9,7 +9,7 @@ namespace dualpixel::simulator {
 namespace {
 
 /// Real files, not ours, which stand beside the repository on some machines only.
-class GltfAssets : public testing::Test {
+class GltfAssets : public ::testing::Test {
  protected:
   void SetUp() override {
     const char* shared = std::getenv("DUALPIXEL_SHARED");

@@ -137,11 +137,11 @@ TEST(GltfHostile, Accessors) {
 }
 
 TEST(GltfHostile, SparseAccessors) {
-  const auto sparse = [](const json& patch, const std::vector<std::uint16_t>& places = {0, 2}) {
+  const auto sparse = [](const json& patch, const std::vector<std::uint16_t>& elements = {0, 2}) {
     return message([&](auto& g) {
-      const int indices = g.add_view(places.data(), places.size() * 2);
-      const std::vector<float> values(places.size() * 3);
-      json sparse_json = {{"count", places.size()},
+      const int indices = g.add_view(elements.data(), elements.size() * 2);
+      const std::vector<float> values(elements.size() * 3);
+      json sparse_json = {{"count", elements.size()},
                           {"indices", {{"bufferView", indices}, {"componentType", 5123}}},
                           {"values", {{"bufferView", g.add_view(values.data(), values.size() * 4)}}}};
       sparse_json.merge_patch(patch);
@@ -396,11 +396,11 @@ GltfBuilder rich_scene() {
   gltf.primitive()["targets"] = {{{"POSITION", 0}}};
   gltf.primitive()["material"] = 0;
   gltf.root["meshes"][0]["weights"] = {0.5};
-  const std::uint8_t place = 1;
+  const std::uint8_t index = 1;
   const float value[] = {2, 0, 0};
-  const int place_view = gltf.add_view(&place, 1), value_view = gltf.add_view(value, 12);
+  const int index_view = gltf.add_view(&index, 1), value_view = gltf.add_view(value, 12);
   gltf.root["accessors"][0]["sparse"] = {{"count", 1},
-                                         {"indices", {{"bufferView", place_view}, {"componentType", 5121}}},
+                                         {"indices", {{"bufferView", index_view}, {"componentType", 5121}}},
                                          {"values", {{"bufferView", value_view}}}};
   const unsigned char png[] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\1\0\0\0\1\b\0\0\0\0:~\x9bU";
   gltf.root["images"] = {{{"bufferView", gltf.add_view(png, sizeof(png))}}};

@@ -41,8 +41,8 @@ TEST(GltfInstance, AMeshOfSeveralNodesIsStoredOnce) {
   }
 }
 
-// Each vertex in each place is that of the copy, up to the rounding of its own coordinates (at most 1), of the matrix,
-// of their products and sums in float, and of the copy: 7 of half an ulp of the largest term at most.
+// Each vertex of each instance is that of the copy, up to the rounding of its own coordinates (at most 1), of the
+// matrix, of their products and sums in float, and of the copy: 7 of half an ulp of the largest term at most.
 TEST(GltfInstance, PlacementsLeadToWhereTheCopiesAre) {
   for (const double far : {0.0, 3e4}) {  // a mesh that stands far from its own origin loses nothing by it
     const json nodes =
@@ -136,8 +136,8 @@ TEST(GltfInstance, TooManyAndSingularAndTooFarPlacementsAreRefused) {
   EXPECT_EQ(placements(scene), std::size_t{1} << 20);
   EXPECT_EQ(stored_vertices(scene), 1024u * 7 * 7);
 
-  const auto message = [](const json& place) {
-    return refusal([&] { two_sheets([&](GltfBuilder& g) { g.node(1).update(place); }); });
+  const auto message = [](const json& transform) {
+    return refusal([&] { two_sheets([&](GltfBuilder& g) { g.node(1).update(transform); }); });
   };
   EXPECT_TRUE(
       message({{"translation", {2e6, 0, 0}}}).starts_with("test.glb: /accessors/0: vertex 0 stands at (2e+06, "));
@@ -146,7 +146,7 @@ TEST(GltfInstance, TooManyAndSingularAndTooFarPlacementsAreRefused) {
   EXPECT_TRUE(message({{"scale", {1e9, 1, 1}}}).starts_with("test.glb: /accessors/0: vertex 0 stands at (-1e+09, "));
 }
 
-// 68 nodes that place a million vertices each hold but a million; copies would be 2^26 and more.
+// 68 nodes that instance a million vertices share them; copies would be 2^26 and more.
 TEST(SlowGltfInstance, SharedVerticesCountOnce) {
   const auto with_emission = [](double red) {
     json nodes = json::array();
