@@ -111,7 +111,8 @@ TEST(SlowJobs, GiveTheBytesOfSeparateCalls) {
     for (const auto& [field, value] : set.items()) own += "--set '" + field + "=" + value.dump() + "' ";
     const std::string separate = folder / ("own_" + name);
     ASSERT_EQ(run_program("simulate " + scene + own + "-o '" + separate + "'").status, 0);
-    EXPECT_EQ(read_bytes(folder / ("all/" + name + "/capture.json")), read_bytes(separate + "/capture.json")) << name;
+    EXPECT_TRUE(read_bytes(folder / ("all/" + name + "/capture.json")) == read_bytes(separate + "/capture.json"))
+        << name;
   }
 }
 

@@ -153,8 +153,9 @@ void add_simulate(CLI::App& program) {
   command->add_option("--seed", options->seed, "Seed of rendering and noise (render.seed)")
       ->check(any_seed())
       ->type_name("N");
-  CLI::Option* automatic = command->add_flag(
-      "--auto", options->automatic, "Lens model, bounces and samples by 'dualpixel plan' instead of the scene file's");
+  CLI::Option* automatic =
+      command->add_flag("--auto", options->automatic,
+                        "Lens model, bounces, light and samples by 'dualpixel plan' instead of the scene file's");
   add_tolerance_option(*command, options->tolerance_dp_px)->needs(automatic);
   const auto sampling_option = [&](const std::string& name, const std::string& field, const std::string& meaning,
                                    const CLI::Range& range, const std::string& unit) {
