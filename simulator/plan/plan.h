@@ -9,8 +9,8 @@
 
 /// "Model no more than a scene needs": the cheapest lens model, bounce count, spacing of light at points and sample
 /// count whose disparity errors, added in quadrature, stay within a tolerance, in DP px RMS over the picture. The
-/// reference has everything on: the most accurate model of the scene's lens, 8 bounces, light at points half as far
-/// apart as the scene file has them (sampled by every path where it has none), endless samples.
+/// reference has everything on: the most accurate model of the scene's lens, 8 bounces, points of light without end
+/// (light sampled by every path where the scene file has none), endless samples.
 ///
 /// Lens models, from the most accurate: exact trace of the prescription, its polynomials, its aberrated twin, the thin
 /// lens; an aberrated lens has only itself and the thin lens. Their error is traced, not rendered: disparity at the
@@ -28,7 +28,8 @@
 ///   Bounces  two pairs of renders, n bounces and 8 with the same random numbers; the mean product of the two pairs'
 ///            differences is the mean square of what is no noise. A window whose two pictures correlate by less than
 ///            0.8 cannot be matched: it is lost and counts as an error of 1 DP px.
-///   Light    likewise, points twice as far apart and as the scene file has them against half of that.
+///   Light    likewise, points twice as far apart as the scene file has them against those. Interpolation errs with the
+///            square of the distance: of their difference, 4/3 is the error of the one and 1/3 that of the other.
 /// Three standard errors, from the scatter over the windows, are added to each mean square. Windows count whose
 /// disparity the capture's own sensor noise, its burst merged, blurs by no more than the tolerance. Where fewer than 6
 /// windows have texture, bounces, light and samples stay as the scene file has them, and the plan says so.

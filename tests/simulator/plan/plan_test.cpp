@@ -186,7 +186,7 @@ TEST(Plan, KnowsTheDpPixelsOfTheSensor) {
 // other.
 TEST(Plan, KnowsLightAtPoints) {
   const Plan unlit = plan(small_camera(), glowing_wall(), 0.02, 1);
-  ASSERT_EQ(unlit.lights.size(), 3u);
+  ASSERT_EQ(unlit.lights.size(), 2u);
   for (const LightStep& step : unlit.lights) EXPECT_EQ(step.error_dp_px, 0);
   EXPECT_EQ(planned(small_camera(), unlit).light.light_spacing_px, 8);
   Simulation s = small_camera();
