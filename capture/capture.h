@@ -84,6 +84,14 @@ inline Image normalized(const ImageU16& raw, const Exposure& exposure) {
   return signal;
 }
 
+/// RMS over the picture of the standard error that rendering leaves, normalized signal.
+struct TruthNoise {
+  double views = 0;  ///< of half a photosite
+  double all_in_focus = 0, photograph = 0;
+
+  bool operator==(const TruthNoise&) const = default;
+};
+
 /// Ground truth of the first frame: what the simulator knows and a phone does not. All images have the full sensor's
 /// size; geometry is that of the pinhole ray through the pixel's center, unfiltered. Pictures are linear RGB
 /// in the frames' normalized signal after white balance (1.0 = green's white level), noiseless and unclipped. Where
@@ -98,13 +106,18 @@ struct Truth {
   Image valid;            ///< 1 where the ray hit geometry
   Image all_in_focus;     ///< RGB through a pinhole
   Image photograph;       ///< RGB through the wider aperture
+  Image left, right;  ///< RGB: the views without the sensor's noise, whose sum is the undivided picture; may be empty
   double photograph_aperture_scale = 0;  ///< its pupil diameter over the capture's
   /// Of a burst in which something moved, for each frame but the first: x and y in photosites, such that the point that
   /// the first frame's pixel sees is at pixel + motion in that frame; infinite behind that frame's camera.
   std::vector<Image> motion;
-  // With adaptive sampling only; otherwise empty, and every photosite has the same number of samples.
-  Image samples;       ///< of each photosite
-  Image render_sigma;  ///< expected standard error of a half photosite in its own filter's color, normalized signal
+  std::optional<TruthNoise> noise;  ///< where it is known
+  // With adaptive sampling only; otherwise empty, and every photosite has the same number of samples. Errors are
+  // expected standard errors in the color of each photosite's own filter, normalized signal.
+  Image samples;       ///< of each photosite, in the first frame
+  Image render_sigma;  ///< of a half photosite in the first frame
+  Image views_sigma;   ///< of `left` and `right`
+  Image all_in_focus_sigma, photograph_sigma;
 };
 
 /// How a capture was made, for the record; the pipeline never reads it. Empty fields are absent from capture.json.

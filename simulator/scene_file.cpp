@@ -49,10 +49,16 @@ constexpr OptionRange<Simulation> kEnvironmentFileRanges[] = {
 constexpr OptionRange<Simulation> kTruthRanges[] = {
     {"photograph_aperture_scale", &Simulation::photograph_aperture_scale, 0, 100},
 };
-constexpr OptionRange<Simulation> kTruthSampleRanges[] = {
-    {"photograph_samples_per_pixel", &Simulation::photograph_samples_per_pixel, 1, 65536},
-    {"all_in_focus_samples_per_pixel", &Simulation::all_in_focus_samples_per_pixel, 1, 65536},
+/// Numbers of samples of truth's pictures, where they differ from the views'.
+struct TruthSamples {
+  const char* name;
+  std::optional<int> Simulation::*value;
 };
+constexpr TruthSamples kTruthSamples[] = {
+    {"photograph_samples_per_pixel", &Simulation::photograph_samples_per_pixel},
+    {"all_in_focus_samples_per_pixel", &Simulation::all_in_focus_samples_per_pixel},
+};
+constexpr int kMostSamples = 65536;
 constexpr OptionRange<Simulation> kSceneRanges[] = {{"unlit_white_nits", &Simulation::unlit_white_nits, 0, 1e9}};
 constexpr double kLongestInterval_s = 1e5;
 
@@ -110,7 +116,9 @@ void read_render(Fields render, Simulation& s) {
   for (const auto& [name, goal, low, high] : kRenderGoals) {
     if (render.has(name)) render.number(name, (s.*goal).emplace(), low, high);
   }
-  read_ranges(render, s, kTruthSampleRanges);
+  for (const auto& [name, samples] : kTruthSamples) {
+    if (render.has(name)) render.integer(name, (s.*samples).emplace(), 1, kMostSamples);
+  }
   render.integer("seed", s.render.seed, 0, kAnySeed);
   render.done();
 }
@@ -142,7 +150,11 @@ std::optional<OptionProblem> check_render(const Simulation& s) {
     if (!(s.*goal)) continue;
     if (const auto why = out_of_range(*(s.*goal), low, high)) return OptionProblem{name, *why};
   }
-  return check_ranges(s, kTruthSampleRanges);
+  for (const auto& [name, samples] : kTruthSamples) {
+    if (!(s.*samples)) continue;
+    if (const auto why = out_of_range(*(s.*samples), 1, kMostSamples)) return OptionProblem{name, *why};
+  }
+  return std::nullopt;
 }
 
 std::optional<OptionProblem> check_face(const Simulation& s) {
@@ -198,13 +210,16 @@ std::optional<OptionProblem> check(const Simulation& s) {
 
 bool moves(const Simulation& s) { return s.hand_shake > 0 || s.animation; }
 
+int poses_of(const Simulation& s) { return moves(s) ? s.exposure_poses : 1; }
+
 void check_memory(const Simulation& s, double scene_bytes) {
-  // Held at once for each photosite: two views, two truth pictures, the geometry, electrons, frames; samples and their
-  // error; where something moves, the motion to each frame and the sum over the poses of an exposure.
+  // Held at once for each photosite: two views and their mean over the burst, two truth pictures, the geometry,
+  // electrons, frames; samples and the error of each picture; where something moves, the motion to each frame and the
+  // sum over the poses of an exposure.
   const double frame_bytes = 2 + 4.0 / (s.sensor.dp_downsample_x * s.sensor.dp_downsample_y);
   const bool by_error = s.noise_fraction || s.render_error || s.time_budget_s;
-  const double bytes_per_photosite = 4 * (2 * 3 + 2 * 3 + 9 + 2 + (by_error ? 2 : 0)) + frame_bytes * s.burst_frames +
-                                     (moves(s) ? 4 * 2 * (s.burst_frames + 3) : 0);
+  const double bytes_per_photosite = 4 * (2 * 3 + 2 * 3 + 2 * 3 + 9 + 2 + (by_error ? 5 : 0)) +
+                                     frame_bytes * s.burst_frames + (moves(s) ? 4 * 2 * (s.burst_frames + 3) : 0);
   const double needed = bytes_per_photosite * s.sensor.width_px * s.sensor.height_px + scene_bytes;
   const double available = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
   if (needed > available) {

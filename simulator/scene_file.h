@@ -46,16 +46,17 @@ struct Simulation {
   double photograph_aperture_scale = 5;
   RenderOptions render;
   LightCacheOptions light;  ///< in the file's "render", as the other fields
-  /// Set: the two views get as many samples, tile by tile, as keep their error's RMS at this share of the sensor's
-  /// noise; instead of render.samples_per_pixel.
+  /// Set: every picture gets as many samples, tile by tile, as keep its error's RMS at this share of the sensor's
+  /// noise; instead of the numbers of samples.
   std::optional<double> noise_fraction;
   std::optional<double> render_error;  ///< likewise, at this share of the signal 1.0
-  /// Set: likewise, as many as this machine can draw in about this time, for the error to be the same share of the
-  /// sensor's noise everywhere. How many depends on the machine: provenance names the share that was reached.
+  /// Set: likewise, in the two views as many as this machine can draw in about this time, for the error to be the same
+  /// share of the sensor's noise everywhere. How many depends on the machine: provenance names the share that was
+  /// reached. Truth's pictures keep their numbers of samples.
   std::optional<double> time_budget_s;
-  int photograph_samples_per_pixel = 48;
-  int all_in_focus_samples_per_pixel = 8;
-  nlohmann::json json;  ///< the document as it was read, overrides applied
+  std::optional<int> photograph_samples_per_pixel;    ///< empty: render.samples_per_pixel
+  std::optional<int> all_in_focus_samples_per_pixel;  ///< likewise
+  nlohmann::json json;                                ///< the document as it was read, overrides applied
 };
 
 /// Whether all numbers lie in their ranges and the fields agree with each other.
@@ -68,6 +69,9 @@ Simulation read_simulation(const nlohmann::json& json, const std::string& path);
 
 /// The frames of the burst differ in more than noise.
 bool moves(const Simulation& simulation);
+
+/// How many poses each frame is the mean of.
+int poses_of(const Simulation& simulation);
 
 /// Throws InputError where the pictures and scenes of `scene_bytes` would not fit into this machine's memory together.
 void check_memory(const Simulation& simulation, double scene_bytes);

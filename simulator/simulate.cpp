@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
-#include <chrono>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <memory>
@@ -13,7 +11,7 @@
 #include <utility>
 
 #include "capture/error.h"
-#include "simulator/render/adaptive.h"
+#include "simulator/picture_sampling.h"
 #include "simulator/render/motion.h"
 #include "simulator/render/render_error.h"
 #include "simulator/render/truth.h"
@@ -58,108 +56,6 @@ bool gives_light(const Scene& scene) {
                      [&](const Mesh& mesh) { return shines(scene.materials[mesh.material]); });
 }
 
-/// How many frames are rendered, and how many poses each of them is the mean of.
-int rendered_frames(const Simulation& s) { return moves(s) ? s.burst_frames : 1; }
-int poses(const Simulation& s) { return moves(s) ? s.exposure_poses : 1; }
-
-ErrorTarget scaled(ErrorTarget target, double factor) {
-  for (double& value : target.per_nit) value *= factor;
-  for (double& value : target.constant) value *= factor;
-  return target;
-}
-
-/// What each pose of each frame is sampled with.
-struct ViewSampling {
-  SampleMap map;
-  std::optional<ErrorTarget> target;  ///< what map.error_ratio is over
-};
-
-/// The map whose samples, of all poses and frames, take what the pilot leaves of the time, with the pilot's own speed.
-SampleMap samples_in_time(const Simulation& s, const RenderScene& world, const CameraView& view,
-                          const ErrorTarget& target, const SampleLimits& limits, const ProgressCallback& progress) {
-  constexpr std::uint32_t kMostPilotSamples = 32;  // about six a photosite in all
-  const auto start = std::chrono::steady_clock::now();
-  const auto spent_s = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
-  const Pilot pilot = probe_tiles(world, view, s.render, target, kMostPilotSamples, progress);
-  const double sample_s = spent_s() / pilot.samples;
-  const double maps = 1.0 * rendered_frames(s) * poses(s);
-  return share_budget(
-      pilot, [&] { return std::max(*s.time_budget_s - spent_s(), 0.0) / (sample_s * maps); }, limits);
-}
-
-/// What the two views may be off by where the scene file sets a goal for it.
-std::optional<ErrorTarget> goal_of(const Simulation& s, const ErrorTarget& noise, double unit_per_nit) {
-  if (s.noise_fraction) return scaled(noise, *s.noise_fraction * *s.noise_fraction);
-  if (!s.render_error) return {};
-  const double nits = *s.render_error / unit_per_nit;
-  return scaled(ErrorTarget{.constant = {1, 1, 1}}, nits * nits);
-}
-
-/// Gives `world` a light cache of so many samples that its square error takes half of what the goal allows. Returns how
-/// much of it.
-double prepare_light(const Simulation& s, RenderScene& world, const CameraView& view, const ErrorTarget& goal) {
-  constexpr int kPilotSamples = 16;
-  if (!world.light_cache) return 0;
-  LightCacheOptions light = s.light;
-  light.light_samples = kPilotSamples;
-  world.light_cache = std::make_unique<LightCache>(light);
-  const double error = estimate_error(world, view, s.render, goal, kPilotSamples).light;
-  light.light_samples = light_samples_for(0.5, error, kPilotSamples);
-  world.light_cache = std::make_unique<LightCache>(light);
-  return light_error(error, kPilotSamples, light.light_samples);
-}
-
-/// Each pose draws a net of its own, and errors of independent nets average: of P poses each may have sqrt(P) times
-/// the error of their mean. Counts stay powers of two, and at least 2, one for each half of the pupil. `light`: share
-/// of the goal's square that the light cache takes.
-ViewSampling sample_map_of(const Simulation& s, const RenderScene& world, const CameraView& view,
-                           const std::optional<ErrorTarget>& goal, double light, const ProgressCallback& progress) {
-  const std::uint32_t count = std::max(poses(s), 1);
-  const SampleLimits all;
-  const SampleLimits limits{std::max(all.fewest / std::bit_ceil(count), 2u), all.most / std::bit_floor(count)};
-  if (s.time_budget_s) {
-    const ErrorTarget noise = sensor_noise(s, view.lens.lux_per_nit());
-    return {samples_in_time(s, world, view, noise, limits, progress), noise};
-  }
-  if (goal) {
-    const double left = std::max(1 - light, 0.25);
-    const Pilot pilot = probe_tiles(world, view, s.render, scaled(*goal, left), all.most, progress);
-    ViewSampling sampling{share_samples(pilot, std::sqrt(count), limits), goal};
-    for (float& ratio : sampling.map.error_ratio) {  // of a pose, while light is the same for all
-      ratio = static_cast<float>(std::sqrt(left * ratio * ratio + light * count));
-    }
-    return sampling;
-  }
-  const auto samples = static_cast<std::uint32_t>(s.render.samples_per_pixel);
-  const std::uint32_t each = count == 1 ? samples : std::max(std::bit_floor(samples / count), 2u);
-  return {uniform_map(s.sensor.width_px, s.sensor.height_px, each), {}};
-}
-
-/// RMS over the picture of the error over the target that the mean of all poses has.
-double expected_error(const SampleMap& map, int poses_of_frame) {
-  double sum = 0;
-  for (float ratio : map.error_ratio) sum += static_cast<double>(ratio) * ratio;
-  return std::sqrt(sum / static_cast<double>(map.error_ratio.size()) / poses_of_frame);
-}
-
-void describe_sampling(const SampleMap& map, const ErrorTarget& target, int poses_of_frame, const Views& views,
-                       double unit_per_nit, Truth& truth) {
-  truth.samples = truth.render_sigma = Image(map.width_px, map.height_px);
-  for (std::size_t i = 0; i < map.samples.size(); ++i) {
-    const Tile tile = tile_at(map, static_cast<int>(i));
-    const double ratio = map.error_ratio[i] / std::sqrt(poses_of_frame);
-    for (int y = tile.y0; y < tile.y1; ++y) {
-      for (int x = tile.x0; x < tile.x1; ++x) {
-        const int c = cfa_color(x, y);
-        const double nits = 0.5 * (views.left.at(x, y, c) + views.right.at(x, y, c));
-        truth.samples.at(x, y) = static_cast<float>(tile.samples) * static_cast<float>(poses_of_frame);
-        truth.render_sigma.at(x, y) =
-            static_cast<float>(unit_per_nit * ratio * std::sqrt(target.per_nit[c] * nits + target.constant[c]));
-      }
-    }
-  }
-}
-
 void scale(Image& image, double factor) {
   for (float& value : image.data) value = static_cast<float>(value * factor);
 }
@@ -184,7 +80,7 @@ Moment moment(const Simulation& s, const CameraView& first, double time_s) {
 double middle_s(const Simulation& s, int frame) { return frame * s.frame_interval_s; }
 
 double pose_s(const Simulation& s, int frame, int pose) {
-  return middle_s(s, frame) + ((pose + 0.5) / poses(s) - 0.5) * s.exposure.time_s;
+  return middle_s(s, frame) + ((pose + 0.5) / poses_of(s) - 0.5) * s.exposure.time_s;
 }
 
 /// Reads the scene at every time that will be rendered, so that none is refused when hours have been spent on others.
@@ -192,7 +88,7 @@ void check_animation(const Simulation& s, const Scene& first) {
   std::set<double> times_s;
   for (int frame = 0; frame < s.burst_frames; ++frame) {
     times_s.insert(middle_s(s, frame));
-    for (int pose = 0; pose < poses(s); ++pose) times_s.insert(pose_s(s, frame, pose));
+    for (int pose = 0; pose < poses_of(s); ++pose) times_s.insert(pose_s(s, frame, pose));
   }
   for (const double time_s : times_s) {
     if (time_s == 0) continue;  // `first`
@@ -222,16 +118,17 @@ Views render_frame(const Simulation& s, const RenderScene& first_world, const Ca
                    const SampleMap& map, int frame, const ProgressCallback& progress) {
   const auto render = [&](const Moment& now, int pose) {
     RenderOptions options = s.render;
-    if (frame > 0 || pose > 0) options.seed = hash(s.render.seed, kPoseStream, frame * poses(s) + pose);
-    const ProgressCallback part = [&](double fraction) { progress((pose + fraction) / poses(s)); };
+    if (frame > 0 || pose > 0) options.seed = hash(s.render.seed, kPoseStream, frame * poses_of(s) + pose);
+    const ProgressCallback part = [&](double fraction) { progress((pose + fraction) / poses_of(s)); };
     if (!now.own_scene) return render_views(first_world, now.view, options, map, part);
-    return render_views(RenderScene(*now.own_scene, s.light), now.view, options, map, part);
+    const LightCacheOptions& light = first_world.light_cache ? first_world.light_cache->options : s.light;
+    return render_views(RenderScene(*now.own_scene, light), now.view, options, map, part);
   };
   Views mean;
-  for (int pose = 0; pose < poses(s); ++pose) {
+  for (int pose = 0; pose < poses_of(s); ++pose) {
     const double time_s = pose_s(s, frame, pose);
     Views views = time_s == middle_s(s, frame) ? render(middle, pose) : render(moment(s, first, time_s), pose);
-    if (poses(s) > 1) scale(views.left, 1.0 / poses(s)), scale(views.right, 1.0 / poses(s));
+    if (poses_of(s) > 1) scale(views.left, 1.0 / poses_of(s)), scale(views.right, 1.0 / poses_of(s));
     if (pose == 0) {
       mean = std::move(views);
       continue;
@@ -250,22 +147,106 @@ ProgressCallback step_of(const StageCallback& stage, const char* name) {
   return [&stage, name](double fraction) { stage(name, fraction); };
 }
 
+/// What the pictures of one capture have in common.
+struct Job {
+  const Simulation& simulation;
+  RenderScene& world;
+  const CameraView& view;
+  double unit_per_nit;
+  std::optional<ErrorTarget> goal;
+  const StageCallback& stage;
+};
+
+Image in_units(Image image, double factor) {
+  scale(image, factor);
+  return image;
+}
+
+double rms(const Image& image) {
+  double sum = 0;
+  for (const float value : image.data) sum += static_cast<double>(value) * value;
+  return std::sqrt(sum / static_cast<double>(image.data.size()));
+}
+
+/// One of truth's pictures and its error.
+struct TruthPicture {
+  Image picture, sigma;  ///< sigma: empty where it is not known by tile
+  double noise;          ///< RMS of the error
+};
+
+/// Through the ideal lens, its pupil `aperture_scale` as wide as the capture's.
+TruthPicture render_picture(const Job& job, double aperture_scale, std::optional<int> samples, RandomStream stream,
+                            const char* name) {
+  const Simulation& s = job.simulation;
+  RenderOptions options = s.render;
+  options.ideal_aperture_scale = aperture_scale;
+  options.samples_per_pixel = samples.value_or(s.render.samples_per_pixel);
+  options.seed = hash(s.render.seed, stream);
+  const PictureSampling sampling = sample_picture(s, job.world, job.view, options, job.goal, {});
+  Views views = render_views(job.world, job.view, options, sampling.map, step_of(job.stage, name));
+  // both halves are the same light, so that errors add up, too
+  const double unit_per_half_nit = 2 * job.unit_per_nit;
+  TruthPicture truth{{}, in_units(standard_error(sampling, 1, views.left), unit_per_half_nit), 0};
+  truth.noise =
+      truth.sigma.empty() ? unit_per_half_nit * measure_error(job.world, job.view, options, 1) : rms(truth.sigma);
+  truth.picture = in_units(undivided(std::move(views)), job.unit_per_nit);
+  return truth;
+}
+
 /// Truth's pictures in the frames' normalized signal: a neutral gray reads the same in all channels after the sensor's
 /// color response is divided out, as white balance does.
-void add_truth_pictures(const Simulation& s, const RenderScene& world, const CameraView& view, double unit_per_nit,
-                        const StageCallback& stage, Truth& truth) {
-  RenderOptions options = s.render;
-  options.ideal_aperture_scale = 0;
-  options.samples_per_pixel = s.all_in_focus_samples_per_pixel;
-  options.seed = hash(s.render.seed, kAllInFocusStream);
-  truth.all_in_focus = undivided(render_views(world, view, options, step_of(stage, "all-in-focus image")));
-  options.ideal_aperture_scale = s.photograph_aperture_scale;
-  options.samples_per_pixel = s.photograph_samples_per_pixel;
-  options.seed = hash(s.render.seed, kPhotographStream);
-  truth.photograph = undivided(render_views(world, view, options, step_of(stage, "wide-aperture photograph")));
+void add_truth_pictures(const Job& job, Truth& truth) {
+  const Simulation& s = job.simulation;
+  TruthPicture sharp =
+      render_picture(job, 0, s.all_in_focus_samples_per_pixel, kAllInFocusStream, "all-in-focus image");
+  TruthPicture wide = render_picture(job, s.photograph_aperture_scale, s.photograph_samples_per_pixel,
+                                     kPhotographStream, "wide-aperture photograph");
+  truth.all_in_focus = std::move(sharp.picture);
+  truth.all_in_focus_sigma = std::move(sharp.sigma);
+  truth.photograph = std::move(wide.picture);
+  truth.photograph_sigma = std::move(wide.sigma);
   truth.photograph_aperture_scale = s.photograph_aperture_scale;
-  scale(truth.all_in_focus, unit_per_nit);
-  scale(truth.photograph, unit_per_nit);
+  truth.noise = {.all_in_focus = sharp.noise, .photograph = wide.noise};
+}
+
+/// Adds a frame's views to truth's: the mean over the frames of a burst in which nothing moves, the first frame's where
+/// something does.
+void add_truth_views(const Job& job, const Views& views, int frame, Truth& truth) {
+  if (frame > 0 && moves(job.simulation)) return;
+  if (frame == 0) truth.left = truth.right = Image(views.left.width, views.left.height, 3);
+  const int frames = moves(job.simulation) ? 1 : job.simulation.burst_frames;
+  const auto share = static_cast<float>(job.unit_per_nit / frames);
+  for (std::size_t i = 0; i < views.left.data.size(); ++i) {
+    truth.left.data[i] += share * views.left.data[i];
+    truth.right.data[i] += share * views.right.data[i];
+  }
+}
+
+/// What is known of the first frame's samples and error, and of truth's views', which are in `truth`.
+void describe_sampling(const Job& job, const PictureSampling& sampling, Truth& truth) {
+  const Simulation& s = job.simulation;
+  const int poses = poses_of(s), pictures = moves(s) ? poses : s.burst_frames;
+  if (!sampling.target) {
+    RenderOptions options = s.render;
+    options.samples_per_pixel = static_cast<int>(sampling.map.samples.front());
+    truth.noise->views = job.unit_per_nit * measure_error(job.world, job.view, options, pictures);
+    return;
+  }
+  truth.samples = Image(s.sensor.width_px, s.sensor.height_px);
+  for (std::size_t i = 0; i < sampling.map.samples.size(); ++i) {
+    const Tile tile = tile_at(sampling.map, static_cast<int>(i));
+    for (int y = tile.y0; y < tile.y1; ++y) {
+      for (int x = tile.x0; x < tile.x1; ++x) {
+        truth.samples.at(x, y) = static_cast<float>(tile.samples) * static_cast<float>(poses);
+      }
+    }
+  }
+  Image half_nits = truth.left;
+  for (std::size_t i = 0; i < half_nits.data.size(); ++i) half_nits.data[i] += truth.right.data[i];
+  scale(half_nits, 0.5 / job.unit_per_nit);
+  truth.render_sigma = in_units(standard_error(sampling, poses, half_nits), job.unit_per_nit);
+  truth.views_sigma = in_units(standard_error(sampling, pictures, half_nits), job.unit_per_nit);
+  truth.noise->views = rms(truth.views_sigma);
 }
 
 }  // namespace
@@ -331,10 +312,14 @@ Capture simulate(const Simulation& s, const Scene& scene, const StageCallback& s
 }
 
 Capture simulate(const Simulation& s, const Scene& scene, const CameraView& view, const StageCallback& stage) {
-  require_valid(check(s), s.path);
-  check_memory(s, (s.animation ? 2 : 1) * bytes_of(scene));
-  if (s.animation) check_animation(s, scene);
   RenderScene world(scene, s.light);
+  return simulate(s, world, view, stage);
+}
+
+Capture simulate(const Simulation& s, RenderScene& world, const CameraView& view, const StageCallback& stage) {
+  require_valid(check(s), s.path);
+  check_memory(s, (s.animation ? 2 : 1) * bytes_of(world.scene));
+  if (s.animation) check_animation(s, world.scene);
 
   Capture capture;
   capture.camera = describe_camera(s);
@@ -343,39 +328,37 @@ Capture simulate(const Simulation& s, const Scene& scene, const CameraView& view
   const double lux_s_per_nit = view.lens.lux_per_nit() * s.exposure.time_s;
   const double unit_per_nit = lux_s_per_nit / capture.exposure.lux_s_per_unit;
   const ErrorTarget noise = sensor_noise(s, view.lens.lux_per_nit());
-  const std::optional<ErrorTarget> goal = goal_of(s, noise, unit_per_nit);
-  const double light = goal ? prepare_light(s, world, view, *goal) : 0;
-  if (!goal && !s.time_budget_s) {
+  const Job job{s, world, view, unit_per_nit, goal_of(s, noise, unit_per_nit), stage};
+  prepare_light(s, world, view, job.goal);
+  if (!job.goal && !s.time_budget_s) {
     const RenderError error = estimate_error(world, view, s.render, noise, s.render.samples_per_pixel);
     capture.provenance.noise_fraction_reached = std::sqrt(error.both());
   }
   Truth& truth = capture.truth.emplace(trace_truth(world, view));
-  add_truth_pictures(s, world, view, unit_per_nit, stage, truth);
+  add_truth_pictures(job, truth);
 
-  const ViewSampling sampling = sample_map_of(s, world, view, goal, light, step_of(stage, "error of the two views"));
+  const PictureSampling sampling =
+      sample_views(s, world, view, noise, job.goal, step_of(stage, "error of the two views"));
   if (s.time_budget_s || s.noise_fraction) {
-    const double over_target = expected_error(sampling.map, poses(s));
+    const double over_target = expected_error(sampling, poses_of(s));
     capture.provenance.noise_fraction_reached = over_target * s.noise_fraction.value_or(1);
   }
-  Image electrons;
   for (int i = 0; i < s.burst_frames; ++i) {
     const Moment middle = moment(s, view, middle_s(s, i));
-    if (i < rendered_frames(s)) {
-      const Views views = render_frame(s, world, view, middle, sampling.map, i, [&](double fraction) {
-        if (stage) stage("left and right view", (i + fraction) / rendered_frames(s));
-      });
-      if (i == 0 && sampling.target) {
-        describe_sampling(sampling.map, *sampling.target, poses(s), views, unit_per_nit, truth);
-      }
-      if (i > 0) {
-        truth.motion.push_back(trace_motion(world, view, middle.own_scene ? *middle.own_scene : scene, middle.view));
-      }
-      electrons = expected_electrons(views.left, views.right, s.sensor, s.exposure, view.lens.lux_per_nit());
+    const Views views = render_frame(s, world, view, middle, sampling.map, i, [&](double fraction) {
+      if (stage) stage("left and right view", (i + fraction) / s.burst_frames);
+    });
+    add_truth_views(job, views, i, truth);
+    if (i > 0 && moves(s)) {
+      const Scene& then = middle.own_scene ? *middle.own_scene : world.scene;
+      truth.motion.push_back(trace_motion(world, view, then, middle.view));
     }
+    const Image electrons = expected_electrons(views.left, views.right, s.sensor, s.exposure, view.lens.lux_per_nit());
     capture.frames.push_back(expose(electrons, s.sensor, s.exposure, hash(s.render.seed, kSensorNoiseStream, i)));
     capture.frames.back().camera_from_world = row_major(glm::inverse(middle.view.world_from_camera));
     if (stage) stage("sensor", (i + 1.0) / s.burst_frames);
   }
+  describe_sampling(job, sampling, truth);
   capture.provenance.scene = s.json.dump();
   return capture;
 }

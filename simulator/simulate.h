@@ -4,6 +4,7 @@
 
 #include "capture/capture.h"
 #include "simulator/render/camera_view.h"
+#include "simulator/render/render_scene.h"
 #include "simulator/scene/scene.h"
 #include "simulator/scene_file.h"
 
@@ -33,14 +34,19 @@ CameraView place_camera(const Simulation& simulation, const Scene& scene);
 /// `stage` is called with what is being done and the fraction of it that is.
 using StageCallback = std::function<void(const std::string& stage, double fraction)>;
 
-/// `scene` is load_scene(simulation). A burst in which nothing moves is rendered once and exposed frame by frame;
-/// otherwise each frame is rendered at its own time, and truth is the first frame's, with the motion to the others.
+/// `scene` is load_scene(simulation). Each frame is rendered with random numbers of its own and, where something moves,
+/// at its own time; truth is the first frame's, with the motion to the others. Truth's views are the mean over the
+/// frames where nothing moves.
 /// Throws InputError before anything is rendered where an animation makes triangles appear or vanish, or where pictures
 /// and scenes would not fit into this machine's memory.
 Capture simulate(const Simulation& simulation, const Scene& scene, const StageCallback& stage = {});
 
 /// The same with place_camera()'s result, where the caller has it already.
 Capture simulate(const Simulation& simulation, const Scene& scene, const CameraView& camera,
+                 const StageCallback& stage = {});
+
+/// The same of a scene that is ready for rays: its light is kept from one call to the next, and changes no byte.
+Capture simulate(const Simulation& simulation, RenderScene& world, const CameraView& camera,
                  const StageCallback& stage = {});
 
 }  // namespace dualpixel::simulator

@@ -58,6 +58,19 @@ void check_truth(const Truth& truth, const Camera& camera, const CaptureCheck& c
                                [](float v) { return std::isnan(v) || v == -kInfinity; }),
                   field, "must be finite, or infinite behind the camera");
   }
+  if (!truth.left.empty() || !truth.right.empty()) {
+    check.require_size(truth.left, width, height, 3, "/truth/views");
+    check.require_size(truth.right, width, height, 3, "/truth/views");
+  }
+  const auto sigma_or_none = [&](const Image& sigma, const char* field) {
+    if (!sigma.empty()) check.require_size(sigma, width, height, 1, field);
+    check.require(std::all_of(sigma.data.begin(), sigma.data.end(), [](float v) { return v >= 0 && std::isfinite(v); }),
+                  field, "must be finite and 0 or more");
+  };
+  sigma_or_none(truth.views_sigma, "/truth/views/sigma");
+  sigma_or_none(truth.all_in_focus_sigma, "/truth/all_in_focus/sigma");
+  sigma_or_none(truth.photograph_sigma, "/truth/photograph/sigma");
+  sigma_or_none(truth.render_sigma, "/truth/render_sigma");
   if (!truth.samples.empty() || !truth.render_sigma.empty()) {
     check.require_size(truth.samples, width, height, 1, "/truth/samples");
     check.require_size(truth.render_sigma, width, height, 1, "/truth/render_sigma");
@@ -75,10 +88,9 @@ void check_truth(const Truth& truth, const Camera& camera, const CaptureCheck& c
   check.require(all(truth.normal, finite), "/truth/N", "must be finite");
   check.require(all(truth.all_in_focus, finite), "/truth/all_in_focus", "must be finite");
   check.require(all(truth.photograph, finite), "/truth/photograph", "must be finite");
+  check.require(all(truth.left, finite) && all(truth.right, finite), "/truth/views", "must be finite");
   check.require(all(truth.samples, [](float v) { return v >= 1 && v <= 65536; }), "/truth/samples",
                 "must lie in [1, 65536]");
-  check.require(all(truth.render_sigma, [](float v) { return v >= 0 && std::isfinite(v); }), "/truth/render_sigma",
-                "must be finite and 0 or more");
   for (std::size_t i = 0; i < truth.depth_m.data.size(); ++i) {
     const float depth_m = truth.depth_m.data[i];
     check.require(truth.valid.data[i] == 1 ? depth_m > 0 && std::isfinite(depth_m) : depth_m == kInfinity, "/truth/Z",

@@ -17,6 +17,7 @@ inline constexpr const char* kCaptureMarker = "capture.json";
 inline constexpr const char* kGeometryFile = "truth/geometry.exr";
 inline constexpr const char* kAllInFocusFile = "truth/all_in_focus.exr";
 inline constexpr const char* kPhotographFile = "truth/photograph.exr";
+inline constexpr const char* kViewsFile = "truth/views.exr";
 inline constexpr const char* kSamplingFile = "truth/sampling.exr";
 
 /// Of the motion from the first frame to frame i + 1.

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -69,6 +70,13 @@ void read_motion(const nlohmann::json& motion, Input& input, Truth& truth) {
   }
 }
 
+/// Joins three planes from `first` on.
+Image join(const std::vector<Image>& planes, std::size_t first) {
+  Image image(planes[first].width, planes[first].height, 3);
+  for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = planes[first + i % 3].data[i / 3];
+  return image;
+}
+
 void read_geometry(const std::string& file, Truth& truth) {
   std::vector<Image> planes =
       read_exr(file, {"Z", "blur_px", "disparity_dp_px", "person", "valid", "N.X", "N.Y", "N.Z"});
@@ -77,19 +85,62 @@ void read_geometry(const std::string& file, Truth& truth) {
   truth.disparity_dp_px = std::move(planes[2]);
   truth.person_mask = std::move(planes[3]);
   truth.valid = std::move(planes[4]);
-  truth.normal = Image(truth.depth_m.width, truth.depth_m.height, 3);
-  for (std::size_t i = 0; i < truth.normal.data.size(); ++i) truth.normal.data[i] = planes[5 + i % 3].data[i / 3];
+  truth.normal = join(planes, 5);
   truth.object_id = read_exr_ids(file);
+}
+
+bool has_sigma(const std::string& file) {
+  const std::vector<std::string> channels = picture_size(file).channels;
+  return std::find(channels.begin(), channels.end(), "sigma") != channels.end();
+}
+
+void read_pictures(const std::string& all_in_focus, const std::string& photograph, const std::string& views,
+                   Input& input, Truth& truth) {
+  const auto read_picture = [&](const std::string& name, const char* pointer, Image& image, Image& sigma) {
+    input.tasks.push_back([&input, &image, &sigma, name, pointer] {
+      const std::string file = input.files.verified(name, pointer);
+      if (has_sigma(file)) {
+        std::vector<Image> planes = read_exr(file, {"R", "G", "B", "sigma"});
+        image = join(planes, 0);
+        sigma = std::move(planes[3]);
+        return;
+      }
+      image = read_image(file);
+      input.check.require(image.channels == 3, pointer, "must have the channels R, G, B");
+    });
+  };
+  read_picture(all_in_focus, "/truth/all_in_focus", truth.all_in_focus, truth.all_in_focus_sigma);
+  read_picture(photograph, "/truth/photograph", truth.photograph, truth.photograph_sigma);
+  if (views.empty()) return;
+  input.tasks.push_back([&files = input.files, &truth, views] {
+    const std::string file = files.verified(views, "/truth/views");
+    const std::vector<Image> planes = read_exr(file, {"left.R", "left.G", "left.B", "right.R", "right.G", "right.B"});
+    truth.left = join(planes, 0);
+    truth.right = join(planes, 3);
+    if (has_sigma(file)) truth.views_sigma = std::move(read_exr(file, {"sigma"})[0]);
+  });
+}
+
+void read_noise(Fields fields, Truth& truth) {
+  TruthNoise& noise = truth.noise.emplace();
+  constexpr double kMost = std::numeric_limits<double>::max();
+  for (const auto& [name, value] :
+       {std::pair{"views", &noise.views}, {"all_in_focus", &noise.all_in_focus}, {"photograph", &noise.photograph}}) {
+    fields.required(name).number(name, *value, 0, kMost);
+  }
+  fields.done();
 }
 
 /// Reads "truth".
 void read_truth(Fields fields, Input& input, Truth& truth) {
-  std::string geometry, all_in_focus, photograph, sampling;
+  std::string geometry, all_in_focus, photograph, views, sampling;
   fields.required("geometry").text("geometry", geometry);
   fields.required("all_in_focus").text("all_in_focus", all_in_focus);
   fields.required("photograph").text("photograph", photograph);
   fields.required("photograph_aperture_scale");
   fields.number("photograph_aperture_scale", truth.photograph_aperture_scale, 1e-3, 1e3);
+  fields.text("views", views);
+  if (fields.has("noise")) read_noise(fields.object("noise"), truth);
   fields.text("sampling", sampling);
   const nlohmann::json& motion = fields.raw("motion");
   input.check.require(motion.is_null() || (motion.is_array() && motion.size() < kMostFrames), "/truth/motion",
@@ -105,14 +156,7 @@ void read_truth(Fields fields, Input& input, Truth& truth) {
   }
   input.tasks.push_back(
       [&files = input.files, &truth, geometry] { read_geometry(files.verified(geometry, "/truth/geometry"), truth); });
-  const auto read_picture = [&](const std::string& name, const char* pointer, Image& image) {
-    input.tasks.push_back([&input, &image, name, pointer] {
-      image = read_image(input.files.verified(name, pointer));
-      input.check.require(image.channels == 3, pointer, "must have the channels R, G, B");
-    });
-  };
-  read_picture(all_in_focus, "/truth/all_in_focus", truth.all_in_focus);
-  read_picture(photograph, "/truth/photograph", truth.photograph);
+  read_pictures(all_in_focus, photograph, views, input, truth);
 }
 
 }  // namespace

@@ -60,20 +60,35 @@ Json write_frames(const Capture& capture, Output& output) {
   return frames;
 }
 
+/// Adds R, G and B of `image` as channels, after `prefix`.
+void add_colors(const std::string& prefix, const Image& image, std::vector<NamedPlane>& channels) {
+  int c = 0;
+  for (const char* color : {"R", "G", "B"}) channels.push_back({prefix + color, &image, c++});
+}
+
 /// Writes the linear RGB images of the truth, with the camera's settings as EXR attributes.
 void write_truth_pictures(const Truth& truth, const Capture& capture, Output& output) {
-  const auto write_picture = [&](const char* name, const Image& image, double f_number) {
+  const auto write_picture = [&](const char* name, std::vector<NamedPlane> channels, const Image& sigma,
+                                 double f_number) {
+    if (!sigma.empty()) channels.push_back({"sigma", &sigma});
+    const bool half = std::all_of(channels.begin(), channels.end(), [](const auto& c) { return fits_half(*c.image); });
     const std::vector<std::pair<std::string, float>> attributes = {
         {"focus", static_cast<float>(capture.camera.focus_distance_m)},
         {"aperture", static_cast<float>(f_number)},
         {"isoSpeed", static_cast<float>(capture.exposure.iso)},
         {"expTime", static_cast<float>(capture.exposure.time_s)}};
-    output.tasks.push_back([&image, file = output.add(name), attributes] {
-      write_exr(file, {{"R", &image, 0}, {"G", &image, 1}, {"B", &image, 2}}, fits_half(image), nullptr, attributes);
-    });
+    output.tasks.push_back([=, file = output.add(name)] { write_exr(file, channels, half, nullptr, attributes); });
   };
-  write_picture(kAllInFocusFile, truth.all_in_focus, std::numeric_limits<double>::infinity());
-  write_picture(kPhotographFile, truth.photograph, capture.camera.f_number / truth.photograph_aperture_scale);
+  std::vector<NamedPlane> sharp, wide, views;
+  add_colors("", truth.all_in_focus, sharp);
+  add_colors("", truth.photograph, wide);
+  write_picture(kAllInFocusFile, sharp, truth.all_in_focus_sigma, std::numeric_limits<double>::infinity());
+  write_picture(kPhotographFile, wide, truth.photograph_sigma,
+                capture.camera.f_number / truth.photograph_aperture_scale);
+  if (truth.left.empty()) return;
+  add_colors("left.", truth.left, views);
+  add_colors("right.", truth.right, views);
+  write_picture(kViewsFile, views, truth.views_sigma, capture.camera.f_number);
 }
 
 /// Writes the truth's images; returns "truth" of capture.json.
@@ -96,6 +111,12 @@ Json write_truth(const Truth& truth, const Capture& capture, Output& output) {
               false, &truth.object_id, {{"focus", static_cast<float>(capture.camera.focus_distance_m)}});
   });
   write_truth_pictures(truth, capture, output);
+  if (!truth.left.empty()) entry["views"] = kViewsFile;
+  if (truth.noise) {
+    entry["noise"] = {{"views", truth.noise->views},
+                      {"all_in_focus", truth.noise->all_in_focus},
+                      {"photograph", truth.noise->photograph}};
+  }
   for (std::size_t i = 0; i < truth.motion.size(); ++i) {
     entry["motion"].push_back(motion_file(i));
     output.tasks.push_back([&image = truth.motion[i], file = output.add(motion_file(i))] {

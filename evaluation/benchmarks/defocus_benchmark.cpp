@@ -23,7 +23,7 @@ constexpr double kLargestDirectPx = 20;
 /// A burst at the scene's full size. Enough samples that its noise is a camera's: grain from rendering would fill the
 /// bilateral grid with colors that no picture has, and smoothing would take three times as long.
 Capture render_burst(const std::string& scene_file) {
-  return simulate_scene(scene_file, {"render.samples_per_pixel=32", "render.photograph_samples_per_pixel=1",
+  return simulate_scene(scene_file, {"render.samples_per_pixel=16", "render.photograph_samples_per_pixel=1",
                                      "render.all_in_focus_samples_per_pixel=1"});
 }
 

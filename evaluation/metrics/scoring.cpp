@@ -145,6 +145,20 @@ PictureScore score_picture(const Image& linear, const Image& photograph) {
   return score;
 }
 
+/// A picture's mean square error against truth is its own and the truth's noise together.
+std::optional<double> truth_noise_db(const Truth& truth, const Score& score) {
+  constexpr double kMostShare = 0.99;  // the noise is an estimate, and may come out above what it is part of
+  if (!truth.noise) return {};
+  std::optional<double> worst;
+  for (const PictureScore* picture : {&score.portrait, &score.input}) {
+    if (!picture->psnr_linear_db) continue;
+    const double square_error = std::pow(10, -*picture->psnr_linear_db / 10);
+    const double share = std::min(truth.noise->photograph * truth.noise->photograph / square_error, kMostShare);
+    worst = std::max(worst.value_or(0), -10 * std::log10(1 - share));
+  }
+  return worst;
+}
+
 /// The figures of both pictures with their keys, in the order of score.json.
 std::vector<std::pair<std::string, std::optional<double>>> picture_figures(const Score& score) {
   const PictureScore &p = score.portrait, &i = score.input;
@@ -241,6 +255,7 @@ Score score_result(const Capture& capture, const std::string& capture_path, cons
   if (!result.disparity_dp_px.empty()) score.disparity = score_disparity(truth, result);
   score.portrait = score_picture(result.portrait, truth.photograph);
   score.input = score_picture(result.input, truth.photograph);
+  score.truth_noise_db = truth_noise_db(truth, score);
   score.stages = result.stages;
   score.notes = explain_missing(score);
   return score;
@@ -257,6 +272,7 @@ Json to_json(const Score& score) {
     for (const RegionScore& region : score.disparity) json["disparity"][region.region] = to_json(region);
   }
   for (const auto& [metric, value] : picture_figures(score)) json["image"][metric] = or_null(value);
+  json["image"]["truth_noise_db"] = or_null(score.truth_noise_db);
   json["stages"] = Json::object();
   for (const pipeline::StageTime& stage : score.stages) {
     json["stages"][stage.name] = {{"ms", stage.ms}, {"peak_rss_mb", stage.peak_rss_mb}};

@@ -20,6 +20,9 @@ inline constexpr float kEdgeJumpDpPx = 0.1f;
 inline constexpr int kEdgeReachPx = 8;
 inline constexpr float kPersonThreshold = 0.5f;
 
+/// Noise of the truth that changes a score by more is worth a warning.
+inline constexpr double kMostTruthNoiseDb = 0.1;
+
 /// Thresholds of the bad-pixel rates, DP px.
 inline constexpr double kBadPixelDpPx[] = {0.1, 0.25, 0.5};
 
@@ -53,6 +56,9 @@ struct Score {
   /// 0.5. Empty in mode seg.
   std::vector<RegionScore> disparity;
   PictureScore portrait, input;  ///< input: before the synthetic defocus
+  /// By how much the rendering noise of the true photograph lowers psnr_linear_db of the portrait or of the input,
+  /// whichever suffers more; none where the noise is not known, or nothing differs.
+  std::optional<double> truth_noise_db;
   std::vector<pipeline::StageTime> stages;
   std::vector<std::string> notes;  ///< why a figure is none: one line each
 };

@@ -40,8 +40,6 @@ template <class Model>
 concept LensModelType =
     std::constructible_from<typename Model::Sampler, const Model&, const ThinLens&, const SensorGrid&> &&
     requires(Model changed, const Model& model, ThinLens& thin, double distance_m) {
-  /// Time of one sample over a thin lens's, for choosing between models (`dualpixel bench lens` measures it).
-  { Model::kWork } -> std::convertible_to<double>;
   /// Radius of the image circle focused on infinity; 0: not limited.
   { model.radius_of_image_mm() } -> std::same_as<double>;
   /// Focuses on a distance from the entrance pupil, and updates `thin`'s focal length, f-number and magnification

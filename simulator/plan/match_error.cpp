@@ -31,11 +31,13 @@ void subtract_mean(std::vector<double>& values) {
   for (double& value : values) value -= sum / static_cast<double>(values.size());
 }
 
-/// dB/dx in a window, less its projections on 1 and B.
-std::vector<double> texture(const Image& view, const MatchWindow& window) {
+/// dB/dx in a window, less its projections on 1 and B. `step`: to the neighbors of the same color.
+std::vector<double> texture(const Image& view, const MatchWindow& window, int step) {
   std::vector<double> g;
   for (int y = window.y; y < window.y + kWindowDpPx; ++y) {
-    for (int x = window.x; x < window.x + kWindowDpPx; ++x) g.push_back(0.5 * (view.at(x + 1, y) - view.at(x - 1, y)));
+    for (int x = window.x; x < window.x + kWindowDpPx; ++x) {
+      g.push_back((view.at(x + step, y) - view.at(x - step, y)) / (2.0 * step));
+    }
   }
   std::vector<double> b = pixels_of(view, window);
   subtract_mean(g);
@@ -48,9 +50,9 @@ std::vector<double> texture(const Image& view, const MatchWindow& window) {
 
 /// The weights of one view from its two renders; returns the variance of the shift under the sensor's noise, infinite
 /// without texture.
-double fit_weights(const Image& first, const Image& second, const MatchWindow& window, const NoiseProfile& noise,
-                   int frames, std::vector<float>& weights) {
-  const std::vector<double> g1 = texture(first, window), g2 = texture(second, window);
+double fit_weights(const Image& first, const Image& second, const MatchWindow& window, int step,
+                   const NoiseProfile& noise, int frames, std::vector<float>& weights) {
+  const std::vector<double> g1 = texture(first, window, step), g2 = texture(second, window, step);
   const double energy = dot(g1, g2);
   if (!(energy > 0)) return std::numeric_limits<double>::infinity();
   for (int i = 0; i < kPixels; ++i) weights.push_back(static_cast<float>(-0.5 * (g1[i] + g2[i]) / energy));
@@ -81,21 +83,27 @@ double covariance(const DpViews& a, const DpViews& b, const MatchWindow& window)
 
 }  // namespace
 
+int color_period(const SensorOptions& sensor) { return sensor.dp_downsample_x * sensor.dp_downsample_y == 1 ? 2 : 1; }
+
 DpViews expected_dp_views(const Views& views, const SensorOptions& sensor, const ExposureOptions& exposure,
                           double lux_per_nit) {
   const Image electrons = expected_electrons(views.left, views.right, sensor, exposure, lux_per_nit);
   const double gain = gain_dn_per_electron(sensor, exposure.iso);
   const double white = std::exp2(sensor.bits) - 1 - sensor.black_level_dn;
+  const int dp_x = sensor.dp_downsample_x, dp_y = sensor.dp_downsample_y;
+  const bool dense = dp_x * dp_y == 1;  // a DP pixel is a photosite of any color, otherwise the mean of its green ones
+  const double share = gain / (dense ? 1 : dp_x * dp_y / 2);
   DpViews dp;
-  dp.left = dp.right = Image(electrons.width / kMatchDpPixelX, electrons.height / kMatchDpPixelY);
+  dp.color_period = color_period(sensor);
+  dp.left = dp.right = Image(electrons.width / dp_x, electrons.height / dp_y);
   for (int y = 0; y < electrons.height; ++y) {
     for (int x = 0; x < electrons.width; ++x) {
-      if (cfa_color(x, y) != 1) continue;
+      if (!dense && cfa_color(x, y) != 1) continue;
       // a full photosite loses charge of both halves
       const double left = electrons.at(x, y, 0), right = electrons.at(x, y, 1);
       const double kept = std::min(1.0, sensor.full_well_e / std::max(left + right, 1e-30));
-      dp.left.at(x / kMatchDpPixelX, y / kMatchDpPixelY) += static_cast<float>(0.25 * gain * kept * left);
-      dp.right.at(x / kMatchDpPixelX, y / kMatchDpPixelY) += static_cast<float>(0.25 * gain * kept * right);
+      dp.left.at(x / dp_x, y / dp_y) += static_cast<float>(share * kept * left);
+      dp.right.at(x / dp_x, y / dp_y) += static_cast<float>(share * kept * right);
     }
   }
   for (Image* view : {&dp.left, &dp.right}) {
@@ -117,12 +125,13 @@ double MatchWindow::correlation(const DpViews& a1, const DpViews& a2, const DpVi
 MatchWindows match_windows(const DpViews& first, const DpViews& second, const Exposure& exposure, int frames,
                            double most_sensor_noise_dp_px, int offset_x, int offset_y) {
   MatchWindows windows;
+  const int step = first.color_period;
   const NoiseProfile& noise = exposure.dp_noise;
   for (int y = offset_y; y + kWindowDpPx <= first.left.height; y += kWindowDpPx) {
-    for (int x = 1 + offset_x; x + kWindowDpPx < first.left.width; x += kWindowDpPx) {
+    for (int x = step + offset_x; x + kWindowDpPx + step <= first.left.width; x += kWindowDpPx) {
       MatchWindow window{x, y, {}, {}, 0};
-      const double left = fit_weights(first.left, second.left, window, noise, frames, window.left_weight);
-      const double right = fit_weights(first.right, second.right, window, noise, frames, window.right_weight);
+      const double left = fit_weights(first.left, second.left, window, step, noise, frames, window.left_weight);
+      const double right = fit_weights(first.right, second.right, window, step, noise, frames, window.right_weight);
       window.sensor_noise_dp_px = std::sqrt(left + right);
       ++windows.total;
       if (window.sensor_noise_dp_px <= most_sensor_noise_dp_px) windows.textured.push_back(std::move(window));

@@ -16,15 +16,16 @@
 /// differ by the difference of their sums, whatever noise or bias made it.
 namespace dualpixel::simulator {
 
-/// Photosites of one DP pixel of the matcher, as the paper's sensor has them.
-inline constexpr int kMatchDpPixelX = 2, kMatchDpPixelY = 4;
-
 /// DP views without noise: digital numbers above black, as the sensor bins and clips the light.
 struct DpViews {
   Image left, right;
+  int color_period = 1;  ///< pixels from one to the next of the same color
 };
 
-/// `views` of a whole sensor, or of a part of it that begins at a multiple of 2 x 4 photosites.
+/// 2 where DP pixels have the mosaic's pattern (1 x 1), otherwise 1.
+int color_period(const SensorOptions& sensor);
+
+/// `views` of a whole sensor, or of a part of it that begins at a DP pixel and at an even photosite.
 DpViews expected_dp_views(const Views& views, const SensorOptions& sensor, const ExposureOptions& exposure,
                           double lux_per_nit);
 
@@ -47,10 +48,10 @@ struct MatchWindows {
   int total = 0;
 };
 
-/// The windows that fit into the picture, side by side from column 1 + offset_x (dB/dx needs a neighbor) and row
-/// offset_y on. The reference is the mean of two renders with independent noise, so that noise is not taken for
-/// texture. A window says something of its disparity where the sensor's noise, that of `frames` frames merged, blurs it
-/// by no more than `most_sensor_noise_dp_px`.
+/// The windows that fit into the picture, side by side from column offset_x on, after the neighbor of the same color
+/// that dB/dx needs, and from row offset_y on. The reference is the mean of two renders with independent noise, so that
+/// noise is not taken for texture. A window says something of its disparity where the sensor's noise, that of `frames`
+/// frames merged, blurs it by no more than `most_sensor_noise_dp_px`.
 MatchWindows match_windows(const DpViews& first, const DpViews& second, const Exposure& exposure, int frames,
                            double most_sensor_noise_dp_px, int offset_x = 0, int offset_y = 0);
 

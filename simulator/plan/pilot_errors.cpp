@@ -17,31 +17,38 @@ constexpr int kFewestWindows = 6;
 
 double work(int bounces, int samples) { return (1.0 + bounces) * samples; }
 
-double work_in_all() {
-  double sum = 0;
+double work_in_all(bool light_at_points) {
+  double sum = work(kReferenceBounces, kPilotSamples[kBouncePilot]);  // the first one is timed
   for (std::size_t n = 0; n < kPilotSamples.size(); ++n) {
     sum += kPilotRenders[n] * work(kReferenceBounces, kPilotSamples[n]);
   }
   for (int bounces : kBounces) {
-    if (bounces != kReferenceBounces) sum += 2 * work(bounces, kPilotSamples[kBouncePilot]);
+    if (bounces != kReferenceBounces) sum += 3 * work(bounces, kPilotSamples[kBouncePilot]);
   }
-  return sum;
+  return sum + (light_at_points ? 4 : 0) * work(kReferenceBounces, kPilotSamples[kBouncePilot]);
 }
 
 /// Pilot renders that report how much of all their work is done.
 class CountedPilots {
  public:
-  CountedPilots(const PilotRenders& pilots, const ProgressCallback& progress) : pilots_(pilots), progress_(progress) {}
+  CountedPilots(const PilotRenders& pilots, double light_spacing_px, const ProgressCallback& progress)
+      : pilots_(pilots), light_spacing_px_(light_spacing_px), progress_(progress) {}
 
-  PilotRender render(int bounces, int samples, int repeat) {
-    PilotRender pilot = pilots_.render(bounces, samples, repeat);
-    done_ += work(bounces, samples);
-    if (progress_) progress_(done_ / work_in_all());
+  PilotRender render(const PilotSettings& settings) {
+    PilotRender pilot = pilots_.render(settings);
+    done_ += (settings.timed ? 2 : 1) * work(settings.bounces, settings.samples);
+    if (progress_) progress_(done_ / work_in_all(light_spacing_px_ > 0));
     return pilot;
+  }
+
+  /// At the scene file's spacing; repeats differ in the noise of light, too, and the first one is timed.
+  PilotRender render(int bounces, int samples, int repeat) {
+    return render({bounces, samples, light_spacing_px_, repeat, repeat, repeat == 0 && samples == kPilotSamples[0]});
   }
 
  private:
   const PilotRenders& pilots_;
+  double light_spacing_px_;
   const ProgressCallback& progress_;
   double done_ = 0;
 };
@@ -93,7 +100,6 @@ struct RenderPair {
       : renders(pair),
         shifts_dp_px{shifts(windows, pair[0]), shifts(windows, pair[1])},
         noise_dp_px(noise_error({shifts_dp_px[0], shifts_dp_px[1]})) {}
-  double seconds_per_sample() const { return std::min(renders[0].seconds_per_sample, renders[1].seconds_per_sample); }
 };
 
 /// A window's two pictures correlate too little to be matched.
@@ -102,37 +108,71 @@ bool is_lost(const TileWindow& w, const RenderPair& a, const RenderPair& b) {
                               b.renders[1].tiles[w.tile]) < kLeastCorrelation;
 }
 
+struct Difference {
+  double error_dp_px = 0;
+  int lost_windows = 0;
+};
+
 /// The mean product of two pairs' differences is the mean square of what is not noise.
-BounceStep compare_bounces(int bounces, const std::vector<TileWindow>& windows, const RenderPair& cheap,
-                           const RenderPair& reference) {
-  BounceStep step{.bounces = bounces};
-  step.seconds_per_sample = cheap.seconds_per_sample();
+Difference compare(const std::vector<TileWindow>& windows, const RenderPair& cheap, const RenderPair& reference) {
+  Difference difference;
   std::vector<double> squares;
   for (std::size_t i = 0; i < windows.size(); ++i) {
     const bool lost = is_lost(windows[i], cheap, reference);
-    step.lost_windows += lost;
+    difference.lost_windows += lost;
     squares.push_back(lost ? square(kLostDpPx)
                            : (cheap.shifts_dp_px[0][i] - reference.shifts_dp_px[0][i]) *
                                  (cheap.shifts_dp_px[1][i] - reference.shifts_dp_px[1][i]));
   }
-  step.error_dp_px = upper_rms(squares);
-  step.noise = reference.noise_dp_px > 0 ? cheap.noise_dp_px / reference.noise_dp_px : 1;
-  return step;
+  difference.error_dp_px = upper_rms(squares);
+  return difference;
+}
+
+BounceStep compare_bounces(int bounces, const std::vector<TileWindow>& windows, const RenderPair& cheap,
+                           const RenderPair& reference) {
+  const auto [error_dp_px, lost_windows] = compare(windows, cheap, reference);
+  return {.bounces = bounces,
+          .error_dp_px = error_dp_px,
+          .lost_windows = lost_windows,
+          .noise = reference.noise_dp_px > 0 ? cheap.noise_dp_px / reference.noise_dp_px : 1,
+          .seconds_per_sample = cheap.renders[0].seconds_per_sample,
+          .light_seconds = cheap.renders[0].light_seconds};
+}
+
+/// The scene file's spacing and twice that. Interpolation errs with the square of the spacing, so that the difference
+/// of the two is three quarters of the coarse one's error, and three times the other's.
+std::vector<LightStep> compare_lights(const std::vector<TileWindow>& windows, double spacing_px,
+                                      const RenderPair& as_asked, CountedPilots& pilots) {
+  const double coarse_px = std::min(2 * spacing_px, 1000.0);
+  const auto render = [&](int repeat) {
+    return pilots.render({kReferenceBounces, kPilotSamples[kBouncePilot], coarse_px, repeat, repeat, repeat == 0});
+  };
+  const PilotRender renders[2] = {render(0), render(1)};
+  const RenderPair coarse(windows, renders);
+  const auto [difference_dp_px, lost_windows] = compare(windows, coarse, as_asked);
+  const double as_asked_s = as_asked.renders[0].light_seconds;
+  return {{.spacing_px = coarse_px,
+           .error_dp_px = 4.0 / 3 * difference_dp_px,
+           .lost_windows = lost_windows,
+           .making = as_asked_s > 0 ? std::min(renders[0].light_seconds / as_asked_s, 1.0) : 1},
+          {.spacing_px = spacing_px, .error_dp_px = difference_dp_px / 3}};
 }
 
 }  // namespace
 
-/// From the largest pilot that is not larger, as 1/sqrt: that much sampling does at least. A curve drawn through 16 and
-/// 64 samples would promise more at 32.
+/// From the largest pilot that is not larger, as 1/sqrt but for the noise of light at points: that much sampling does
+/// at least. A curve drawn through 16 and 64 samples would promise more at 32.
 double PilotErrors::sample_error(int samples) const {
   std::size_t i = kPilotSamples.size() - 1;
   while (kPilotSamples[i] > samples) --i;
-  return noise[i] * std::sqrt(static_cast<double>(kPilotSamples[i]) / samples);
+  const double sampled = std::max(square(noise[i]) - square(light_noise), 0.0);
+  return std::sqrt(sampled * kPilotSamples[i] / samples + std::min(square(light_noise), square(noise[i])));
 }
 
 PilotErrors measure_pilots(const PilotRenders& pilot_renders, const Simulation& simulation, double tolerance_dp_px,
                            const ProgressCallback& progress) {
-  CountedPilots pilots(pilot_renders, progress);
+  const double spacing_px = simulation.light.light_spacing_px;
+  CountedPilots pilots(pilot_renders, spacing_px, progress);
   std::array<std::vector<PilotRender>, kPilotSamples.size()> full;  // with the reference's bounces
   for (std::size_t n = 0; n < full.size(); ++n) {
     for (int repeat = 0; repeat < kPilotRenders[n]; ++repeat) {
@@ -150,9 +190,18 @@ PilotErrors measure_pilots(const PilotRenders& pilot_renders, const Simulation& 
     errors.noise[n] = noise_error(all);
   }
   const RenderPair reference(windows, full[kBouncePilot].data());  // its first two
+  if (spacing_px > 0) {
+    const PilotRender other = pilots.render({kReferenceBounces, kPilotSamples[kBouncePilot], spacing_px, 0, 1, false});
+    errors.light_noise = noise_error({reference.shifts_dp_px[0], shifts(windows, other)});
+    errors.lights = compare_lights(windows, spacing_px, reference, pilots);
+  } else {
+    errors.lights = {{}};
+  }
   for (int bounces : kBounces) {
     if (bounces == kReferenceBounces) {
-      errors.bounces.push_back({.bounces = bounces, .seconds_per_sample = reference.seconds_per_sample()});
+      errors.bounces.push_back({.bounces = bounces,
+                                .seconds_per_sample = reference.renders[0].seconds_per_sample,
+                                .light_seconds = reference.renders[0].light_seconds});
       continue;
     }
     const PilotRender cheap[2] = {pilots.render(bounces, kPilotSamples[kBouncePilot], 0),

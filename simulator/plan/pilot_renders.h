@@ -9,26 +9,38 @@
 namespace dualpixel::simulator {
 
 /// The least sensor of which a plan can be made, photosites: one matcher's window and its neighbors.
-inline constexpr int kLeastPlanWidth = (kWindowDpPx + 2) * kMatchDpPixelX,
-                     kLeastPlanHeight = kWindowDpPx * kMatchDpPixelY;
+struct LeastSensor {
+  int width_px = 0, height_px = 0;
+};
+LeastSensor least_sensor(const SensorOptions& sensor);
+
+/// How the pilots are rendered. The same random numbers for the same `repeat` and `light_repeat`, whatever the rest.
+struct PilotSettings {
+  int bounces = 0, samples = 16;
+  double light_spacing_px = 0;
+  int repeat = 0;        ///< of the camera samples
+  int light_repeat = 0;  ///< of light at points
+  bool timed = false;    ///< twice, so that what light at points costs is known
+};
 
 /// One render of all tiles.
 struct PilotRender {
   std::vector<DpViews> tiles;
-  double seconds_per_sample = 0;  ///< on all threads
+  double seconds_per_sample = 0;  ///< on all threads; of a timed one with light at points found
+  double light_seconds = 0;       ///< of finding it, per photosite; of a timed one
 };
 
 /// Renders tiles spread over the frame, or the whole sensor where it is small.
 class PilotRenders {
  public:
-  PilotRenders(const Simulation& simulation, const RenderScene& world, const Lens& lens, std::uint64_t seed);
+  /// `world` gets a light cache of its own for every render.
+  PilotRenders(const Simulation& simulation, RenderScene& world, const Lens& lens, std::uint64_t seed);
 
-  /// The same random numbers for the same `repeat`, whatever the bounces.
-  PilotRender render(int bounces, int samples, int repeat) const;
+  PilotRender render(const PilotSettings& settings) const;
 
  private:
   const Simulation& simulation_;
-  const RenderScene& world_;
+  RenderScene& world_;
   std::vector<CameraView> cameras_;
   std::uint64_t seed_;
 };

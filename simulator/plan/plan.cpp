@@ -20,10 +20,11 @@ constexpr int kMostSamples = 65536;
 
 void check_sensor(const Simulation& simulation) {
   const SensorOptions& sensor = simulation.sensor;
-  if (sensor.width_px >= kLeastPlanWidth && sensor.height_px >= kLeastPlanHeight) return;
+  const LeastSensor least = least_sensor(sensor);
+  if (sensor.width_px >= least.width_px && sensor.height_px >= least.height_px) return;
   throw InputError(fmt::format("{}: /sensor: {} x {} photosites: a plan needs at least {} x {}, one matcher's window",
-                               printable(simulation.path), sensor.width_px, sensor.height_px, kLeastPlanWidth,
-                               kLeastPlanHeight));
+                               printable(simulation.path), sensor.width_px, sensor.height_px, least.width_px,
+                               least.height_px));
 }
 
 /// Error of `samples` samples at bounce step b.
@@ -31,30 +32,52 @@ double sample_error(const Plan& plan, const PilotErrors& pilots, std::size_t b, 
   return plan.measured ? plan.bounces[b].noise * pilots.sample_error(samples) : 0.0;
 }
 
-double root_of_squares(const Plan& plan, const PilotErrors& pilots, std::size_t l, std::size_t b, int samples) {
+double root_of_squares(const Plan& plan, const PilotErrors& pilots, std::size_t l, std::size_t b, std::size_t t,
+                       int samples) {
   return std::sqrt(square(plan.lenses[l].error_dp_px) + square(plan.bounces[b].error_dp_px) +
-                   square(sample_error(plan, pilots, b, samples)));
+                   square(plan.lights[t].error_dp_px) + square(sample_error(plan, pilots, b, samples)));
 }
+
+/// Time of one photosite. What is more accurate is not taken to be cheaper, whatever the clock says.
+double photosite_s(const Plan& plan, std::size_t l, std::size_t b, std::size_t t, int samples) {
+  double bounce_s = 0, light_s = 0, lens_s = 0;
+  for (std::size_t i = 0; i <= b; ++i) {
+    bounce_s = std::max(bounce_s, plan.bounces[i].seconds_per_sample);
+    light_s = std::max(light_s, plan.bounces[i].light_seconds);
+  }
+  for (std::size_t i = 0; i <= l; ++i) lens_s = std::max(lens_s, plan.lenses[i].seconds_per_sample);
+  double making = 0;
+  for (std::size_t i = 0; i <= t; ++i) making = std::max(making, plan.lights[i].making);
+  const double sample_s = bounce_s + lens_s - plan.lenses[plan.pilot_lens].seconds_per_sample;
+  return making * light_s + samples * std::max(sample_s, lens_s);
+}
+
+/// Steps of a factor of sqrt(2): times scatter.
+double work_steps(double seconds) { return std::round(2 * std::log2(std::max(seconds, 1e-15))); }
 
 /// The least work whose error stays within the tolerance; the reference with the most samples where none does.
 void choose(Plan& plan, const PilotErrors& pilots, int scene_samples) {
-  const auto within = [&](std::size_t l, std::size_t b, int samples) {
-    return root_of_squares(plan, pilots, l, b, samples) <= plan.tolerance_dp_px;
-  };
   plan.met = false;
   plan.lens = plan.lenses.size() - 1;
   plan.bounce = plan.bounces.size() - 1;
+  plan.light = plan.lights.size() - 1;
   int chosen_samples = plan.measured ? kMostSamples : scene_samples;
   double least_work = std::numeric_limits<double>::infinity();
+  const auto consider = [&](std::size_t l, std::size_t b, std::size_t t) {
+    const auto within = [&](int samples) {
+      return root_of_squares(plan, pilots, l, b, t, samples) <= plan.tolerance_dp_px;
+    };
+    int samples = plan.measured ? kPilotSamples[0] : scene_samples;
+    while (plan.measured && samples < kMostSamples && !within(samples)) samples *= 2;
+    const double work = work_steps(photosite_s(plan, l, b, t, samples));
+    if (!within(samples) || work >= least_work) return;
+    least_work = work;
+    plan.met = true;
+    plan.lens = l, plan.bounce = b, plan.light = t, chosen_samples = samples;
+  };
   for (std::size_t l = 0; l < plan.lenses.size(); ++l) {
     for (std::size_t b = 0; b < plan.bounces.size(); ++b) {
-      int samples = plan.measured ? kPilotSamples[0] : scene_samples;
-      while (plan.measured && samples < kMostSamples && !within(l, b, samples)) samples *= 2;
-      const double work = samples * (plan.lenses[l].candidate.work + plan.bounces[b].bounces);
-      if (!within(l, b, samples) || work >= least_work) continue;
-      least_work = work;
-      plan.met = true;
-      plan.lens = l, plan.bounce = b, chosen_samples = samples;
+      for (std::size_t t = 0; t < plan.lights.size(); ++t) consider(l, b, t);
     }
   }
   const int first = plan.measured ? kPilotSamples[0] : chosen_samples,
@@ -67,19 +90,19 @@ void choose(Plan& plan, const PilotErrors& pilots, int scene_samples) {
 
 }  // namespace
 
-double Plan::error_dp_px(std::size_t l, std::size_t b, std::size_t s) const {
-  return std::sqrt(square(lenses[l].error_dp_px) + square(bounces[b].error_dp_px) + square(samples[s].error_dp_px));
+double Plan::error_dp_px(std::size_t l, std::size_t b, std::size_t t, std::size_t s) const {
+  return std::sqrt(square(lenses[l].error_dp_px) + square(bounces[b].error_dp_px) + square(lights[t].error_dp_px) +
+                   square(samples[s].error_dp_px));
 }
 
-double Plan::picture_s(std::size_t l, std::size_t b, std::size_t s) const {
-  return photosites * samples[s].samples *
-         (bounces[b].seconds_per_sample + lenses[l].seconds_per_sample - lenses[pilot_lens].seconds_per_sample);
+double Plan::picture_s(std::size_t l, std::size_t b, std::size_t t, std::size_t s) const {
+  return photosites * photosite_s(*this, l, b, t, samples[s].samples);
 }
 
 Plan plan(const Simulation& simulation, const Scene& scene, double tolerance_dp_px, std::uint64_t seed,
           const ProgressCallback& progress) {
   check_sensor(simulation);
-  const RenderScene world(scene);
+  RenderScene world(scene, simulation.light);
   Plan plan;
   plan.tolerance_dp_px = tolerance_dp_px;
   plan.seed = seed;
@@ -98,9 +121,15 @@ Plan plan(const Simulation& simulation, const Scene& scene, double tolerance_dp_
   plan.measured = !errors.bounces.empty();
   if (plan.measured) {
     plan.bounces = errors.bounces;
+    plan.lights = errors.lights;
   } else {
+    const double spacing_px = simulation.light.light_spacing_px;
     const int bounces = simulation.render.max_bounces;
-    plan.bounces = {{.bounces = bounces, .seconds_per_sample = pilots.render(bounces, 16, 0).seconds_per_sample}};
+    const PilotRender pilot =
+        pilots.render({.bounces = bounces, .samples = 16, .light_spacing_px = spacing_px, .timed = true});
+    plan.bounces = {
+        {.bounces = bounces, .seconds_per_sample = pilot.seconds_per_sample, .light_seconds = pilot.light_seconds}};
+    plan.lights = {{.spacing_px = spacing_px}};
     if (progress) progress(1);
   }
   choose(plan, errors, simulation.render.samples_per_pixel);
@@ -111,6 +140,7 @@ Simulation planned(Simulation simulation, const Plan& plan) {
   simulation.lens = plan.lenses[plan.lens].candidate.lens;
   if (!plan.measured) return simulation;
   simulation.render.max_bounces = plan.bounces[plan.bounce].bounces;
+  simulation.light.light_spacing_px = plan.lights[plan.light].spacing_px;
   simulation.render.samples_per_pixel = plan.samples[plan.sample].samples;
   simulation.noise_fraction.reset();
   simulation.render_error.reset();

@@ -7,9 +7,10 @@
 #include "simulator/scene/scene.h"
 #include "simulator/scene_file.h"
 
-/// "Model no more than a scene needs": the cheapest lens model, bounce count and sample count whose disparity errors,
-/// added in quadrature, stay within a tolerance, in DP px RMS over the picture. The reference has everything on: the
-/// most accurate model of the scene's lens, 8 bounces, endless samples.
+/// "Model no more than a scene needs": the cheapest lens model, bounce count, spacing of light at points and sample
+/// count whose disparity errors, added in quadrature, stay within a tolerance, in DP px RMS over the picture. The
+/// reference has everything on: the most accurate model of the scene's lens, 8 bounces, points of light without end
+/// (light sampled by every path where the scene file has none), endless samples.
 ///
 /// Lens models, from the most accurate: exact trace of the prescription, its polynomials, its aberrated twin, the thin
 /// lens; an aberrated lens has only itself and the thin lens. Their error is traced, not rendered: disparity at the
@@ -17,22 +18,25 @@
 /// RMS over 432 field points. A cheaper model also displaces the picture; that is shown and does not count, since truth
 /// moves with it.
 ///
-/// Bounces and samples are measured on pilot renders of tiles spread over the frame (the whole sensor, where it is
-/// small), through the most accurate model short of the exact trace, by what they do to a matcher
+/// Bounces, light and samples are measured on pilot renders of tiles spread over the frame (the whole sensor, where it
+/// is small), through the most accurate model short of the exact trace, by what they do to a matcher
 /// (simulator/plan/match_error.h) in windows that have texture.
 ///   Samples  renders that differ by their seeds alone scatter by their error. Measured at 16 and 64 samples with
 ///            8 bounces, scaled to fewer bounces by their noise at 16; from there on to the next it is taken to fall as
-///            1/sqrt(samples), the least that sampling does.
+///            1/sqrt(samples), the least that sampling does, but for the part that light at points has: it is measured
+///            by renders that differ in nothing else, and stays.
 ///   Bounces  two pairs of renders, n bounces and 8 with the same random numbers; the mean product of the two pairs'
 ///            differences is the mean square of what is no noise. A window whose two pictures correlate by less than
 ///            0.8 cannot be matched: it is lost and counts as an error of 1 DP px.
+///   Light    likewise, points twice as far apart as the scene file has them against those. Interpolation errs with the
+///            square of the distance: of their difference, 4/3 is the error of the one and 1/3 that of the other.
 /// Three standard errors, from the scatter over the windows, are added to each mean square. Windows count whose
 /// disparity the capture's own sensor noise, its burst merged, blurs by no more than the tolerance. Where fewer than 6
-/// windows have texture, bounces and samples stay as the scene file has them, and the plan says so.
+/// windows have texture, bounces, light and samples stay as the scene file has them, and the plan says so.
 ///
-/// The choice is by counted work, so that it is the same on every machine: a sample through a thin lens costs 1, an
-/// aberrated one 1.1, polynomials 1.4, an exact trace 5.5 (`dualpixel bench lens`), a bounce 1. Times are measured, and
-/// for the left and right view of the full sensor.
+/// The choice is by the time that the pilots took on this machine, in steps of a factor of sqrt(2), so that it is
+/// rarely another one the next time: the plan that a capture was made with is kept in it. Times are for the left and
+/// right view of the full sensor.
 namespace dualpixel::simulator {
 
 struct Plan {
@@ -40,17 +44,20 @@ struct Plan {
   std::uint64_t seed = 0;
   std::vector<LensStep> lenses;     ///< from the cheapest to the reference
   std::vector<BounceStep> bounces;  ///< likewise; as the scene file has it alone where `windows_textured` is too few
+  std::vector<LightStep> lights;    ///< likewise
   std::vector<SampleStep> samples;  ///< powers of two, from 16 to beyond the chosen
-  std::size_t lens = 0, bounce = 0, sample = 0;  ///< the chosen
-  std::size_t pilot_lens = 0;                    ///< through which the pilots were rendered
+  std::size_t lens = 0, bounce = 0, light = 0, sample = 0;  ///< the chosen
+  std::size_t pilot_lens = 0;                               ///< through which the pilots were rendered
   int windows = 0, windows_textured = 0;
   double photosites = 0;
-  bool measured = true;  ///< bounces and samples; otherwise left as the scene file has them
+  bool measured = true;  ///< bounces, light and samples; otherwise left as the scene file has them
   bool met = true;       ///< the tolerance is
 
-  /// Of lens step l, bounce step b and sample step s together.
-  double error_dp_px(std::size_t l, std::size_t b, std::size_t s) const;
-  double picture_s(std::size_t l, std::size_t b, std::size_t s) const;
+  /// Of lens step l, bounce step b, light step t and sample step s together.
+  double error_dp_px(std::size_t l, std::size_t b, std::size_t t, std::size_t s) const;
+  double picture_s(std::size_t l, std::size_t b, std::size_t t, std::size_t s) const;
+  /// Of all that was chosen.
+  double error_dp_px() const { return error_dp_px(lens, bounce, light, sample); }
 };
 
 /// Throws InputError where the sensor is smaller than a window, and where the lens or the camera cannot be used.

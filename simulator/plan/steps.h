@@ -3,7 +3,7 @@
 
 #include "simulator/lens/lens.h"
 
-/// The steps from the cheapest to the most accurate simulation, along each of the three choices of a plan, with the
+/// The steps from the cheapest to the most accurate simulation, along each of the four choices of a plan, with the
 /// disparity error that each leaves.
 namespace dualpixel::simulator {
 
@@ -11,7 +11,6 @@ namespace dualpixel::simulator {
 struct LensCandidate {
   std::string name;
   Lens lens;
-  double work = 1;  ///< of a sample, over a thin lens's; as `dualpixel bench lens` measures it
 };
 
 struct LensStep {
@@ -27,7 +26,16 @@ struct BounceStep {
   double error_dp_px = 0;
   int lost_windows = 0;           ///< those that count as 1 DP px
   double noise = 1;               ///< error of 16 samples over that with 8 bounces
-  double seconds_per_sample = 0;  ///< whole, on all threads, behind the pilot's lens
+  double seconds_per_sample = 0;  ///< whole, on all threads, behind the pilot's lens, with light at points found
+  double light_seconds = 0;       ///< of finding it, per photosite, at the scene file's spacing
+};
+
+/// Diffuse light at points of surfaces.
+struct LightStep {
+  double spacing_px = 0;  ///< photosites between them; 0: all light is sampled
+  double error_dp_px = 0;
+  int lost_windows = 0;  ///< those that count as 1 DP px
+  double making = 1;     ///< time of finding it over that at the scene file's spacing
 };
 
 struct SampleStep {

@@ -71,10 +71,10 @@ RenderError estimate_error(RenderScene& world, const CameraView& camera, const R
   const std::vector<HalfRadiance> first = render(0);
   RenderError error{half_difference(first, render(1), probes, target), 0};
   if (!world.light_cache) return error;
-  const LightCacheOptions light = world.light_cache->options;
-  world.light_cache = std::make_unique<LightCache>(light, 1);
+  std::unique_ptr<LightCache> cache = std::make_unique<LightCache>(world.light_cache->options, 1);
+  cache.swap(world.light_cache);
   error.light = half_difference(first, render(0), probes, target);
-  world.light_cache = std::make_unique<LightCache>(light);
+  cache.swap(world.light_cache);
   return error;
 }
 

@@ -11,7 +11,7 @@ struct RenderError {
   double both() const { return samples + light; }
 };
 
-/// At `samples` for each photosite and with the light cache that `world` has, which is given back empty. A
+/// At `samples` for each photosite and with the light cache that `world` has, which is given back. A
 /// five-hundredth of a picture's photosites, but at least 64, are rendered with two scrambles of the samples, and with
 /// two of the light.
 RenderError estimate_error(RenderScene& world, const CameraView& camera, const RenderOptions& options,

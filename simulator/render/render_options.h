@@ -43,6 +43,8 @@ struct LightCacheOptions {
   double light_spacing_px = 4;   ///< photosites between points, as the camera sees them; 0: all light is sampled
   int light_samples = 64;        ///< of each point; powers of two sample best
   double light_memory_mb = 256;  ///< that points may take; beyond it they are computed again where they are needed
+
+  bool operator==(const LightCacheOptions&) const = default;
 };
 
 inline constexpr OptionRange<LightCacheOptions> kLightCacheRanges[] = {

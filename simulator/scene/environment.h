@@ -30,6 +30,8 @@ struct SkyOptions {
   float ground_nits = 800;        ///< what the lower half sends up
   float sun_glow_nits = 40000;    ///< peak of the bright lobe around the sun; the disc itself is a directional light
   float sun_glow_width_deg = 12;  ///< standard deviation of the lobe
+
+  bool operator==(const SkyOptions&) const = default;
 };
 
 inline constexpr OptionRange<SkyOptions> kSkyRanges[] = {

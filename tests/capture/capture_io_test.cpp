@@ -77,6 +77,11 @@ Capture small_capture(bool with_truth) {
     truth.photograph = pattern<float>(16, 8, 3, 7);
     truth.photograph.data[0] = 1e6f;  // beyond half: the whole picture is stored as float
     truth.photograph_aperture_scale = 4;
+    truth.left = pattern<float>(16, 8, 3, 10);
+    truth.right = pattern<float>(16, 8, 3, 11);
+    truth.noise = {.views = 0.125, .all_in_focus = 0.25, .photograph = 0.5};
+    truth.views_sigma = pattern<float>(16, 8, 1, 12);
+    truth.photograph_sigma = pattern<float>(16, 8, 1, 13);
     truth.motion = {pattern<float>(16, 8, 2, 8), pattern<float>(16, 8, 2, 9)};
     truth.motion[1].data[6] = truth.motion[1].data[7] = kInfinity;  // behind the camera
   }
@@ -159,6 +164,12 @@ TEST(CaptureIo, EverythingSurvivesTheRoundTrip) {
   EXPECT_EQ(a.all_in_focus.data, b.all_in_focus.data);  // whole numbers below 1000 are exact in half
   EXPECT_EQ(a.photograph.data, b.photograph.data);
   EXPECT_EQ(a.photograph_aperture_scale, 4);
+  EXPECT_EQ(a.left.data, b.left.data);
+  EXPECT_EQ(a.right.data, b.right.data);
+  EXPECT_EQ(a.noise, b.noise);
+  EXPECT_EQ(a.views_sigma.data, b.views_sigma.data);
+  EXPECT_EQ(a.photograph_sigma.data, b.photograph_sigma.data);
+  EXPECT_TRUE(a.all_in_focus_sigma.empty());
   ASSERT_EQ(a.motion.size(), 2u);
   for (int i : {0, 1}) EXPECT_EQ(a.motion[i].data, b.motion[i].data);
 }
@@ -243,6 +254,9 @@ TEST(CaptureIo, RefusesToWriteWhatIsInconsistent) {
   EXPECT_NE(refusal([](Capture& c) { c.truth->depth_m.at(5, 5) = 3; }), "");
   EXPECT_NE(refusal([](Capture& c) { c.truth->disparity_dp_px.at(1, 1) = kInfinity; }), "");
   EXPECT_NE(refusal([](Capture& c) { c.truth->photograph.at(1, 1, 2) = NAN; }), "");
+  EXPECT_NE(refusal([](Capture& c) { c.truth->left.at(1, 1, 2) = NAN; }), "");
+  EXPECT_NE(refusal([](Capture& c) { c.truth->left = {}; }), "");
+  EXPECT_NE(refusal([](Capture& c) { c.truth->views_sigma.at(1, 1) = -1; }), "");
   EXPECT_NE(refusal([](Capture& c) { c.truth->normal = Image(16, 8, 1); }), "");
   // What could not be read back is not written either.
   EXPECT_NE(refusal([](Capture& c) { c.camera.f_number = 0; }), "");

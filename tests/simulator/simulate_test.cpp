@@ -144,8 +144,8 @@ TEST(Simulate, DigitalNumbersFollowFromNits) {
   EXPECT_NEAR(capture.truth->depth_m.at(5, 5), 1, 1e-6);  // glTF's -z is forward
 }
 
-// What stands still is rendered once, whatever its seed; what shakes, frame by frame: each with its own pose, and the
-// motion that the pose gives. The first frame and its truth are those of the burst that stands still.
+// Each frame of a burst that shakes has its own pose, and the motion that the pose gives. The first frame and its truth
+// are those of the burst that stands still.
 TEST(Simulate, RendersEachFrameOfAHandHeldBurstAtItsOwnPose) {
   json document = minimal();
   document["sensor"] = {{"width_px", 64}, {"height_px", 64}};
@@ -191,6 +191,61 @@ Scene step_under_a_sky() {
   scene.environment = {2, 1, {glm::vec3(100), glm::vec3(900)}};
   scene.cameras = {{"camera", glm::mat4(1), {}}};
   return scene;
+}
+
+/// Mean over the picture of the product of two pictures' differences from a third.
+double mean_product(const Image& a, const Image& b, const Image& mean) {
+  double sum = 0;
+  for (std::size_t i = 0; i < mean.data.size(); ++i) sum += (a.data[i] - mean.data[i]) * (b.data[i] - mean.data[i]);
+  return sum / static_cast<double>(mean.data.size());
+}
+
+// Noise of rendering is drawn anew for every frame, so that truth's views, the mean over the frames, have a variance
+// that is smaller by their number; what the capture states is what is found against a picture of many more samples. So
+// for the other pictures of truth.
+TEST(Simulate, DrawsNoiseAnewForEveryFrameAndStatesIt) {
+  json document = minimal();
+  document["sensor"] = {{"width_px", 64}, {"height_px", 64}};
+  document["render"] = {{"samples_per_pixel", 16}, {"light_spacing_px", 0}};
+  const Scene scene = step_under_a_sky();
+  const auto truth_of = [&](int frames, int samples, int seed) {
+    document["burst"]["frames"] = frames;
+    document["render"]["samples_per_pixel"] = samples;
+    document["render"]["seed"] = seed;
+    return *simulate(read_simulation(document, "s.json"), scene).truth;
+  };
+  const Truth exact = truth_of(1, 1024, 9), one = truth_of(1, 16, 1), nine = truth_of(9, 16, 1);
+  const double single = mean_product(one.left, one.left, exact.left);
+  const double merged = mean_product(nine.left, nine.left, exact.left);
+  EXPECT_NEAR(single / merged, 9, 1.5);
+  EXPECT_NEAR(one.noise->views / nine.noise->views, 3, 0.01);
+  // 64 probes, each of which gives a square to 100 %
+  EXPECT_NEAR(one.noise->views / std::sqrt(single), 1, 0.3);
+  const auto found = [&](const Image& a, const Image& b) { return std::sqrt(mean_product(a, a, b)); };
+  EXPECT_NEAR(one.noise->all_in_focus / found(one.all_in_focus, exact.all_in_focus), 1, 0.3);
+  EXPECT_NEAR(one.noise->photograph / found(one.photograph, exact.photograph), 1, 0.3);
+}
+
+// With a goal each picture of truth keeps it, and says by tile how well.
+TEST(SlowSimulate, KeepsTheGoalInEveryPicture) {
+  json document = minimal();
+  document["sensor"] = {{"width_px", 64}, {"height_px", 64}};
+  document["burst"]["frames"] = 1;
+  document["render"] = {{"samples_per_pixel", 2048}, {"light_spacing_px", 0}};
+  const Scene scene = step_under_a_sky();
+  const Truth exact = *simulate(read_simulation(document, "s.json"), scene).truth;
+  constexpr double kError = 0.01;
+  document["render"] = {{"error", kError}, {"seed", 2}, {"light_spacing_px", 0}};
+  const Truth truth = *simulate(read_simulation(document, "s.json"), scene).truth;
+  const auto keeps = [&](const Image& picture, const Image& sigma, double noise, const Image& converged) {
+    ASSERT_EQ(sigma.data.size(), picture.data.size() / 3);
+    const double found = std::sqrt(mean_product(picture, picture, converged));
+    EXPECT_LT(found, 1.2 * kError);  // the pilot's sixteen probes of each tile know its error to some per cent
+    EXPECT_NEAR(noise / found, 1, 0.3);
+  };
+  keeps(truth.all_in_focus, truth.all_in_focus_sigma, truth.noise->all_in_focus, exact.all_in_focus);
+  keeps(truth.photograph, truth.photograph_sigma, truth.noise->photograph, exact.photograph);
+  keeps(truth.left, truth.views_sigma, truth.noise->views, exact.left);
 }
 
 // No time: the fewest samples. Half a minute for a tile that takes a fraction of a second: the most.

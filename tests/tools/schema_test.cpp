@@ -192,6 +192,8 @@ TEST(Schema, SaysOfCapturesWhatTheReaderSays) {
   capture.frames.push_back(capture.frames.front());
   capture.truth->motion = {Image(16, 8, 2)};
   capture.truth->samples = capture.truth->render_sigma = Image(16, 8, 1, 1);
+  capture.truth->left = capture.truth->right = Image(16, 8, 3, 1);
+  capture.truth->noise = {.views = 0.1, .all_in_focus = 0.2, .photograph = 0.3};
   write_capture(capture, path);
   const auto read = [&](const json& document) {
     write_bytes(path + "/capture.json", document.dump());

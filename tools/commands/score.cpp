@@ -19,6 +19,15 @@ struct ScoreOptions {
   bool json = false;
 };
 
+/// A score against noisy truth is lower than the picture deserves.
+void warn_of_truth_noise(const std::string& capture, const evaluation::Score& score) {
+  if (score.truth_noise_db.value_or(0) <= evaluation::kMostTruthNoiseDb) return;
+  std::cerr << fmt::format(
+      "{}: rendering noise of the true photograph takes {:.2f} dB off the linear PSNR, more than {}: simulate with "
+      "more samples, or with --noise-fraction 0.25\n",
+      printable(capture), *score.truth_noise_db, evaluation::kMostTruthNoiseDb);
+}
+
 void run(const ScoreOptions& options) {
   const pipeline::StoredResult stored = pipeline::read_result(options.result);
   const Capture capture = read_capture(options.capture, true);
@@ -27,6 +36,7 @@ void run(const ScoreOptions& options) {
   const std::string json =
       evaluation::to_json(score).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
   replace_file(options.result + "/score.json", json);
+  warn_of_truth_noise(options.capture, score);
   std::cout << (options.json ? json : evaluation::to_text(score));
 }
 

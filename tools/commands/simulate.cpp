@@ -10,8 +10,10 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
+#include "simulator/jobs_file.h"
 #include "simulator/journal.h"
 #include "simulator/plan/plan_text.h"
+#include "simulator/ready_scene.h"
 #include "simulator/simulate.h"
 #include "tools/commands/commands.h"
 
@@ -20,6 +22,7 @@ namespace {
 
 struct SimulateOptions {
   std::string scene;
+  std::string jobs;
   std::string output;
   std::vector<std::string> overrides;
   std::optional<std::uint64_t> seed;
@@ -45,24 +48,49 @@ void warn_of_render_noise(const std::string& scene, std::optional<double> noise_
       printable(scene), *noise_fraction, kHardToSee, std::pow(*noise_fraction / kHardToSee, 1 / kFall));
 }
 
-void run(const SimulateOptions& options) {
+/// The jobs of the file, or a single one without a name.
+std::vector<simulator::SimulationJob> jobs_of(const SimulateOptions& options) {
   nlohmann::json json = read_json_file(options.scene);
   for (const std::string& assignment : options.overrides) apply_override(json, assignment);
   if (options.seed) apply_override(json, fmt::format("render.seed={}", *options.seed));
-  simulator::Simulation simulation = simulator::read_simulation(json, options.scene);
-  if (options.resume && simulation.time_budget_s && !options.automatic) {
+  std::vector<simulator::SimulationJob> jobs;
+  if (options.jobs.empty()) {
+    jobs.push_back({"", simulator::read_simulation(json, options.scene)});
+  } else {
+    jobs = simulator::read_jobs(options.jobs, json, options.scene);
+  }
+  for (const simulator::SimulationJob& job : jobs) {
+    if (!options.resume || !job.simulation.time_budget_s || options.automatic) continue;
     throw InputError(
         fmt::format("{}: /render/time_budget_s: {} cannot be combined with --resume, whose bytes must not depend on "
                     "the clock; leave either out",
-                    printable(options.scene), *simulation.time_budget_s));
+                    printable(options.scene), *job.simulation.time_budget_s));
   }
-  const simulator::Scene scene = simulator::load_scene(simulation);
+  return jobs;
+}
+
+void print_dry_run(const std::string& scene, const simulator::Simulation& simulation) {
+  const bool by_error = simulation.noise_fraction || simulation.render_error || simulation.time_budget_s;
+  std::cout << fmt::format(
+      "{}: {} x {} photosites, {}, a burst of {}: can be simulated\n", scene, simulation.sensor.width_px,
+      simulation.sensor.height_px,
+      by_error ? "samples by error" : fmt::format("{} samples each", simulation.render.samples_per_pixel),
+      simulation.burst_frames);
+}
+
+/// Keeps `ready` for the next job.
+void run_job(const SimulateOptions& options, simulator::Simulation simulation, const std::string& output,
+             std::unique_ptr<simulator::ReadyScene>& ready) {
+  const bool loaded = simulator::make_ready(simulation, ready);
+  const simulator::Scene& scene = ready->scene;
   // reports a missing camera before anything is rendered, and an output folder that cannot be written
   simulator::CameraView camera = simulator::place_camera(simulation, scene);
   if (!options.dry_run) {
-    const NewFolder writable(options.output, "capture.json");
+    const NewFolder writable(output, "capture.json");
   }
-  for (const std::string& warning : scene.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
+  if (loaded) {
+    for (const std::string& warning : scene.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
+  }
   std::string plan_of_capture;
   if (options.automatic) {
     const simulator::Plan chosen =
@@ -73,17 +101,9 @@ void run(const SimulateOptions& options) {
     const std::string text = simulator::plan_text(chosen);
     std::cerr << text.substr(text.rfind('\n', text.size() - 2) + 1);  // its last sentence
   }
-  if (options.dry_run) {
-    const bool by_error = simulation.noise_fraction || simulation.render_error || simulation.time_budget_s;
-    std::cout << fmt::format(
-        "{}: {} x {} photosites, {}, a burst of {}: can be simulated\n", options.scene, simulation.sensor.width_px,
-        simulation.sensor.height_px,
-        by_error ? "samples by error" : fmt::format("{} samples each", simulation.render.samples_per_pixel),
-        simulation.burst_frames);
-    return;
-  }
+  if (options.dry_run) return print_dry_run(options.scene, simulation);
 
-  const std::string journal_path = journal_beside(options.output);
+  const std::string journal_path = journal_beside(output);
   std::optional<simulator::Journal> journal;
   if (options.resume) {
     const std::string inputs = fmt::format("{} {} {} {}", simulation.json.dump(), file_hash(simulation.gltf_path),
@@ -93,17 +113,25 @@ void run(const SimulateOptions& options) {
   }
 
   std::map<std::string, Progress> bars;
-  Capture capture = simulator::simulate(simulation, scene, camera, [&](const std::string& stage, double fraction) {
-    bars.try_emplace(stage, stage).first->second(fraction);
-  });
+  Capture capture = simulator::simulate(
+      simulation, ready->world, camera,
+      [&](const std::string& stage, double fraction) { bars.try_emplace(stage, stage).first->second(fraction); });
   capture.provenance.program = "dualpixel " DUALPIXEL_VERSION;
   capture.provenance.scene_file = std::filesystem::path(options.scene).filename().string();
   capture.provenance.gltf_xxh64 = file_hash(simulation.gltf_path);
   capture.provenance.plan = plan_of_capture;
-  write_capture(capture, options.output);
+  write_capture(capture, output);
   if (!simulation.noise_fraction) warn_of_render_noise(options.scene, capture.provenance.noise_fraction_reached);
   std::error_code left_behind;  // the capture is complete: a leftover journal is no failure
   if (options.resume) std::filesystem::remove(journal_path, left_behind);
+}
+
+void run(const SimulateOptions& options) {
+  std::unique_ptr<simulator::ReadyScene> ready;
+  for (simulator::SimulationJob& job : jobs_of(options)) {
+    const std::string output = job.name.empty() ? options.output : options.output + "/" + job.name;
+    run_job(options, std::move(job.simulation), output, ready);
+  }
 }
 
 }  // namespace
@@ -112,13 +140,22 @@ void add_simulate(CLI::App& program) {
   auto options = std::make_shared<SimulateOptions>();
   CLI::App* command = program.add_subcommand("simulate", "Render a scene into a dual-pixel capture with its truth");
   command->add_option("scene", options->scene, "Scene JSON file")->required()->type_name("SCENE.json");
-  command->add_option("-o,--output", options->output, "Capture folder to write")->required()->type_name("DIR");
+  command->add_option("-o,--output", options->output, "Capture folder to write; with --jobs, where its folders go")
+      ->required()
+      ->type_name("DIR");
+  command
+      ->add_option(
+          "--jobs", options->jobs,
+          "Several captures of the scene, which is loaded once: a file with a line such as {\"name\": \"near\", "
+          "\"set\": {\"camera.focus_distance_m\": 0.5}} for each; written to DIR/NAME")
+      ->type_name("JOBS.jsonl");
   add_overrides_option(*command, options->overrides, "camera.focus_distance_m=0.9");
   command->add_option("--seed", options->seed, "Seed of rendering and noise (render.seed)")
       ->check(any_seed())
       ->type_name("N");
-  CLI::Option* automatic = command->add_flag(
-      "--auto", options->automatic, "Lens model, bounces and samples by 'dualpixel plan' instead of the scene file's");
+  CLI::Option* automatic =
+      command->add_flag("--auto", options->automatic,
+                        "Lens model, bounces, light and samples by 'dualpixel plan' instead of the scene file's");
   add_tolerance_option(*command, options->tolerance_dp_px)->needs(automatic);
   const auto sampling_option = [&](const std::string& name, const std::string& field, const std::string& meaning,
                                    const CLI::Range& range, const std::string& unit) {
@@ -133,11 +170,11 @@ void add_simulate(CLI::App& program) {
   const CLI::Range shares(1e-4, 100.0);
   CLI::Option* by_noise = sampling_option(
       "--noise-fraction", "noise_fraction",
-      "Sample the views until their error is this share of the sensor's noise, RMS; 0.25 is hard to see", shares,
+      "Sample each picture until its error is this share of the sensor's noise, RMS; 0.25 is hard to see", shares,
       "SHARE");
   CLI::Option* by_error =
       sampling_option("--error", "error",
-                      "Sample the views until their error is this share of the white level's signal", shares, "SHARE");
+                      "Sample each picture until its error is this share of the white level's signal", shares, "SHARE");
   CLI::Option* by_time = sampling_option("--time-budget", "time_budget_s", "Sample the views for about so many seconds",
                                          CLI::Range(0.0, 1e7), "S");
   by_error->excludes(by_noise);
@@ -152,7 +189,8 @@ void add_simulate(CLI::App& program) {
   command->footer(
       "Examples:\n  dualpixel simulate build/release/scenes/portrait.json -o out/capture --set "
       "camera.focus_distance_m=0.9 --seed 7\n"
-      "  dualpixel simulate build/release/scenes/occlusion_edges.json -o out/edges --auto --tolerance-px 0.05");
+      "  dualpixel simulate build/release/scenes/occlusion_edges.json -o out/edges --auto --tolerance-px 0.05\n"
+      "  dualpixel simulate build/release/scenes/portrait.json --jobs jobs.jsonl -o out/captures");
   command->callback([options] { run(*options); });
 }
 

@@ -53,7 +53,6 @@ struct Aberrations {
   FieldMap split_offset;                 ///< where the halves meet, in pupil radii: + gives the left view more light
   FieldMap left_gain{1}, right_gain{1};  ///< lens shading of each view, 0 ... 1
 
-  static constexpr double kWork = 1.1;
   using Sampler = AberratedSampler;
 
   static Aberrations read(Fields& lens, const std::string& file, double focus_distance_m, ThinLens& thin);

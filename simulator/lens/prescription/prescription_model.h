@@ -15,8 +15,6 @@ struct PrescriptionModel {
   std::shared_ptr<const Prescription> prescription;
   bool exact_trace = false;
 
-  static constexpr double kWork = 1.4;  ///< by polynomials
-  static constexpr double kExactTraceWork = 5.5;
   using Sampler = PrescriptionSampler;
 
   static PrescriptionModel read(Fields& lens, const std::string& file, double focus_distance_m, ThinLens& thin);

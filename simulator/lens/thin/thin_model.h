@@ -13,7 +13,6 @@ class ThinSampler;
 
 /// The ideal lens: all that it needs are the first-order figures.
 struct ThinModel {
-  static constexpr double kWork = 1;
   using Sampler = ThinSampler;
 
   static ThinModel read(Fields& lens, const std::string& file, double focus_distance_m, ThinLens& thin);

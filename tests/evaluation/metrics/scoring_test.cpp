@@ -129,6 +129,24 @@ TEST(Score, ComparesPictures) {
   EXPECT_GT(figures["ssim"], figures["ssim_input"]);
 }
 
+// A photograph with noise of a known size, against a picture that is 0.1 off everywhere: the PSNR is lower than without
+// the noise by what is stated.
+TEST(Score, StatesWhatTheNoiseOfTheTruthTakes) {
+  Capture capture = synthetic_capture();
+  const pipeline::StoredResult stored = synthetic_stored(capture);
+  const Json clean = score(capture, stored)["image"];
+  EXPECT_TRUE(clean["truth_noise_db"].is_null());
+  constexpr double kSigma = 0.03;
+  capture.truth->noise = {.photograph = kSigma};
+  int i = 0;
+  for (float& value : capture.truth->photograph.data) value += static_cast<float>(++i % 2 ? kSigma : -kSigma);
+  const Json noisy = score(capture, stored)["image"];
+  // alternating signs: cross terms with the constant error cancel, and nothing clips
+  EXPECT_NEAR(clean["psnr_linear_db"].get<double>() - noisy["psnr_linear_db"].get<double>(),
+              noisy["truth_noise_db"].get<double>(), 1e-3);
+  EXPECT_NEAR(noisy["truth_noise_db"].get<double>(), 10 * std::log10(1 + 0.09), 1e-3);
+}
+
 TEST(Score, OfTheMaskAloneHasNoDisparity) {
   const Capture capture = synthetic_capture();
   pipeline::StoredResult stored = synthetic_stored(capture);

@@ -3,17 +3,19 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 #include <random>
+#include <tuple>
 
 namespace dualpixel::simulator {
 namespace {
 
-/// A few waves, none shorter than 8 DP pixels, moved to the right by `shift`.
-Image waves(double shift) {
+/// A few waves, none shorter than 8 DP pixels, moved to the right by `shift`; all `stretch` times as long.
+Image waves(double shift, double stretch = 1) {
   Image image(66, 32);
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
-      const double at = x - shift;
+      const double at = (x - shift) / stretch;
       image.at(x, y) = static_cast<float>(300 + 40 * std::sin(0.7 * at + 0.3 * y) + 30 * std::cos(0.45 * at - 0.5 * y) +
                                           20 * std::sin(0.31 * at + 0.9 * y));
     }
@@ -41,6 +43,29 @@ TEST(MatchError, FindsTheShiftThatWasMade) {
     EXPECT_NEAR(w.shift_dp_px({waves(0), waves(kShift)}), kShift, 0.09 * kShift);
     EXPECT_NEAR(w.shift_dp_px({waves(-kShift), waves(0)}), kShift, 0.09 * kShift);
     EXPECT_NEAR(w.shift_dp_px({waves(kShift), waves(kShift)}), 0, 1e-6);
+  }
+}
+
+// Photosites as DP pixels have the mosaic's pattern, which does not move with the picture.
+TEST(MatchError, FindsTheShiftBehindAMosaic) {
+  const auto behind = [](Image image) {
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        if (x % 2 == 0 && y % 2 == 0) image.at(x, y) *= 0.4f;
+        if (x % 2 == 1 && y % 2 == 1) image.at(x, y) *= 0.6f;
+      }
+    }
+    return image;
+  };
+  constexpr double kStretch = 2, kShift = 0.02;
+  const DpViews reference{behind(waves(0, kStretch)), behind(waves(0, kStretch)), 2};
+  const MatchWindows windows = windows_of(reference);
+  EXPECT_EQ(windows.total, 6);  // 62 of the 66 columns have both neighbors of their color
+  ASSERT_EQ(windows.textured.size(), 6u);
+  for (const MatchWindow& w : windows.textured) {
+    EXPECT_NEAR(w.shift_dp_px(reference), 0, 1e-6);
+    // the difference over 4 pixels of waves twice as long is as short as that over 2 of the others
+    EXPECT_NEAR(w.shift_dp_px({behind(waves(0, kStretch)), behind(waves(kShift, kStretch)), 2}), kShift, 0.09 * kShift);
   }
 }
 
@@ -102,10 +127,11 @@ TEST(MatchError, CorrelationTellsOtherPicturesFromTheSame) {
 }
 
 TEST(MatchError, DpViewsAreTheMeanOfWhatTheSensorReads) {
-  SensorOptions sensor;
   const ExposureOptions exposure{0.01, 100};
-  // a well that is half full, and one that overflows
-  for (const double fill : {0.5, 2.0}) {
+  // each DP pixel that there is, with a well that is half full, and one that overflows
+  for (const auto& [dp_x, dp_y, fill] : {std::tuple{2, 4, 0.5}, {2, 4, 2.0}, {2, 2, 0.5}, {1, 1, 0.5}, {1, 1, 2.0}}) {
+    SensorOptions sensor;
+    sensor.dp_downsample_x = dp_x, sensor.dp_downsample_y = dp_y;
     const double nits =
         fill * sensor.full_well_e / sensor.electrons_per_lux_s[1] / exposure.time_s;  // at 1 lux per nit
     const Views views{Image(64, 64, 3, static_cast<float>(0.6 * nits)),
@@ -118,9 +144,10 @@ TEST(MatchError, DpViewsAreTheMeanOfWhatTheSensorReads) {
     for (const auto& [expected, read] : {std::pair{&dp.left, &frame.left}, std::pair{&dp.right, &frame.right}}) {
       double sum = 0;
       for (std::uint16_t value : read->data) sum += value - sensor.black_level_dn;
-      const double mean = expected->at(0, 0);
+      const double mean = std::accumulate(expected->data.begin(), expected->data.end(), 0.0) /
+                          static_cast<double>(expected->data.size());
       const double error = std::sqrt((noise.shot_dn * mean + noise.read_dn2) / static_cast<double>(read->data.size()));
-      EXPECT_NEAR(sum / static_cast<double>(read->data.size()), mean, 3 * error) << fill;
+      EXPECT_NEAR(sum / static_cast<double>(read->data.size()), mean, 3 * error) << fill << ' ' << dp_x << ' ' << dp_y;
     }
   }
 }

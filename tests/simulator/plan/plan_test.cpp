@@ -16,6 +16,7 @@
 #include "simulator/lens/lens_file.h"
 #include "simulator/plan/match_error.h"
 #include "simulator/plan/pilot_errors.h"
+#include "simulator/plan/pilot_renders.h"
 #include "simulator/plan/plan.h"
 #include "simulator/render/truth.h"
 #include "simulator/sampling/hash.h"
@@ -132,9 +133,9 @@ TEST(Plan, LessToleranceTakesMoreSamples) {
   ASSERT_GT(fine.sample, 0u);
   for (const Plan* p : {&coarse, &fine}) {
     EXPECT_TRUE(p->met);
-    EXPECT_LE(p->error_dp_px(p->lens, p->bounce, p->sample), p->tolerance_dp_px);
+    EXPECT_LE(p->error_dp_px(), p->tolerance_dp_px);
     if (p->sample > 0) {
-      EXPECT_GT(p->error_dp_px(p->lens, p->bounce, p->sample - 1), p->tolerance_dp_px);
+      EXPECT_GT(p->error_dp_px(p->lens, p->bounce, p->light, p->sample - 1), p->tolerance_dp_px);
     }
   }
 }
@@ -159,6 +160,40 @@ TEST(Plan, SaysSoWhereNothingReachesTheTolerance) {
   EXPECT_FALSE(p.met);
   EXPECT_EQ(chosen_samples(p), 65536);
   EXPECT_NE(plan_text(p).find("Nothing reaches 3e-06 DP px"), std::string::npos);
+}
+
+// The matcher's pixels are those of the sensor. The error of a lens's focus is a length on the sensor, so that it is
+// twice as many DP pixels where these are half as wide; the least sensor is one window of them.
+TEST(Plan, KnowsTheDpPixelsOfTheSensor) {
+  Simulation s = small_camera();
+  s.lens.model.emplace<Aberrations>().image_radius_mm = 1.1;
+  std::get<Aberrations>(s.lens.model).focus_um = 20;
+  const double as_paper = plan(s, glowing_wall(), 0.02, 1).lenses[0].error_dp_px;
+  s.sensor.dp_downsample_y = 2;
+  const Plan square = plan(s, glowing_wall(), 0.02, 1);
+  EXPECT_EQ(square.windows, 16);  // two columns of windows where there are four of 16 x 2 photosites a side: 4 x 4
+  EXPECT_EQ(square.windows_textured, 16);
+  EXPECT_NEAR(square.lenses[0].error_dp_px, as_paper, 1e-9);
+  s.sensor.dp_downsample_x = s.sensor.dp_downsample_y = 1;
+  const Plan dense = plan(s, glowing_wall(), 0.2, 1);
+  EXPECT_NEAR(dense.lenses[0].error_dp_px, 2 * as_paper, 0.01 * as_paper);
+  EXPECT_TRUE(dense.measured);
+  EXPECT_EQ(least_sensor(s.sensor).width_px, 20);
+  EXPECT_EQ(least_sensor(s.sensor).height_px, 16);
+}
+
+// Light at points is a step of its own: a scene without any leaves the coarsest, one whose light is sampled has no
+// other.
+TEST(Plan, KnowsLightAtPoints) {
+  const Plan unlit = plan(small_camera(), glowing_wall(), 0.02, 1);
+  ASSERT_EQ(unlit.lights.size(), 2u);
+  for (const LightStep& step : unlit.lights) EXPECT_EQ(step.error_dp_px, 0);
+  EXPECT_EQ(planned(small_camera(), unlit).light.light_spacing_px, 8);
+  Simulation s = small_camera();
+  s.light.light_spacing_px = 0;
+  const Plan sampled = plan(s, glowing_wall(), 0.02, 1);
+  ASSERT_EQ(sampled.lights.size(), 1u);
+  EXPECT_EQ(planned(s, sampled).light.light_spacing_px, 0);
 }
 
 TEST(Plan, IsTheSameForAnyNumberOfThreads) {
@@ -219,7 +254,8 @@ TEST(SlowPlanProgram, SimulateAutoAppliesItAndRecordsIt) {
   ASSERT_EQ(run_program("simulate " + kScene + kSmall +
                         "--set burst.frames=1 --set render.photograph_samples_per_pixel=1 --set render.max_bounces=0 "
                         "--set render.samples_per_pixel=" +
-                        std::to_string(samples) + " -o '" + (folder / "c") + "'")
+                        std::to_string(samples) + " --set render.light_spacing_px=" +
+                        plan_of_capture["chosen"]["light_spacing_px"].dump() + " -o '" + (folder / "c") + "'")
                 .status,
             0);
   const auto left = [&](const char* name) { return read_capture(folder / name, false).frames[0].left.data; };
@@ -331,9 +367,8 @@ void keeps_its_promise(const std::string& scene_name, const std::string& lens, d
   }
   const double error = std::sqrt(std::max(square, 0.0));
   std::cout << fmt::format("{:<20}{:<31}{:<16}{} bounces{:>5} samples  promised {:.4f}, found {:.4f} in {} windows{}\n",
-                           scene_name, lens, step.candidate.name, chosen_bounces(p), chosen_samples(p),
-                           p.error_dp_px(p.lens, p.bounce, p.sample), error, count,
-                           comparable ? "" : fmt::format(", of it {:.4f} traced", lens_error));
+                           scene_name, lens, step.candidate.name, chosen_bounces(p), chosen_samples(p), p.error_dp_px(),
+                           error, count, comparable ? "" : fmt::format(", of it {:.4f} traced", lens_error));
   EXPECT_LE(error, tolerance_dp_px) << scene_name << ' ' << lens;
 }
 

@@ -1,0 +1,22 @@
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "simulator/scene_file.h"
+
+namespace dualpixel::simulator {
+
+/// One capture of several that a jobs file asks for.
+struct SimulationJob {
+  std::string name;  ///< of its folder: letters, digits, '.', '_' and '-', of its own in the file
+  Simulation simulation;
+};
+
+/// Reads a JSON Lines file (docs/scene.md): each line an object with `name` and, optionally, `set`, whose keys are
+/// fields of the scene file ("camera.focus_distance_m") and whose values replace those of `scene`, which came from
+/// `scene_path`. All lines are checked. Throws InputError with file, line and field.
+std::vector<SimulationJob> read_jobs(const std::string& path, const nlohmann::json& scene,
+                                     const std::string& scene_path);
+
+}  // namespace dualpixel::simulator

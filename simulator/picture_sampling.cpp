@@ -1,0 +1,148 @@
+#include "simulator/picture_sampling.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "simulator/render/render_error.h"
+#include "simulator/sampling/mosaic.h"
+
+namespace dualpixel::simulator {
+namespace {
+
+constexpr int kLightPilotSamples = 16;
+
+ErrorTarget scaled(ErrorTarget target, double factor) {
+  for (double& value : target.per_nit) value *= factor;
+  for (double& value : target.constant) value *= factor;
+  return target;
+}
+
+/// What half a photosite of an undivided picture may be off by. Both halves are the same light through the ideal lens,
+/// so that the picture is off by twice as much: four times the square. The sensor's noise adds up to twice the square
+/// only.
+ErrorTarget goal_of_picture(const Simulation& s, const ErrorTarget& goal) {
+  return scaled(goal, s.noise_fraction ? 0.5 : 0.25);
+}
+
+/// Square error that light takes of `target`, with the light cache that `world` has.
+double light_share(RenderScene& world, const CameraView& view, const RenderOptions& options,
+                   const ErrorTarget& target) {
+  return estimate_error(world, view, options, target, kLightPilotSamples).light;
+}
+
+/// The map whose samples, of all poses and frames, take what the pilot leaves of the time, with the pilot's own speed.
+SampleMap samples_in_time(const Simulation& s, const RenderScene& world, const CameraView& view,
+                          const ErrorTarget& target, const SampleLimits& limits, const ProgressCallback& progress) {
+  constexpr std::uint32_t kMostPilotSamples = 32;  // about six a photosite in all
+  const auto start = std::chrono::steady_clock::now();
+  const auto spent_s = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+  const Pilot pilot = probe_tiles(world, view, s.render, target, kMostPilotSamples, progress);
+  const double sample_s = spent_s() / pilot.samples;
+  const double maps = 1.0 * s.burst_frames * poses_of(s);
+  return share_budget(
+      pilot, [&] { return std::max(*s.time_budget_s - spent_s(), 0.0) / (sample_s * maps); }, limits);
+}
+
+/// The cheapest samples with which the mean of `count` poses keeps `target`.
+PictureSampling sample_to(RenderScene& world, const CameraView& view, const RenderOptions& options,
+                          const ErrorTarget& target, std::uint32_t count, const SampleLimits& limits,
+                          const ProgressCallback& progress) {
+  const double light = light_share(world, view, options, target);
+  const double left = std::max(1 - light, 0.25);
+  const Pilot pilot = probe_tiles(world, view, options, scaled(target, left), SampleLimits{}.most, progress);
+  PictureSampling sampling{share_samples(pilot, std::sqrt(count), limits), target, light};
+  for (float& ratio : sampling.map.error_ratio) ratio *= static_cast<float>(std::sqrt(left));
+  return sampling;
+}
+
+}  // namespace
+
+std::optional<ErrorTarget> goal_of(const Simulation& s, const ErrorTarget& noise, double unit_per_nit) {
+  if (s.noise_fraction) return scaled(noise, *s.noise_fraction * *s.noise_fraction);
+  if (!s.render_error) return {};
+  const double nits = *s.render_error / unit_per_nit;
+  return scaled(ErrorTarget{.constant = {1, 1, 1}}, nits * nits);
+}
+
+void prepare_light(const Simulation& s, RenderScene& world, const CameraView& view,
+                   const std::optional<ErrorTarget>& goal) {
+  const auto use = [&](const LightCacheOptions& light) {
+    if (light.light_spacing_px == 0) return world.light_cache.reset();
+    if (world.light_cache && world.light_cache->options == light) return;
+    world.light_cache = std::make_unique<LightCache>(light);
+  };
+  LightCacheOptions light = s.light;
+  if (!goal || light.light_spacing_px == 0) return use(light);
+  std::unique_ptr<LightCache> before = std::move(world.light_cache);
+  light.light_samples = kLightPilotSamples;
+  use(light);
+  double error = light_share(world, view, s.render, *goal);
+  RenderOptions picture = s.render;
+  for (const double scale : {0.0, s.photograph_aperture_scale}) {
+    picture.ideal_aperture_scale = scale;
+    error = std::max(error, light_share(world, view, picture, goal_of_picture(s, *goal)));
+  }
+  light.light_samples = light_samples_for(0.5, error, kLightPilotSamples);
+  if (light.light_samples != kLightPilotSamples) world.light_cache = std::move(before);
+  use(light);
+}
+
+PictureSampling sample_views(const Simulation& s, RenderScene& world, const CameraView& view, const ErrorTarget& noise,
+                             const std::optional<ErrorTarget>& goal, const ProgressCallback& progress) {
+  const std::uint32_t count = poses_of(s);
+  const SampleLimits all;
+  const SampleLimits limits{std::max(all.fewest / std::bit_ceil(count), 2u), all.most / std::bit_floor(count)};
+  if (s.time_budget_s) {
+    const double light = light_share(world, view, s.render, noise);
+    return {samples_in_time(s, world, view, noise, limits, progress), noise, light};
+  }
+  if (goal) return sample_to(world, view, s.render, *goal, count, limits, progress);
+  const auto samples = static_cast<std::uint32_t>(s.render.samples_per_pixel);
+  const std::uint32_t each = count == 1 ? samples : std::max(std::bit_floor(samples / count), 2u);
+  return {uniform_map(s.sensor.width_px, s.sensor.height_px, each), {}};
+}
+
+PictureSampling sample_picture(const Simulation& s, RenderScene& world, const CameraView& view,
+                               const RenderOptions& picture, const std::optional<ErrorTarget>& goal,
+                               const ProgressCallback& progress) {
+  if (goal) return sample_to(world, view, picture, goal_of_picture(s, *goal), 1, {}, progress);
+  const auto samples = static_cast<std::uint32_t>(picture.samples_per_pixel);
+  return {uniform_map(s.sensor.width_px, s.sensor.height_px, samples), {}};
+}
+
+double expected_error(const PictureSampling& sampling, int count) {
+  double sum = 0;
+  for (float ratio : sampling.map.error_ratio) sum += static_cast<double>(ratio) * ratio;
+  return std::sqrt(sum / static_cast<double>(sampling.map.error_ratio.size()) / count + sampling.light);
+}
+
+Image standard_error(const PictureSampling& sampling, int count, const Image& half_nits) {
+  if (!sampling.target) return {};
+  const ErrorTarget& target = *sampling.target;
+  Image sigma(half_nits.width, half_nits.height);
+  for (std::size_t i = 0; i < sampling.map.samples.size(); ++i) {
+    const Tile tile = tile_at(sampling.map, static_cast<int>(i));
+    const double ratio = sampling.map.error_ratio[i];
+    const double error2 = ratio * ratio / count + sampling.light;
+    for (int y = tile.y0; y < tile.y1; ++y) {
+      for (int x = tile.x0; x < tile.x1; ++x) {
+        const int c = cfa_color(x, y);
+        sigma.at(x, y) =
+            static_cast<float>(std::sqrt(error2 * (target.per_nit[c] * half_nits.at(x, y, c) + target.constant[c])));
+      }
+    }
+  }
+  return sigma;
+}
+
+double measure_error(RenderScene& world, const CameraView& view, const RenderOptions& picture, int count) {
+  const ErrorTarget square_nits{.constant = {1, 1, 1}};
+  const RenderError error = estimate_error(world, view, picture, square_nits, picture.samples_per_pixel);
+  return std::sqrt(error.samples / count + error.light);
+}
+
+}  // namespace dualpixel::simulator

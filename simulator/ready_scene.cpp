@@ -1,0 +1,23 @@
+#include "simulator/ready_scene.h"
+
+#include "simulator/simulate.h"
+
+namespace dualpixel::simulator {
+
+ReadyScene::ReadyScene(const Simulation& simulation)
+    : loaded_for(simulation), scene(load_scene(simulation)), world(scene, simulation.light) {}
+
+bool same_scene(const Simulation& a, const Simulation& b) {
+  return a.gltf_path == b.gltf_path && a.animation == b.animation && a.unlit_white_nits == b.unlit_white_nits &&
+         a.environment_model == b.environment_model && a.environment_nits == b.environment_nits && a.sky == b.sky &&
+         a.environment_path == b.environment_path && a.environment_nits_per_unit == b.environment_nits_per_unit;
+}
+
+bool make_ready(const Simulation& simulation, std::unique_ptr<ReadyScene>& ready) {
+  if (ready && same_scene(ready->loaded_for, simulation)) return false;
+  ready.reset();  // before the next one takes memory
+  ready = std::make_unique<ReadyScene>(simulation);
+  return true;
+}
+
+}  // namespace dualpixel::simulator

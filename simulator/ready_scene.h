@@ -1,0 +1,26 @@
+#pragma once
+#include <memory>
+
+#include "simulator/render/render_scene.h"
+#include "simulator/scene/scene.h"
+#include "simulator/scene_file.h"
+
+namespace dualpixel::simulator {
+
+/// A scene that is loaded and made ready for rays once, for any number of captures of it.
+struct ReadyScene {
+  /// Throws as load_scene() does.
+  explicit ReadyScene(const Simulation& simulation);
+
+  Simulation loaded_for;
+  Scene scene;
+  RenderScene world;  ///< of `scene`; keeps the light that was found
+};
+
+/// Whether both load the same scene: glTF file, environment, and whether it is animated.
+bool same_scene(const Simulation& a, const Simulation& b);
+
+/// Makes `ready` the scene of `simulation`, where it is not. Returns whether anything was loaded.
+bool make_ready(const Simulation& simulation, std::unique_ptr<ReadyScene>& ready);
+
+}  // namespace dualpixel::simulator
