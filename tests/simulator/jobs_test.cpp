@@ -96,7 +96,7 @@ TEST(SlowJobs, GiveTheBytesOfSeparateCalls) {
       {"plain", json::object()},
       {"light", {{"render.light_samples", 32}, {"camera.focus_distance_m", 1.5}}},
       {"again", {{"render.seed", 2}}},
-      {"goal", {{"render.noise_fraction", 0.5}}},
+      {"goal", {{"render.error", 0.1}}},
       {"spacing", {{"render.light_spacing_px", 0}}},
       {"sky", {{"environment.zenith_nits", 9000}}},
       {"last", {{"render.max_bounces", 1}, {"burst.hand_shake", 1}}}};
