@@ -76,6 +76,7 @@ int main(int argc, char** argv) {
   dualpixel::tools::add_experiment(program);
   dualpixel::tools::add_export(program);
   dualpixel::tools::add_people(program);
+  dualpixel::tools::add_scene(program);
 
   try {
     program.parse(argc, argv);

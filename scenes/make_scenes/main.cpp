@@ -3,7 +3,7 @@
 #include <string>
 
 #include "scenes/make_scenes/portrait_scene.h"
-#include "scenes/make_scenes/test_targets.h"
+#include "scenes/test_targets/test_targets.h"
 
 /// Writes the shipped scenes' glTF files into a folder: the same bytes every time.
 int main(int argc, char** argv) {
@@ -13,9 +13,14 @@ int main(int argc, char** argv) {
   }
   try {
     const std::string folder = argv[1];
-    dualpixel::scenes::make_calibration_target(folder + "/calibration_target.glb");
-    dualpixel::scenes::make_slanted_planes(folder + "/slanted_planes.glb");
-    dualpixel::scenes::make_occlusion_edges(folder + "/occlusion_edges.glb");
+    const auto make = [&](const char* name, void (*add)(dualpixel::scenes::Glb&)) {
+      dualpixel::scenes::Glb glb;
+      add(glb);
+      glb.write(folder + "/" + name + ".glb");
+    };
+    make("calibration_target", dualpixel::scenes::add_calibration_target);
+    make("slanted_planes", dualpixel::scenes::add_slanted_planes);
+    make("occlusion_edges", dualpixel::scenes::add_occlusion_edges);
     dualpixel::scenes::make_portrait(folder + "/portrait.glb");
   } catch (const std::exception& error) {
     std::fprintf(stderr, "dualpixel_make_scenes: %s\n", error.what());

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "scenes/make_scenes/noise.h"
+#include "scenes/test_targets/noise.h"
 #include "scenes/make_scenes/sdf_mesh.h"
 #include "scenes/procedural/signed_distance.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <functional>
 
-#include "scenes/make_scenes/glb.h"
+#include "scenes/gltf/glb.h"
 
 namespace dualpixel::scenes {
 

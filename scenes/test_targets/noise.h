@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "scenes/make_scenes/glb.h"
+#include "scenes/gltf/glb.h"
 
 /// The noise of the shipped scenes. It is kept apart from procedural/noise.h: hash and fade differ, and another noise,
 /// or the same arithmetic inlined elsewhere, would change the bytes of the shipped glTF files.

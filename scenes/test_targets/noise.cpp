@@ -1,4 +1,4 @@
-#include "scenes/make_scenes/noise.h"
+#include "scenes/test_targets/noise.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
-#include "scenes/make_scenes/test_targets.h"
+#include "scenes/test_targets/test_targets.h"
 
 #include <cmath>
 
-#include "scenes/make_scenes/noise.h"
+#include "scenes/test_targets/noise.h"
 
 namespace dualpixel::scenes {
 namespace {
@@ -11,8 +11,7 @@ glm::vec3 gray(float n) { return glm::vec3(0.02f + 0.9f * n * n); }
 
 }  // namespace
 
-void make_calibration_target(const std::string& path) {
-  Glb glb;
+void add_calibration_target(Glb& glb) {
   // 512 cells over 0.6 m: 1.2 mm, 4.7 photosites at 0.88 m; one cycle of noise is two cells
   const Texture texture = noise_texture(11, 2048, 32, 512, 0.85f, [](float n, float, float) { return gray(n); });
   const int material = glb.add_material(glb.add_texture(texture), glm::vec3(1), true);
@@ -20,11 +19,9 @@ void make_calibration_target(const std::string& path) {
   plane.add_quad({-0.9f, -0.6f, -0.88f}, {1.8f, 0, 0}, {0, 1.2f, 0}, {3, 2});
   glb.add_node("target", plane, material);
   glb.add_camera("camera", glm::vec3(0), {0, 0, -1});
-  glb.write(path);
 }
 
-void make_slanted_planes(const std::string& path) {
-  Glb glb;
+void add_slanted_planes(Glb& glb) {
   const auto plane = [&](const char* name, std::uint32_t seed, glm::vec3 corner, glm::vec3 a, glm::vec3 b,
                          glm::vec2 repeat, glm::vec3 tint) {
     const int material =
@@ -39,11 +36,9 @@ void make_slanted_planes(const std::string& path) {
   plane("leaning card", 24, {-0.11f, -0.11f, -0.62f}, {0.2f, 0, 0}, {0, 0.2f, -0.24f}, {1, 1}, {0.85f, 0.5f, 0.5f});
   plane("back wall", 25, {-1.3f, -0.9f, -2.0f}, {2.6f, 0, 0}, {0, 1.8f, 0}, {5, 3.5f}, {0.8f, 0.8f, 0.8f});
   glb.add_camera("camera", glm::vec3(0), {0, 0, -1});
-  glb.write(path);
 }
 
-void make_occlusion_edges(const std::string& path) {
-  Glb glb;
+void add_occlusion_edges(Glb& glb) {
   const auto material = [&](std::uint32_t seed, glm::vec3 dark, glm::vec3 bright) {
     return glb.add_material(glb.add_texture(two_tone(seed, dark, bright, 8, 256, 0.8f)), glm::vec3(1), true);
   };
@@ -84,7 +79,6 @@ void make_occlusion_edges(const std::string& path) {
   }
   glb.add_node("disc", disc, material(35, {0.1f, 0.02f, 0.15f}, {0.8f, 0.5f, 0.9f}));
   glb.add_camera("camera", glm::vec3(0), {0, 0, -1});
-  glb.write(path);
 }
 
 }  // namespace dualpixel::scenes

@@ -1,0 +1,103 @@
+#include "scenes/drawn/draw_scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "capture/files.h"
+#include "capture/json_fields.h"
+#include "scenes/drawn/meter.h"
+#include "scenes/drawn/phone_lenses.h"
+#include "simulator/scene_file.h"
+
+namespace dualpixel::scenes {
+namespace {
+
+using nlohmann::json;
+using Type = Parameter::Type;
+
+/// Sensor and lens. Photosites of any size have the default's sensitivity per area, so that exposures stay.
+void set_camera(json& scene, const Parameters& p) {
+  constexpr double kPitch_um = 1.4;
+  const int width = p.integer("width_px");
+  const double pitch_um = 1e3 * p.number("sensor_width_mm") / width;
+  const double area = pitch_um * pitch_um / (kPitch_um * kPitch_um);
+  scene["sensor"] = {{"width_px", width},
+                     {"height_px", width / 4 * 3},
+                     {"pixel_pitch_um", pitch_um},
+                     {"full_well_e", 6000 * area},
+                     {"electrons_per_lux_s", {3600 * area, 4000 * area, 3200 * area}},
+                     {"prnu", 0.005}};
+  scene["lens"] = phone_lens(p.choice("lens"));
+}
+
+}  // namespace
+
+std::vector<Parameter> parameters_of(const SceneKind& kind) {
+  std::vector<Parameter> all = {
+      {"width_px", "photosites", Type::multiple_of_16, 64, 8192, 2688, 2688,
+       "of the picture, whose height is 3/4 of it; the view stays the same"},
+      {"sensor_width_mm", "mm", Type::number, 1, 5.64, 3.7632, 3.7632,
+       "3.76: the 1.5 times enlarged middle that portrait modes use; 5.64: all that phone lenses draw"},
+      {"lens",
+       "",
+       Type::number,
+       0,
+       0,
+       0,
+       0,
+       "a phone lens of lens_models/",
+       {std::begin(kPhoneLenses), std::end(kPhoneLenses)},
+       "phone_6p"},
+      {"stops", "EV", Type::number, -6, 3, 0, 0, "exposure beside what the meter says"}};
+  all.insert(all.end(), kind.parameters.begin(), kind.parameters.end());
+  return all;
+}
+
+void draw_scene(const SceneKind& kind, const SceneOrder& order, const std::string& folder) {
+  const auto is_field = [](const std::string& assignment) {
+    return assignment.substr(0, assignment.find('=')).find('.') != std::string::npos;
+  };
+  std::vector<std::string> own;
+  std::copy_if(order.assignments.begin(), order.assignments.end(), std::back_inserter(own), std::not_fn(is_field));
+  const Parameters parameters = draw_parameters(kind.name, parameters_of(kind), own, order.seed);
+  const RandomStream rng(order.seed, false);
+
+  SceneBuilder builder;
+  set_camera(builder.scene, parameters);
+  RandomStream shake = rng.substream(1);
+  builder.scene["burst"] = {{"frames", 9}, {"hand_shake", 1}, {"hand_shake_seed", shake.seed()}};
+  builder.scene["render"] = {{"samples_per_pixel", 64},
+                             {"photograph_samples_per_pixel", 256},
+                             {"all_in_focus_samples_per_pixel", 32},
+                             {"max_bounces", 0},
+                             {"seed", order.seed}};
+  kind.build(builder, parameters, rng.substream(2));
+
+  const std::string path = folder + "/scene.json";
+  builder.glb.write(folder + "/scene.glb");
+  meter(builder.scene, path, builder.shooting, order.seed, parameters.number("stops"));
+  for (const std::string& assignment : order.assignments) {
+    if (is_field(assignment)) apply_override(builder.scene, assignment);
+  }
+  simulator::read_simulation(builder.scene, path);  // refuses fields that do not fit
+  write_file(path, builder.scene.dump(2) + "\n");
+}
+
+SceneOrder read_scene_order(const std::string& path) {
+  const json document = read_json_file(path);
+  Fields fields(document, path);
+  SceneOrder order;
+  std::string title;
+  fields.required("kind").text("kind", order.kind);
+  fields.text("title", title);
+  fields.integer("seed", order.seed, 0, ~std::uint64_t{0});
+  const json set = fields.raw("set");
+  fields.done();
+  if (!set.is_null() && !set.is_object()) fields.fail("set", "must be an object of names and values");
+  for (const auto& [name, value] : set.items()) {
+    order.assignments.push_back(name + "=" + (value.is_string() ? value.get<std::string>() : value.dump()));
+  }
+  return order;
+}
+
+}  // namespace dualpixel::scenes

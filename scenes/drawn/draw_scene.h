@@ -1,0 +1,41 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "scenes/drawn/parameters.h"
+#include "scenes/drawn/scene_builder.h"
+
+/// Scenes from a seed.
+///
+///   gltf        meshes, pictures, .glb files
+///   shapes      solids, plants, people as meshes      textures   pictures by code
+///   drawn       parameters, builder, exposure         kinds      what is in a scene: one file each
+namespace dualpixel::scenes {
+
+struct SceneKind {
+  const char* name;
+  const char* description;
+  std::vector<Parameter> parameters;  ///< besides those of all kinds
+  void (*build)(SceneBuilder& builder, const Parameters& parameters, RandomStream rng);
+};
+
+struct SceneOrder {
+  std::string kind;
+  std::uint64_t seed = 1;
+  /// "objects=12": a parameter. "lens.f_number=4", with a dot: a field of the scene file.
+  std::vector<std::string> assignments;
+};
+
+/// Parameters of all kinds and then the kind's own.
+std::vector<Parameter> parameters_of(const SceneKind& kind);
+
+/// Writes scene.json and scene.glb into a folder that exists; the same bytes for the same order and any number of
+/// threads. Throws InputError.
+void draw_scene(const SceneKind& kind, const SceneOrder& order, const std::string& folder);
+
+/// A definition: {"kind": "still_life", "seed": 3, "set": {"objects": 12, "lens.f_number": 2.4}}, with a "title" that
+/// says what it tests. Throws InputError.
+SceneOrder read_scene_order(const std::string& path);
+
+}  // namespace dualpixel::scenes

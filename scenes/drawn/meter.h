@@ -1,0 +1,15 @@
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "scenes/drawn/scene_builder.h"
+
+namespace dualpixel::scenes {
+
+/// Sets exposure.time_s, exposure.iso and camera.focus_distance_m of `scene` by what its camera sees of the glTF file
+/// beside `scene_path`: a small picture through a pinhole. `seed` picks the surface in focus where the shooting has
+/// none; `stops` brightens (positive) or darkens.
+void meter(nlohmann::json& scene, const std::string& scene_path, const Shooting& shooting, std::uint64_t seed,
+           double stops);
+
+}  // namespace dualpixel::scenes

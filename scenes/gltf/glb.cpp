@@ -1,0 +1,195 @@
+#include "scenes/gltf/glb.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cstring>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include "capture/files.h"
+
+namespace dualpixel::scenes {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kFloat = 5126;
+
+std::string word(std::size_t value) {
+  const auto v = static_cast<std::uint32_t>(value);
+  return {reinterpret_cast<const char*>(&v), 4};
+}
+
+void pad(std::string& bytes, char with) { bytes.resize((bytes.size() + 3) / 4 * 4, with); }
+
+std::vector<unsigned char> png(const Texture& texture, int level) {
+  std::vector<unsigned char> bytes;
+  OIIO::Filesystem::IOVecOutput memory(bytes);
+  const auto output = OIIO::ImageOutput::create("png");
+  output->set_ioproxy(&memory);
+  OIIO::ImageSpec spec(texture.size, texture.size, 3, OIIO::TypeDesc::UINT8);
+  spec.attribute("png:compressionLevel", level);
+  if (!output->open("texture.png", spec) || !output->write_image(OIIO::TypeDesc::UINT8, texture.rgb.data()) ||
+      !output->close()) {
+    throw std::runtime_error("a texture could not be encoded: " + output->geterror());
+  }
+  return bytes;
+}
+
+}  // namespace
+
+Glb::Glb(const std::string& generator, int png_level) : png_level_(png_level) {
+  root_["asset"] = {{"version", "2.0"}, {"generator", generator}};
+}
+
+void Glb::use(const std::string& extension) {
+  json& used = root_["extensionsUsed"];
+  if (std::find(used.begin(), used.end(), extension) == used.end()) used.push_back(extension);
+}
+
+int Glb::add_view(const void* data, std::size_t bytes) {
+  pad(bin_, '\0');
+  root_["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", bin_.size()}, {"byteLength", bytes}});
+  bin_.append(static_cast<const char*>(data), bytes);
+  return static_cast<int>(root_["bufferViews"].size()) - 1;
+}
+
+int Glb::add_texture(const Texture& texture) {
+  const std::vector<unsigned char> bytes = png(texture, png_level_);
+  root_["images"].push_back({{"bufferView", add_view(bytes.data(), bytes.size())}, {"mimeType", "image/png"}});
+  root_["textures"].push_back({{"source", root_["images"].size() - 1}});
+  return static_cast<int>(root_["textures"].size()) - 1;
+}
+
+int Glb::add_material(const GlbMaterial& from) {
+  json pbr = {{"baseColorFactor", {from.color.x, from.color.y, from.color.z, 1}},
+              {"metallicFactor", 0},
+              {"roughnessFactor", from.roughness}};
+  if (from.metallic > 0) pbr["metallicFactor"] = from.metallic;
+  if (from.texture >= 0) pbr["baseColorTexture"] = {{"index", from.texture}};
+  json material = {{"pbrMetallicRoughness", pbr}, {"doubleSided", true}};
+  if (from.unlit) {
+    material["extensions"]["KHR_materials_unlit"] = json::object();
+    use("KHR_materials_unlit");
+  }
+  const float brightest = std::max({from.emission_nits.x, from.emission_nits.y, from.emission_nits.z});
+  if (brightest > 0) {
+    const glm::vec3 hue = from.emission_nits / brightest;
+    material["emissiveFactor"] = {hue.x, hue.y, hue.z};
+    material["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", brightest}};
+    use("KHR_materials_emissive_strength");
+  }
+  root_["materials"].push_back(material);
+  return static_cast<int>(root_["materials"].size()) - 1;
+}
+
+int Glb::add_material(int texture, glm::vec3 color, bool unlit, float roughness) {
+  return add_material({.texture = texture, .color = color, .unlit = unlit, .roughness = roughness});
+}
+
+std::size_t Glb::add_accessor(const void* data, std::size_t count, int components, int type) {
+  static const char* const kTypes[] = {"", "SCALAR", "VEC2", "VEC3"};
+  const int view = add_view(data, count * components * 4);
+  root_["accessors"].push_back(
+      {{"bufferView", view}, {"componentType", type}, {"count", count}, {"type", kTypes[components]}});
+  return root_["accessors"].size() - 1;
+}
+
+json Glb::primitive(const Mesh& mesh, int material) {
+  constexpr int kUint = 5125;
+  glm::vec3 low = mesh.positions.front(), high = low;
+  for (const glm::vec3& p : mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
+  json primitive = {{"material", material}};
+  const auto add_floats = [&](const auto& values, int components) {
+    return add_accessor(values.data(), values.size(), components, kFloat);
+  };
+  const auto position = add_floats(mesh.positions, 3);
+  root_["accessors"][position]["min"] = {low.x, low.y, low.z};
+  root_["accessors"][position]["max"] = {high.x, high.y, high.z};
+  primitive["attributes"]["POSITION"] = position;
+  if (!mesh.normals.empty()) primitive["attributes"]["NORMAL"] = add_floats(mesh.normals, 3);
+  if (!mesh.uvs.empty()) primitive["attributes"]["TEXCOORD_0"] = add_floats(mesh.uvs, 2);
+  primitive["indices"] = add_accessor(mesh.triangles.data(), mesh.triangles.size() * 3, 1, kUint);
+  return primitive;
+}
+
+void Glb::add_node(const std::string& name, const Mesh& mesh, int material, bool person) {
+  root_["meshes"].push_back({{"primitives", {primitive(mesh, material)}}});
+  json node = {{"name", name}, {"mesh", root_["meshes"].size() - 1}};
+  if (person) node["extras"] = {{"category", "person"}};
+  root_["nodes"].push_back(node);
+}
+
+void Glb::add_colored_person(const std::string& name, const Mesh& mesh, const std::vector<glm::vec3>& colors,
+                             int material) {
+  json colored = primitive(mesh, material);
+  colored["attributes"]["COLOR_0"] = add_accessor(colors.data(), colors.size(), 3, kFloat);
+  root_["meshes"].push_back({{"primitives", {colored}}});
+  root_["nodes"].push_back(
+      {{"name", name}, {"mesh", root_["meshes"].size() - 1}, {"extras", {{"category", "person"}}}});
+}
+
+int Glb::add_mesh(const std::vector<std::pair<const Mesh*, int>>& parts) {
+  json primitives = json::array();
+  for (const auto& [mesh, material] : parts) primitives.push_back(primitive(*mesh, material));
+  root_["meshes"].push_back({{"primitives", primitives}});
+  return static_cast<int>(root_["meshes"].size()) - 1;
+}
+
+void Glb::add_instance(const std::string& name, int mesh, const glm::mat4& pose) {
+  json matrix = json::array();
+  for (int i = 0; i < 16; ++i) matrix.push_back(pose[i / 4][i % 4]);
+  root_["nodes"].push_back({{"name", name}, {"mesh", mesh}, {"matrix", matrix}});
+}
+
+void Glb::add_camera(const std::string& name, glm::vec3 position, glm::vec3 look_at) {
+  const glm::quat q = glm::quat_cast(glm::inverse(glm::lookAt(position, look_at, glm::vec3(0, 1, 0))));
+  root_["cameras"].push_back({{"type", "perspective"}, {"perspective", {{"yfov", 0.614}, {"znear", 0.01}}}});
+  root_["nodes"].push_back({{"name", name},
+                            {"camera", root_["cameras"].size() - 1},
+                            {"translation", {position.x, position.y, position.z}},
+                            {"rotation", {q.x, q.y, q.z, q.w}}});
+}
+
+void Glb::add_sun(glm::vec3 direction, glm::vec3 color, float lux) {
+  const glm::quat q = glm::quat_cast(glm::inverse(glm::lookAt(glm::vec3(0), direction, glm::vec3(0, 1, 0))));
+  use("KHR_lights_punctual");
+  root_["extensions"]["KHR_lights_punctual"]["lights"].push_back(
+      {{"type", "directional"}, {"color", {color.x, color.y, color.z}}, {"intensity", lux}});
+  root_["nodes"].push_back(
+      {{"name", "sun"}, {"rotation", {q.x, q.y, q.z, q.w}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+}
+
+void Glb::move_last_node(float from_s, glm::vec3 from, float to_s, glm::vec3 to) {
+  const float times[] = {from_s, to_s};
+  const glm::vec3 places[] = {from, to};
+  const std::size_t input = add_accessor(times, 2, 1, kFloat);
+  root_["accessors"][input]["min"] = {from_s};
+  root_["accessors"][input]["max"] = {to_s};
+  const std::size_t output = add_accessor(places, 2, 3, kFloat);
+  json& animation = root_["animations"][0];
+  animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
+  animation["channels"].push_back({{"sampler", animation["samplers"].size() - 1},
+                                   {"target", {{"node", root_["nodes"].size() - 1}, {"path", "translation"}}}});
+}
+
+void Glb::write(const std::string& path) const {
+  json root = root_;
+  json indices = json::array();
+  for (std::size_t i = 0; i < root["nodes"].size(); ++i) indices.push_back(i);
+  root["scene"] = 0;
+  root["scenes"] = {{{"nodes", indices}}};
+  root["buffers"] = {{{"byteLength", bin_.size()}}};
+  std::string text = root.dump();
+  std::string bin = bin_;
+  pad(text, ' ');
+  pad(bin, '\0');
+  std::string bytes = "glTF" + word(2) + word(28 + text.size() + bin.size());
+  bytes += word(text.size()) + "JSON" + text;
+  bytes += word(bin.size()) + std::string("BIN\0", 4) + bin;
+  replace_file(path, bytes);
+}
+
+}  // namespace dualpixel::scenes

@@ -1,0 +1,53 @@
+#pragma once
+#include <glm/glm.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "scenes/gltf/mesh.h"
+
+/// A scene under construction and the binary glTF file that it becomes. Lengths in meters, glTF's axes.
+namespace dualpixel::scenes {
+
+/// What light does at a surface, as glTF's metallic-roughness model has it.
+struct GlbMaterial {
+  int texture = -1;  ///< of the color, -1: none
+  glm::vec3 color{1};
+  bool unlit = false;  ///< glows with its texture and color
+  float roughness = 1;
+  float metallic = 0;
+  glm::vec3 emission_nits{0};
+};
+
+class Glb {
+ public:
+  /// `png_level`: how hard pictures are compressed, 1 to 9.
+  explicit Glb(const std::string& generator = "dualpixel_make_scenes", int png_level = 6);
+
+  int add_texture(const Texture& texture);
+  int add_material(const GlbMaterial& material);
+  /// `texture` -1: none. Unlit materials glow with their texture; others are plainly diffuse at roughness 1.
+  int add_material(int texture, glm::vec3 color, bool unlit, float roughness = 1);
+  void add_node(const std::string& name, const Mesh& mesh, int material, bool person = false);
+  /// A person with a linear color for each vertex.
+  void add_colored_person(const std::string& name, const Mesh& mesh, const std::vector<glm::vec3>& colors,
+                          int material);
+  /// A mesh for add_instance(): parts with a material each.
+  int add_mesh(const std::vector<std::pair<const Mesh*, int>>& parts);
+  void add_instance(const std::string& name, int mesh, const glm::mat4& pose);
+  void add_camera(const std::string& name, glm::vec3 position, glm::vec3 look_at);
+  void add_sun(glm::vec3 direction, glm::vec3 color, float lux);
+  /// Lets the node that was added last move: its translation at two times, between which it goes evenly.
+  void move_last_node(float from_s, glm::vec3 from, float to_s, glm::vec3 to);
+  void write(const std::string& path) const;
+
+ private:
+  int add_view(const void* data, std::size_t bytes);
+  std::size_t add_accessor(const void* data, std::size_t count, int components, int type);
+  nlohmann::json primitive(const Mesh& mesh, int material);
+  void use(const std::string& extension);
+  nlohmann::json root_;
+  int png_level_;
+  std::string bin_;
+};
+
+}  // namespace dualpixel::scenes

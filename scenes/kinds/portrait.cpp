@@ -1,0 +1,109 @@
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/kinds/kinds.h"
+#include "scenes/kinds/portrait_people.h"
+#include "scenes/places/places.h"
+#include "scenes/places/room.h"
+
+namespace dualpixel::scenes {
+namespace {
+
+using glm::vec3;
+using Type = Parameter::Type;
+
+/// The box about the outline as the pinhole of a phone lens shows it, photosites. Null where it is out of the picture.
+nlohmann::json face_box(const SceneBuilder& build, const StandingFace& face) {
+  constexpr float kFocal_mm = 4.3f;
+  const auto& sensor = build.scene["sensor"];
+  const float scale = 1e3f * kFocal_mm / sensor["pixel_pitch_um"].get<float>();
+  const float width = sensor["width_px"], height = sensor["height_px"];
+  const vec3 right = glm::normalize(glm::cross(build.forward, vec3(0, 1, 0))), down = glm::cross(build.forward, right);
+  glm::vec2 low(1e9f), high(-1e9f);
+  for (const vec3& p : face.outline) {
+    const vec3 q = p - build.eye;
+    const float z = glm::dot(q, build.forward);
+    if (z < 0.05f) return nullptr;
+    const glm::vec2 at(0.5f * width + scale * glm::dot(q, right) / z, 0.5f * height + scale * glm::dot(q, down) / z);
+    low = glm::min(low, at);
+    high = glm::max(high, at);
+  }
+  if (low.x < 0 || low.y < 0 || high.x > width || high.y > height) return nullptr;
+  return {std::floor(low.x), std::floor(low.y), std::ceil(high.x - low.x), std::ceil(high.y - low.y)};
+}
+
+void lay_place(SceneBuilder& build, RandomStream rng, const Parameters& p) {
+  const std::string& place = p.choice("place");
+  if (place == "room") {
+    RoomOptions room;
+    RandomStream own = rng.substream(1);
+    room.light = p.choice("light") == "night" || p.choice("light") == "dusk" ? "lamps" : "window";
+    room.deep_m = p.real("distance_m") + own.uniform(2, 5);
+    room.wide_m = own.uniform(3, 5);
+    room.clear_middle = true;
+    return furnish_room(build, rng.substream(2), room);
+  }
+  PlaceOptions options;
+  options.light = p.choice("light");
+  options.nearest_m = p.real("distance_m") + 0.8f;
+  options.clear_m = 0.5f;
+  options.farthest_m = 60;
+  options.trees = 7;
+  options.lamps = 6;
+  set_daylight(build, rng.substream(1), options.light);
+  if (place == "street") {
+    lay_street(build, rng.substream(2), options);
+  } else {
+    lay_garden(build, rng.substream(2), options);
+  }
+}
+
+void build_portrait(SceneBuilder& build, const Parameters& p, RandomStream rng) {
+  lay_place(build, rng.substream(1), p);
+  const float center = build.eye.x, distance = p.real("distance_m");
+  const int people = p.integer("people");
+  RandomStream at = rng.substream(2);
+  StandingFace nearest;
+  for (int i = 0; i < people; ++i) {
+    const float beside = 0.5f * (static_cast<float>(i) - 0.5f * static_cast<float>(people - 1)) + 0.05f * at.normal();
+    PersonSpot spot;
+    spot.foot = {center + beside * (people > 1 ? 1.0f : 0.4f), 0,
+                 -distance - p.real("depth_step_m") * static_cast<float>(i)};
+    spot.yaw = 0.35f * at.normal() - 0.4f * beside;
+    spot.lowest_m = 0.4f;
+    const StandingFace face = add_person(build, rng.substream(10 + i), spot);
+    if (i == 0) nearest = face;
+  }
+  const vec3 middle = nearest.middle;
+  const vec3 eye(center + 0.12f * distance * at.normal(), std::clamp(middle.y + 0.1f * at.normal(), 0.5f, 2.1f), 0);
+  const float lower = distance * at.uniform(0.02f, 0.14f);  // the face above the picture's middle
+  const float aside = people > 1 ? 0.25f * static_cast<float>(people - 1) : 0.05f * distance * at.normal();
+  if (p.integer("branch") == 1 && distance > 0.7f) add_branch_in_front(build, rng.substream(4), eye, 0.5f * distance);
+  build.camera(eye, middle + vec3(aside, -lower, 0));
+  build.focus_on(middle);
+  if (const nlohmann::json box = face_box(build, nearest); !box.is_null()) build.scene["face_px"] = box;
+}
+
+}  // namespace
+
+SceneKind portrait_kind() {
+  return {"portrait",
+          "people before a garden, a street or a room; the first one's eyes are in focus",
+          {{"people", "", Type::integer, 1, 4, 1, 3, "side by side"},
+           {"place", "", Type::number, 0, 0, 0, 0, "behind them", {"garden", "street", "room"}},
+           {"light",
+            "",
+            Type::number,
+            0,
+            0,
+            0,
+            0,
+            "as outdoors; in a room dusk and night mean lamps",
+            {"sun", "overcast", "dusk", "night"}},
+           {"distance_m", "m", Type::logarithmic, 0.4, 4, 0.7, 1.5, "from the camera to the first person"},
+           {"depth_step_m", "m", Type::number, 0, 3, 0, 0.35, "that each further person stands behind the one before"},
+           {"branch", "", Type::integer, 0, 1, 0, 1, "1: leaves hang into the picture"}},
+          build_portrait};
+}
+
+}  // namespace dualpixel::scenes
