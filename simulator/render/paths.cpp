@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulator/render/light/surface_lattice.h"
 #include "simulator/render/shading/bsdf.h"
 #include "simulator/render/shading/radiometry.h"
 #include "simulator/render/shading/surface.h"
-#include "simulator/render/surface_lattice.h"
 #include "simulator/sampling/hash.h"
 #include "simulator/sampling/sobol.h"
 

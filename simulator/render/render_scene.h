@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "simulator/render/intersector.h"
-#include "simulator/render/light_cache.h"
+#include "simulator/render/light/light_cache.h"
 #include "simulator/render/shading/lights.h"
 #include "simulator/scene/scene.h"
 

@@ -1,4 +1,4 @@
-#include "simulator/render/light_table.h"
+#include "simulator/render/light/light_table.h"
 
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>

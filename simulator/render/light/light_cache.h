@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "simulator/render/light_table.h"
+#include "simulator/render/light/light_table.h"
 #include "simulator/render/render_options.h"
 
 namespace dualpixel::simulator {

@@ -1,4 +1,4 @@
-#include "simulator/render/surface_lattice.h"
+#include "simulator/render/light/surface_lattice.h"
 
 #include <gtest/gtest.h>
 
