@@ -2,9 +2,9 @@
 
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <numbers>
 
 #include "scenes/kinds/kinds.h"
+#include "scenes/math.h"
 #include "scenes/shapes/solids.h"
 #include "scenes/test_targets/test_targets.h"
 #include "scenes/textures/lettering.h"
@@ -17,7 +17,6 @@ using glm::vec2;
 using glm::vec3;
 using Type = Parameter::Type;
 
-constexpr float kPi = std::numbers::pi_v<float>;
 /// Half of what the widest view shows at 1 m, and some more: 5.64 mm behind 4.2 mm.
 constexpr float kHalfView = 0.75f;
 

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <numbers>
 
 #include "scenes/kinds/kinds.h"
+#include "scenes/math.h"
 #include "scenes/procedural/noise.h"
 #include "scenes/textures/lettering.h"
 #include "scenes/things/things.h"
@@ -16,8 +16,6 @@ namespace {
 using glm::vec2;
 using glm::vec3;
 using Type = Parameter::Type;
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 struct Table {
   float wide, deep;  ///< half sizes

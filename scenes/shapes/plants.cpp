@@ -1,8 +1,8 @@
 #include "scenes/shapes/plants.h"
 
 #include <cmath>
-#include <numbers>
 
+#include "scenes/math.h"
 #include "scenes/procedural/noise.h"
 #include "scenes/shapes/solids.h"
 
@@ -10,8 +10,6 @@ namespace dualpixel::scenes {
 namespace {
 
 using glm::vec3;
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 vec3 random_direction(RandomStream& rng) {
   const float y = rng.uniform(-1, 1), phi = rng.uniform(0, 2 * kPi), r = std::sqrt(std::max(1 - y * y, 0.0f));

@@ -2,15 +2,14 @@
 
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <numbers>
+
+#include "scenes/math.h"
 
 namespace dualpixel::scenes {
 namespace {
 
 using glm::vec2;
 using glm::vec3;
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 unsigned add_vertex(Mesh& mesh, vec3 p, vec3 n, vec2 uv) {
   mesh.positions.push_back(p);

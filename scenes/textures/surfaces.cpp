@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenes/math.h"
 #include "scenes/procedural/noise.h"
 
 namespace dualpixel::scenes {
@@ -13,8 +14,6 @@ using glm::vec2;
 using glm::vec3;
 
 constexpr float kTurn = 2 * std::numbers::pi_v<float>;
-
-float fraction(float x) { return x - std::floor(x); }
 
 float clamp01(float x) { return std::clamp(x, 0.0f, 1.0f); }
 

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <numbers>
 
+#include "scenes/math.h"
 #include "scenes/textures/lettering.h"
 #include "scenes/things/things.h"
 
@@ -11,8 +11,6 @@ namespace {
 
 using glm::vec2;
 using glm::vec3;
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 /// Ceramics, enamel, metal.
 Surface dish_surface(RandomStream& rng) {

@@ -30,7 +30,7 @@ void add_print(SceneBuilder& build, const char* name, const glm::mat4& pose, vec
 }
 
 /// A closed book lying with its cover up: x along the spine's direction away, size in meters.
-void add_book(SceneBuilder& build, RandomStream rng, const glm::mat4& pose, vec3 size) {
+void add_one_book(SceneBuilder& build, RandomStream rng, const glm::mat4& pose, vec3 size) {
   const vec3 color = paint_color(rng), half = 0.5f * size;
   Mesh pages, boards;
   add_solid_box(pages, {0.002f, half.y, 0}, {half.x - 0.004f, half.y - 0.002f, half.z - 0.003f});
@@ -54,7 +54,7 @@ void add_book_stack(SceneBuilder& build, RandomStream rng, const glm::mat4& pose
   for (int i = 0; i < books; ++i) {
     const vec3 size(rng.uniform(0.1f, 0.17f), rng.uniform(0.012f, 0.04f), rng.uniform(0.15f, 0.23f));
     const glm::mat4 at = glm::rotate(glm::translate(pose, vec3(0, y, 0)), 0.25f * rng.normal(), vec3(0, 1, 0));
-    add_book(build, rng.substream(10 + i), at, size);
+    add_one_book(build, rng.substream(10 + i), at, size);
     y += size.y + 0.0004f;
   }
 }

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <numbers>
 
+#include "scenes/math.h"
 #include "scenes/procedural/noise.h"
 #include "scenes/textures/lettering.h"
 #include "scenes/things/things.h"
@@ -11,8 +11,6 @@ namespace {
 
 using glm::vec2;
 using glm::vec3;
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 /// A ring lying flat: a circle of radius `thick` turned at `radius`.
 std::vector<vec2> torus(float radius, float thick, float y) {

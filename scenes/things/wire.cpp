@@ -1,15 +1,13 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <numbers>
 
+#include "scenes/math.h"
 #include "scenes/things/things.h"
 
 namespace dualpixel::scenes {
 namespace {
 
 using glm::vec3;
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 Surface wire_surface(RandomStream& rng) {
   if (rng.chance(0.4f)) return plain_surface(rng.substream(90), paint_color(rng), 0.5f);

@@ -10,7 +10,7 @@ struct Color {
   float r, g, b;
 };
 
-void paint(Image& image, int x, int y, Color color) {
+void set_pixel(Image& image, int x, int y, Color color) {
   if (x < 0 || y < 0 || x >= image.width || y >= image.height) return;
   image.at(x, y, 0) = color.r, image.at(x, y, 1) = color.g, image.at(x, y, 2) = color.b;
 }
@@ -27,7 +27,7 @@ void paint_picture(Image& sheet, const PeopleSample& s, int left, int top) {
       for (int c = 0; c < 3; ++c) sheet.at(left + x, top + y, c) = static_cast<float>(s.picture[3 * at + c]) / 255;
       const bool edge =
           mask_at(x, y) && !(mask_at(x - 1, y) && mask_at(x + 1, y) && mask_at(x, y - 1) && mask_at(x, y + 1));
-      if (edge) paint(sheet, left + x, top + y, {0, 1, 0.3f});
+      if (edge) set_pixel(sheet, left + x, top + y, {0, 1, 0.3f});
     }
   }
 }
@@ -36,7 +36,8 @@ void paint_face(Image& sheet, const PeopleSample& s, int left, int top) {
   const int x0 = static_cast<int>(s.face.x), y0 = static_cast<int>(s.face.y), side = static_cast<int>(s.face.z);
   for (int k = 0; k <= side; ++k) {
     for (const auto& [x, y] : {std::pair{x0 + k, y0}, {x0 + k, y0 + side}, {x0, y0 + k}, {x0 + side, y0 + k}}) {
-      if (x >= 0 && y >= 0 && x < kPictureSide_px && y < kPictureSide_px) paint(sheet, left + x, top + y, {1, 0.9f, 0});
+      if (x >= 0 && y >= 0 && x < kPictureSide_px && y < kPictureSide_px)
+        set_pixel(sheet, left + x, top + y, {1, 0.9f, 0});
     }
   }
 }
@@ -47,8 +48,8 @@ void paint_keypoints(Image& sheet, const PeopleSample& s, int left, int top) {
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
         if (k.z < 1.5f && dx == 0 && dy == 0) continue;
-        paint(sheet, left + static_cast<int>(k.x) + dx, top + static_cast<int>(k.y) + dy,
-              k.z > 1.5f ? Color{1, 0, 0.2f} : Color{0.2f, 0.6f, 1});
+        set_pixel(sheet, left + static_cast<int>(k.x) + dx, top + static_cast<int>(k.y) + dy,
+                  k.z > 1.5f ? Color{1, 0, 0.2f} : Color{0.2f, 0.6f, 1});
       }
     }
   }

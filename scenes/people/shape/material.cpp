@@ -4,6 +4,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "scenes/math.h"
+
 namespace dualpixel::scenes {
 namespace {
 
@@ -19,8 +21,6 @@ constexpr Kind kWall[] = {Kind::rough,  Kind::rough,   Kind::plain,  Kind::brick
                           Kind::tiles,  Kind::collage, Kind::floral, Kind::stripes_along, Kind::facade,
                           Kind::books,  Kind::foliage, Kind::medley, Kind::medley,        Kind::medley,
                           Kind::medley, Kind::medley,  Kind::stones, Kind::herringbone,   Kind::graffiti};
-
-float fraction(float x) { return x - std::floor(x); }
 
 }  // namespace
 
