@@ -27,11 +27,10 @@ TEST(SceneCommand, WritesTheSameFilesForAnyThreads) {
 TEST(SceneCommand, RefusesInOneLineAndLeavesNothing) {
   const TemporaryFolder folder;
   const std::string to = " -o '" + (folder / "out") + "'";
-  for (const std::string& arguments :
-       {"chart --set distance_m=-1", "chart --set foo=1", "chat", "chart --set burst.frames=0",
-        "chart --set burst.foo=1", "chart --seed -1", "missing.json"}) {
+  for (const char* arguments : {"chart --set distance_m=-1", "chart --set foo=1", "chat", "chart --set burst.frames=0",
+                                "chart --set burst.foo=1", "chart --seed -1", "missing.json"}) {
     SCOPED_TRACE(arguments);
-    expect_one_line_refusal(run_program("scene " + arguments + to));
+    expect_one_line_refusal(run_program(std::string("scene ") + arguments + to));
     EXPECT_TRUE(folder.names().empty());
   }
   expect_one_line_refusal(run_program("scene chart"));
