@@ -34,7 +34,7 @@ void set_camera(json& scene, const Parameters& p) {
 
 std::vector<Parameter> parameters_of(const SceneKind& kind) {
   std::vector<Parameter> all = {
-      {"width_px", "photosites", Type::multiple_of_16, 64, 8192, 2688, 2688,
+      {"width_px", "photosites", Type::multiple_of_16, 128, 8192, 2688, 2688,
        "of the picture, whose height is 3/4 of it; the view stays the same"},
       {"sensor_width_mm", "mm", Type::number, 1, 5.64, 3.7632, 3.7632,
        "3.76: the 1.5 times enlarged middle that portrait modes use; 5.64: all that phone lenses draw"},

@@ -5,7 +5,10 @@
 
 namespace dualpixel::scenes {
 
-SceneBuilder::SceneBuilder() { scene = {{"version", 1}, {"gltf", "scene.glb"}, {"camera", {{"node", "camera"}}}}; }
+SceneBuilder::SceneBuilder() {
+  glb.set_generator("dualpixel scene", 1);
+  scene = {{"version", 1}, {"gltf", "scene.glb"}, {"camera", {{"node", "camera"}}}};
+}
 
 int SceneBuilder::add(const Surface& surface) {
   GlbMaterial material{.color = surface.color,

@@ -37,7 +37,7 @@ class SceneBuilder {
   /// The same radiance from everywhere.
   void ambient(glm::vec3 nits);
 
-  Glb glb{"dualpixel scene", 1};
+  Glb glb;
   nlohmann::json scene;  ///< fields of the scene file
   Shooting shooting;
   glm::vec3 eye{0}, forward{0, 0, -1};

@@ -40,8 +40,9 @@ std::vector<unsigned char> png(const Texture& texture, int level) {
 
 }  // namespace
 
-Glb::Glb(const std::string& generator, int png_level) : png_level_(png_level) {
-  root_["asset"] = {{"version", "2.0"}, {"generator", generator}};
+void Glb::set_generator(const std::string& name, int png_level) {
+  root_["asset"]["generator"] = name;
+  png_level_ = png_level;
 }
 
 void Glb::use(const std::string& extension) {

@@ -20,9 +20,8 @@ struct GlbMaterial {
 
 class Glb {
  public:
-  /// `png_level`: how hard pictures are compressed, 1 to 9.
-  explicit Glb(const std::string& generator = "dualpixel_make_scenes", int png_level = 6);
-
+  /// What the file says that made it, and how hard pictures are compressed, 1 to 9; before anything else.
+  void set_generator(const std::string& name, int png_level);
   int add_texture(const Texture& texture);
   int add_material(const GlbMaterial& material);
   /// `texture` -1: none. Unlit materials glow with their texture; others are plainly diffuse at roughness 1.
@@ -45,8 +44,9 @@ class Glb {
   std::size_t add_accessor(const void* data, std::size_t count, int components, int type);
   nlohmann::json primitive(const Mesh& mesh, int material);
   void use(const std::string& extension);
-  nlohmann::json root_;
-  int png_level_;
+  // here and not in a .cpp: code that makes the shipped scenes is inlined by its size, and rounds accordingly
+  nlohmann::json root_ = {{"asset", {{"version", "2.0"}, {"generator", "dualpixel_make_scenes"}}}};
+  int png_level_ = 6;
   std::string bin_;
 };
 

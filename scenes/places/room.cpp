@@ -164,8 +164,8 @@ void furnish_room(SceneBuilder& build, RandomStream rng, const RoomOptions& room
   const float nits = lamps ? room.lamp_strength * rng.uniform(9000, 22000) : 0.0f,
               day = lamps ? 0.0f : rng.uniform(2500, 7000);
   build.ambient(lamps ? vec3(0.6f * room.lamp_strength) : vec3(0.004f * day));
-  build.scene["render"]["max_bounces"] = 3;
-  build.scene["render"]["light_samples"] = 512;
+  build.scene["render"]["max_bounces"] = 2;
+  build.scene["render"]["light_samples"] = 256;
   add_shell(build, rng.substream(1), room);
   RandomStream at = rng.substream(2);
   const float half = 0.5f * room.wide_m, side = at.sign();

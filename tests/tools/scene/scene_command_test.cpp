@@ -11,8 +11,9 @@ namespace {
 TEST(SceneCommand, WritesTheSameFilesForAnyThreads) {
   const TemporaryFolder folder;
   for (const char* threads : {"1", "4"}) {
-    const Outcome outcome = run_program("scene chart --seed 9 --set pattern=focus_ladder --set width_px=64 --threads " +
-                                        std::string(threads) + " -o '" + (folder / threads) + "'");
+    const Outcome outcome =
+        run_program("scene chart --seed 9 --set pattern=focus_ladder --set width_px=128 --threads " +
+                    std::string(threads) + " -o '" + (folder / threads) + "'");
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_EQ(outcome.out + outcome.err, "");
   }
@@ -26,11 +27,10 @@ TEST(SceneCommand, WritesTheSameFilesForAnyThreads) {
 TEST(SceneCommand, RefusesInOneLineAndLeavesNothing) {
   const TemporaryFolder folder;
   const std::string to = " -o '" + (folder / "out") + "'";
-  for (const std::string& arguments :
-       {"chart --set distance_m=-1", "chart --set foo=1", "chat", "chart --set burst.frames=0",
-        "chart --set burst.foo=1", "chart --seed -1", "missing.json"}) {
+  for (const char* arguments : {"chart --set distance_m=-1", "chart --set foo=1", "chat", "chart --set burst.frames=0",
+                                "chart --set burst.foo=1", "chart --seed -1", "missing.json"}) {
     SCOPED_TRACE(arguments);
-    expect_one_line_refusal(run_program("scene " + arguments + to));
+    expect_one_line_refusal(run_program(std::string("scene ") + arguments + to));
     EXPECT_TRUE(folder.names().empty());
   }
   expect_one_line_refusal(run_program("scene chart"));
@@ -50,7 +50,7 @@ TEST(SceneCommand, ReadsDefinitions) {
   const TemporaryFolder folder;
   write_bytes(
       folder / "star.json",
-      R"({"kind": "chart", "title": "t", "seed": 4, "set": {"pattern": "siemens_star", "width_px": 64, "lens.f_number": 2.2, "lens": "phone_thin"}})");
+      R"({"kind": "chart", "title": "t", "seed": 4, "set": {"pattern": "siemens_star", "width_px": 128, "lens.f_number": 2.2, "lens": "phone_thin"}})");
   const Outcome outcome = run_program("scene '" + (folder / "star.json") + "' -o '" + (folder / "out") + "'");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const nlohmann::json scene = nlohmann::json::parse(read_bytes(folder / "out" + "/scene.json"));
