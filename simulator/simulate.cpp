@@ -113,6 +113,19 @@ double bytes_of(const Scene& scene) {
   return bytes;
 }
 
+/// Adds a `count`-th of `views` to `mean`, which is empty at first.
+void add_share(Views views, int count, Views& mean) {
+  if (count > 1) scale(views.left, 1.0 / count), scale(views.right, 1.0 / count);
+  if (mean.left.empty()) {
+    mean = std::move(views);
+    return;
+  }
+  for (std::size_t i = 0; i < mean.left.data.size(); ++i) {
+    mean.left.data[i] += views.left.data[i];
+    mean.right.data[i] += views.right.data[i];
+  }
+}
+
 /// The mean over the poses of frame `frame`'s exposure; `middle` is its moment.
 Views render_frame(const Simulation& s, const RenderScene& first_world, const CameraView& first, const Moment& middle,
                    const SampleMap& map, int frame, const ProgressCallback& progress) {
@@ -127,16 +140,8 @@ Views render_frame(const Simulation& s, const RenderScene& first_world, const Ca
   Views mean;
   for (int pose = 0; pose < poses_of(s); ++pose) {
     const double time_s = pose_s(s, frame, pose);
-    Views views = time_s == middle_s(s, frame) ? render(middle, pose) : render(moment(s, first, time_s), pose);
-    if (poses_of(s) > 1) scale(views.left, 1.0 / poses_of(s)), scale(views.right, 1.0 / poses_of(s));
-    if (pose == 0) {
-      mean = std::move(views);
-      continue;
-    }
-    for (std::size_t j = 0; j < mean.left.data.size(); ++j) {
-      mean.left.data[j] += views.left.data[j];
-      mean.right.data[j] += views.right.data[j];
-    }
+    add_share(time_s == middle_s(s, frame) ? render(middle, pose) : render(moment(s, first, time_s), pose), poses_of(s),
+              mean);
   }
   return mean;
 }
@@ -209,23 +214,30 @@ void add_truth_pictures(const Job& job, Truth& truth) {
   truth.noise = {.all_in_focus = sharp.noise, .photograph = wide.noise};
 }
 
-/// Adds a frame's views to truth's: the mean over the frames of a burst in which nothing moves, the first frame's where
-/// something does.
-void add_truth_views(const Job& job, const Views& views, int frame, Truth& truth) {
-  if (frame > 0 && moves(job.simulation)) return;
-  if (frame == 0) truth.left = truth.right = Image(views.left.width, views.left.height, 3);
-  const int frames = moves(job.simulation) ? 1 : job.simulation.burst_frames;
-  const auto share = static_cast<float>(job.unit_per_nit / frames);
-  for (std::size_t i = 0; i < views.left.data.size(); ++i) {
-    truth.left.data[i] += share * views.left.data[i];
-    truth.right.data[i] += share * views.right.data[i];
+/// What all frames of a burst in which nothing moves see: the mean of one render for each of them. Independent renders
+/// would leave the merged burst with the same noise, and each frame with more of it.
+Views render_still(const Simulation& s, const RenderScene& world, const CameraView& view, const SampleMap& map,
+                   const ProgressCallback& progress) {
+  const Moment still = moment(s, view, 0);
+  Views mean;
+  for (int i = 0; i < s.burst_frames; ++i) {
+    Views views = render_frame(s, world, view, still, map, i,
+                               [&](double fraction) { progress((i + fraction) / s.burst_frames); });
+    add_share(views, s.burst_frames, mean);
   }
+  return mean;
+}
+
+/// The first frame's views, before the sensor adds its noise.
+void add_truth_views(const Job& job, const Views& views, Truth& truth) {
+  truth.left = in_units(views.left, job.unit_per_nit);
+  truth.right = in_units(views.right, job.unit_per_nit);
 }
 
 /// What is known of the first frame's samples and error, and of truth's views', which are in `truth`.
 void describe_sampling(const Job& job, const PictureSampling& sampling, Truth& truth) {
   const Simulation& s = job.simulation;
-  const int poses = poses_of(s), pictures = moves(s) ? poses : s.burst_frames;
+  const int pictures = moves(s) ? poses_of(s) : s.burst_frames;  // whose mean a frame sees
   if (!sampling.target) {
     RenderOptions options = s.render;
     options.samples_per_pixel = static_cast<int>(sampling.map.samples.front());
@@ -237,15 +249,14 @@ void describe_sampling(const Job& job, const PictureSampling& sampling, Truth& t
     const Tile tile = tile_at(sampling.map, static_cast<int>(i));
     for (int y = tile.y0; y < tile.y1; ++y) {
       for (int x = tile.x0; x < tile.x1; ++x) {
-        truth.samples.at(x, y) = static_cast<float>(tile.samples) * static_cast<float>(poses);
+        truth.samples.at(x, y) = static_cast<float>(tile.samples) * static_cast<float>(pictures);
       }
     }
   }
   Image half_nits = truth.left;
   for (std::size_t i = 0; i < half_nits.data.size(); ++i) half_nits.data[i] += truth.right.data[i];
   scale(half_nits, 0.5 / job.unit_per_nit);
-  truth.render_sigma = in_units(standard_error(sampling, poses, half_nits), job.unit_per_nit);
-  truth.views_sigma = in_units(standard_error(sampling, pictures, half_nits), job.unit_per_nit);
+  truth.render_sigma = truth.views_sigma = in_units(standard_error(sampling, pictures, half_nits), job.unit_per_nit);
   truth.noise->views = rms(truth.views_sigma);
 }
 
@@ -343,12 +354,18 @@ Capture simulate(const Simulation& s, RenderScene& world, const CameraView& view
     const double over_target = expected_error(sampling, poses_of(s));
     capture.provenance.noise_fraction_reached = over_target * s.noise_fraction.value_or(1);
   }
+  const ProgressCallback views_step = [&](double fraction) {
+    if (stage) stage("left and right view", fraction);
+  };
+  Views views;
+  if (!moves(s)) views = render_still(s, world, view, sampling.map, views_step);
   for (int i = 0; i < s.burst_frames; ++i) {
     const Moment middle = moment(s, view, middle_s(s, i));
-    const Views views = render_frame(s, world, view, middle, sampling.map, i, [&](double fraction) {
-      if (stage) stage("left and right view", (i + fraction) / s.burst_frames);
-    });
-    add_truth_views(job, views, i, truth);
+    if (moves(s)) {
+      views = render_frame(s, world, view, middle, sampling.map, i,
+                           [&](double fraction) { views_step((i + fraction) / s.burst_frames); });
+    }
+    if (i == 0) add_truth_views(job, views, truth);
     if (i > 0 && moves(s)) {
       const Scene& then = middle.own_scene ? *middle.own_scene : world.scene;
       truth.motion.push_back(trace_motion(world, view, then, middle.view));

@@ -200,10 +200,10 @@ double mean_product(const Image& a, const Image& b, const Image& mean) {
   return sum / static_cast<double>(mean.data.size());
 }
 
-// Noise of rendering is drawn anew for every frame, so that truth's views, the mean over the frames, have a variance
-// that is smaller by their number; what the capture states is what is found against a picture of many more samples. So
+// Frames of a burst in which nothing moves see the mean of one render for each of them, whose noise is independent: a
+// variance that is smaller by their number. What the capture states is what is found against a picture of many more samples. So
 // for the other pictures of truth.
-TEST(Simulate, DrawsNoiseAnewForEveryFrameAndStatesIt) {
+TEST(Simulate, AveragesTheRendersOfAStillBurstAndStatesTheirNoise) {
   json document = minimal();
   document["sensor"] = {{"width_px", 64}, {"height_px", 64}};
   document["render"] = {{"samples_per_pixel", 16}, {"light_spacing_px", 0}};
