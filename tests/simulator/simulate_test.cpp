@@ -144,8 +144,8 @@ TEST(Simulate, DigitalNumbersFollowFromNits) {
   EXPECT_NEAR(capture.truth->depth_m.at(5, 5), 1, 1e-6);  // glTF's -z is forward
 }
 
-// Each frame of a burst that shakes has its own pose, and the motion that the pose gives. The first frame and its truth
-// are those of the burst that stands still.
+// Each frame of a burst that shakes has its own pose, and the motion that the pose gives. The first frame is that of a
+// single picture, and its truth that of the burst that stands still.
 TEST(Simulate, RendersEachFrameOfAHandHeldBurstAtItsOwnPose) {
   json document = minimal();
   document["sensor"] = {{"width_px", 64}, {"height_px", 64}};
@@ -159,11 +159,14 @@ TEST(Simulate, RendersEachFrameOfAHandHeldBurstAtItsOwnPose) {
   const Capture still = simulate(read_simulation(document, "s.json"), scene);
   EXPECT_TRUE(still.truth->motion.empty());
   EXPECT_EQ(still.frames[2].camera_from_world, still.frames[0].camera_from_world);
+  document["burst"]["frames"] = 1;
+  const Capture single = simulate(read_simulation(document, "s.json"), scene);
 
+  document["burst"]["frames"] = 3;
   document["burst"]["hand_shake"] = 1;
   const Simulation simulation = read_simulation(document, "s.json");
   const Capture shaken = simulate(simulation, scene);
-  EXPECT_EQ(shaken.frames[0].mosaic.data, still.frames[0].mosaic.data);
+  EXPECT_EQ(shaken.frames[0].mosaic.data, single.frames[0].mosaic.data);
   EXPECT_EQ(shaken.truth->depth_m.data, still.truth->depth_m.data);
   ASSERT_EQ(shaken.truth->motion.size(), 2u);
   const double focal_px = simulation.lens.thin.image_distance_m() / 1.4e-6;
@@ -201,8 +204,8 @@ double mean_product(const Image& a, const Image& b, const Image& mean) {
 }
 
 // Frames of a burst in which nothing moves see the mean of one render for each of them, whose noise is independent: a
-// variance that is smaller by their number. What the capture states is what is found against a picture of many more samples. So
-// for the other pictures of truth.
+// variance that is smaller by their number. What the capture states is what is found against a picture of many more
+// samples. So for the other pictures of truth.
 TEST(Simulate, AveragesTheRendersOfAStillBurstAndStatesTheirNoise) {
   json document = minimal();
   document["sensor"] = {{"width_px", 64}, {"height_px", 64}};
