@@ -10,7 +10,8 @@
 #include "pipeline/disparity/split/options.h"
 
 /// Every way of finding disparity between the two DP views, as one table. To add a matcher:
-///   1. write it in its own folder beside paper/, likelihood/ and split/, with an options struct that has fields() and check();
+///   1. write it in its own folder beside paper/, likelihood/ and split/, with an options struct that has fields() and
+///   check();
 ///   2. add that struct to MatcherOptions and its fields to fields(MatcherOptions&);
 ///   3. add one row to the table in matchers.cpp;
 ///   4. describe it in docs/disparity.md.

@@ -102,7 +102,7 @@ Image gaussian(const Image& image, double sigma) {
 }
 
 CoarseViews make_coarse_views(const Image& left, const Image& right, const SplitMatchOptions& options, int margin) {
-  constexpr double kShadingReach = 0.06;   // standard deviation of the window of the local ratio, of the width
+  constexpr double kShadingReach = 0.06;    // standard deviation of the window of the local ratio, of the width
   constexpr float kLeastContrast = 0.004f;  // over the local mean, that counts as contrast
   constexpr float kLeastSignal = 1e-4f;
   Reduced views = reduce(left, right, options.clipped);
@@ -128,8 +128,9 @@ CoarseViews make_coarse_views(const Image& left, const Image& right, const Split
   const Image mean_left = gaussian(views.left, high_pass), mean_right = gaussian(views.right, high_pass);
   Image sum(width, height), difference(width, height), power(width, height);
   for (std::size_t i = 0; i < size; ++i) {
-    const float l = (views.left.data[i] - mean_left.data[i]) / std::max(mean_left.data[i], kLeastSignal);
-    const float r = (views.right.data[i] - mean_right.data[i]) / std::max(mean_right.data[i], kLeastSignal);
+    const float mean = std::max(0.5f * (mean_left.data[i] + mean_right.data[i]), kLeastSignal);
+    const float l = (views.left.data[i] - mean_left.data[i]) / mean;
+    const float r = (views.right.data[i] - mean_right.data[i]) / mean;
     sum.data[i] = l + r;
     difference.data[i] = l - r;
     power.data[i] = 0.5f * (l * l + r * r);
@@ -140,7 +141,11 @@ CoarseViews make_coarse_views(const Image& left, const Image& right, const Split
     sum.data[i] *= scale;
     difference.data[i] *= scale;
   }
-  return {margin, views.usable.width, views.usable.height, padded(sum, margin), padded(difference, margin),
+  return {margin,
+          views.usable.width,
+          views.usable.height,
+          padded(sum, margin),
+          padded(difference, margin),
           std::move(views.usable)};
 }
 

@@ -75,7 +75,7 @@ SplitFilters make_filters(double d_dp_px, double alpha, double sample_px, double
   constexpr double kLeastResponse = 0.05;  // frequencies that the blur leaves less of count for less
   const double radius = d_dp_px / alpha / sample_px / 2;
   const double k = 1 / (4 * alpha);
-  const int reach = static_cast<int>(std::ceil(radius + 3 * smoothing));
+  const int reach = static_cast<int>(std::ceil(radius + 6 * smoothing));
   const int half = reach + 8;  // of the period
   Quadrant even(half + 1), odd(half + 1);
   for (int v = 0; v <= half; ++v) {

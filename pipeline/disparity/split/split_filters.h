@@ -16,14 +16,14 @@ struct SeparableFilter {
 /// `difference` and `sum` are those two filters, divided at each frequency by the root of both spectra's squares, which
 /// makes noise white again, under a Gaussian. Both views' kernels swap at -b: `sum` changes its sign.
 struct SplitFilters {
-  static constexpr int kTerms = 2;       ///< separable terms of each, the best of that number
-  int reach = 0;                         ///< samples
-  SeparableFilter difference[kTerms];    ///< even along x
-  SeparableFilter sum[kTerms];           ///< odd along x
+  static constexpr int kTerms = 3;     ///< separable terms of each, the best of that number
+  int reach = 0;                       ///< samples
+  SeparableFilter difference[kTerms];  ///< even along x
+  SeparableFilter sum[kTerms];         ///< odd along x
 };
 
-/// Filters of disparity d >= 0 for samples `sample_px` DP pixels apart; `smoothing` is the Gaussian's standard deviation
-/// in samples.
+/// Filters of disparity d >= 0 for samples `sample_px` DP pixels apart; `smoothing` is the Gaussian's standard
+/// deviation in samples.
 SplitFilters make_filters(double d_dp_px, double alpha, double sample_px, double smoothing);
 
 }  // namespace dualpixel::pipeline::split

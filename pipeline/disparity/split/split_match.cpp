@@ -10,6 +10,9 @@
 
 namespace dualpixel::pipeline {
 
+/// Correlation of neighboring tiles' errors: their windows overlap.
+constexpr float kWindowShare = 0.9f;
+
 TileDisparity match_by_split(const Image& left, const Image& right, const SplitMatchOptions& options,
                              const LikelihoodMatchOptions& near_focus) {
   using namespace split;
@@ -40,7 +43,7 @@ TileDisparity match_by_split(const Image& left, const Image& right, const SplitM
     }
     tiles.disparity_dp_px.data[i] = tile.disparity;
     tiles.sigma_dp_px.data[i] = invalid ? range : std::sqrt(tile.variance);
-    tiles.shared.data[i] = 0.9f;
+    tiles.shared.data[i] = kWindowShare;
     const float ratio = tile.variance / (options.confident_sigma_dp_px * options.confident_sigma_dp_px);
     tiles.confidence.data[i] = invalid ? 0 : 1 / (1 + ratio);
   }

@@ -1,9 +1,9 @@
 #include "pipeline/disparity/split/split_search.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 #include "capture/image/rows.h"
 #include "pipeline/disparity/split/split_filters.h"
@@ -34,35 +34,56 @@ void add_filtered(const Image& image, int margin, int y, int reach, const Separa
   }
 }
 
-/// Mean squares of every tile's residuals: one image a hypothesis, from -range to range.
-std::vector<Image> squared_residuals(const CoarseViews& views, const std::vector<SplitFilters>& filters) {
-  const int range = static_cast<int>(filters.size()) - 1;
-  std::vector<Image> costs(2 * range + 1, Image(views.columns, views.rows));
+/// Means over tiles, and later over windows, for hypotheses from -range to range: squares of the residual, and products
+/// of each residual with the next hypothesis's.
+struct Costs {
+  std::vector<Image> squares, products;
+};
+
+/// Residuals of one row of samples, both signs of one |d|.
+struct Residuals {
+  std::vector<float> behind, before;
+};
+
+/// Adds a row's mean products, tile by tile.
+void add_products(const std::vector<float>& a, const std::vector<float>& b, float* tiles, int columns) {
+  constexpr float kShare = 1.0f / (kTileSamples * kTileSamples);
+  static_assert(kTileSamples == 2);
+  for (int column = 0; column < columns; ++column) {
+    tiles[column] += kShare * (a[2 * column] * b[2 * column] + a[2 * column + 1] * b[2 * column + 1]);
+  }
+}
+
+Costs residual_costs(const CoarseViews& views, const std::vector<SplitFilters>& filters) {
+  const int range = static_cast<int>(filters.size()) - 1, columns = views.columns;
+  Costs costs{std::vector<Image>(2 * range + 1, Image(columns, views.rows)),
+              std::vector<Image>(2 * range, Image(columns, views.rows))};
   for_rows(views.rows, [&](int row) {
-    const int width = views.columns * kTileSamples;
+    const int width = columns * kTileSamples;
     std::vector<float> line(views.sum.width), even(width), odd(width);
-    for (int d = 0; d <= range; ++d) {
-      for (int y = row * kTileSamples; y < (row + 1) * kTileSamples; ++y) {
+    Residuals now{std::vector<float>(width), std::vector<float>(width)}, last = now;
+    for (int y = row * kTileSamples; y < (row + 1) * kTileSamples; ++y) {
+      for (int d = 0; d <= range; ++d) {
         std::fill(even.begin(), even.end(), 0.0f);
         std::fill(odd.begin(), odd.end(), 0.0f);
-        const int reach = filters[d].reach;
-        for (const SeparableFilter& term : filters[d].difference) {
-          add_filtered(views.difference, views.margin, views.margin + y, reach, term, false, line, even);
+        for (int term = 0; term < SplitFilters::kTerms; ++term) {
+          const SplitFilters& filter = filters[d];
+          add_filtered(views.difference, views.margin, views.margin + y, filter.reach, filter.difference[term], false,
+                       line, even);
+          if (d == 0) continue;
+          add_filtered(views.sum, views.margin, views.margin + y, filter.reach, filter.sum[term], true, line, odd);
         }
+        for (int x = 0; x < width; ++x) {
+          now.behind[x] = even[x] + odd[x];
+          now.before[x] = even[x] - odd[x];
+        }
+        add_products(now.behind, now.behind, costs.squares[range + d].row(row), columns);
         if (d > 0) {
-          for (const SeparableFilter& term : filters[d].sum) {
-            add_filtered(views.sum, views.margin, views.margin + y, reach, term, true, line, odd);
-          }
+          add_products(now.before, now.before, costs.squares[range - d].row(row), columns);
+          add_products(last.behind, now.behind, costs.products[range + d - 1].row(row), columns);
+          add_products(now.before, last.before, costs.products[range - d].row(row), columns);
         }
-        float *behind = costs[range + d].row(row), *before = costs[range - d].row(row);
-        constexpr float kShare = 1.0f / (kTileSamples * kTileSamples);
-        for (int column = 0; column < views.columns; ++column) {
-          for (int i = column * kTileSamples; i < (column + 1) * kTileSamples; ++i) {
-            const float plus = even[i] + odd[i], minus = even[i] - odd[i];
-            behind[column] += kShare * plus * plus;
-            if (d > 0) before[column] += kShare * minus * minus;
-          }
-        }
+        std::swap(now, last);
       }
     }
   });
@@ -82,31 +103,44 @@ void sum_over_windows(std::vector<Image>& costs, const Image& usable, double sig
 
 float square(float value) { return value * value; }
 
-CoarseTile best_disparity(const std::vector<Image>& costs, std::size_t tile) {
-  constexpr float kSamples = 6;         // independent residuals in a window
+/// Between two hypotheses the residual is nearly linear: its least square there.
+struct Between {
+  float position = 0, least = INFINITY;
+  float sensitivity = 0;  ///< mean square of the residual's derivative, per DP px
+};
+
+Between between(const Costs& costs, int i, std::size_t tile) {
+  const float a = costs.squares[i].data[tile], b = costs.squares[i + 1].data[tile], ab = costs.products[i].data[tile];
+  const float sensitivity = a - 2 * ab + b;
+  if (!(sensitivity > 0)) return {};
+  const float t = std::clamp((a - ab) / sensitivity, 0.0f, 1.0f);
+  return {static_cast<float>(i) + t, (1 - t) * (1 - t) * a + 2 * t * (1 - t) * ab + t * t * b, sensitivity};
+}
+
+CoarseTile best_disparity(const Costs& costs, std::size_t tile) {
+  constexpr float kSamples = 6;             // independent residuals in a window
   constexpr float kLeastResidual = 0.002f;  // of the contrast: what is never explained
-  constexpr float kKernelError = 0.04f;  // of the disparity: what an unknown split's kernels err by
-  const int count = static_cast<int>(costs.size()), range = count / 2;
-  const auto cost = [&](int i) { return costs[i].data[tile]; };
+  constexpr float kKernelError = 0.04f;     // of the disparity: what an unknown split's kernels err by
+  const int count = static_cast<int>(costs.squares.size()), range = count / 2;
+  const auto cost = [&](int i) { return costs.squares[i].data[tile]; };
   int best = range;
   for (int d = 1; d <= range; ++d) {
     if (cost(range - d) < cost(best)) best = range - d;
     if (cost(range + d) < cost(best)) best = range + d;
   }
   if (best == 0 || best == count - 1) return {static_cast<float>(best - range), INFINITY};
-  const float before = cost(best - 1), at = cost(best), after = cost(best + 1);
-  const float curvature = before - 2 * at + after;
-  if (!(curvature > 0)) return {static_cast<float>(best - range), INFINITY};
-  const float offset = 0.5f * (before - after) / curvature;
-  const float residual = std::max(at - 0.25f * (before - after) * offset, 0.0f) + kLeastResidual;
-  const float position = static_cast<float>(best - range) + offset;
+  const Between low = between(costs, best - 1, tile), high = between(costs, best, tile);
+  const Between& found = low.least < high.least ? low : high;
+  if (!(found.sensitivity > 0)) return {static_cast<float>(best - range), INFINITY};
+  const float position = found.position - static_cast<float>(range), at = found.least;
+  const float residual = std::max(at, 0.0f) + kLeastResidual;
   float total = 0, spread = 0;
   for (int i = 0; i < count; ++i) {
-    const float likely = std::exp(-0.5f * kSamples * (cost(i) - at) / residual);
+    const float likely = std::exp(-0.5f * kSamples * std::max(cost(i) - at, 0.0f) / residual);
     total += likely;
     if (std::abs(i - best) > 1) spread += likely * square(static_cast<float>(i - range) - position);
   }
-  return {position, 2 * residual / (kSamples * curvature) + spread / total + square(kKernelError * position)};
+  return {position, residual / (kSamples * found.sensitivity) + spread / total + square(kKernelError * position)};
 }
 
 }  // namespace
@@ -117,8 +151,10 @@ std::vector<CoarseTile> search_disparities(const Image& left, const Image& right
     filters.push_back(make_filters(d, options.alpha, kSamplePx, kFilterSmoothing));
   }
   const CoarseViews views = make_coarse_views(left, right, options, filters.back().reach);
-  std::vector<Image> costs = squared_residuals(views, filters);
-  sum_over_windows(costs, views.usable, options.window_px / kTilePx);
+  Costs costs = residual_costs(views, filters);
+  for (std::vector<Image>* images : {&costs.squares, &costs.products}) {
+    sum_over_windows(*images, views.usable, options.window_px / kTilePx);
+  }
   std::vector<CoarseTile> tiles(views.usable.data.size());
   for_rows(views.rows, [&](int row) {
     for (int column = 0; column < views.columns; ++column) {
