@@ -4,6 +4,7 @@
 
 #include "capture/names.h"
 #include "pipeline/disparity/likelihood/likelihood_match.h"
+#include "pipeline/disparity/split/split_match.h"
 #include "pipeline/disparity/tile_disparity.h"
 
 namespace dualpixel::pipeline {
@@ -22,11 +23,20 @@ TileDisparity match_likeliest(const Image& left, const Image& right, const std::
   return match_by_likelihood(left, right, likelihood);
 }
 
+TileDisparity match_knowing_split(const Image& left, const Image& right, const std::optional<ViewNoise>& noise,
+                                  const MatcherOptions& options) {
+  LikelihoodMatchOptions likelihood = options.likelihood_match;
+  likelihood.noise = noise;
+  return match_by_split(left, right, options.split_match, likelihood);
+}
+
 constexpr Matcher kMatchers[] = {
     {"paper", "normalized views, sums of squared differences, a parabola, as in Wadhwa et al. 2018",
      [](const MatcherOptions& options) { return options.match.range_px; }, match_as_in_paper},
     {"likelihood", "linear views and their noise, maximum likelihood, a predicted error",
      [](const MatcherOptions& options) { return options.likelihood_match.range_px; }, match_likeliest},
+    {"split", "low frequencies through the kernels of a soft split, maximum likelihood near the focus",
+     [](const MatcherOptions& options) { return options.split_match.range_px; }, match_knowing_split},
 };
 
 }  // namespace
@@ -34,7 +44,8 @@ constexpr Matcher kMatchers[] = {
 OptionFields fields(MatcherOptions& options) {
   OptionFields all = grouped("normalize", fields(options.normalize));
   for (const OptionFields& group :
-       {grouped("match", fields(options.match)), grouped("likelihood_match", fields(options.likelihood_match))}) {
+       {grouped("match", fields(options.match)), grouped("likelihood_match", fields(options.likelihood_match)),
+        grouped("split_match", fields(options.split_match))}) {
     all.insert(all.end(), group.begin(), group.end());
   }
   return all;

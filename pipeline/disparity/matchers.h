@@ -7,9 +7,11 @@
 #include "pipeline/disparity/noise_model.h"
 #include "pipeline/disparity/paper/match.h"
 #include "pipeline/disparity/paper/normalize.h"
+#include "pipeline/disparity/split/options.h"
 
 /// Every way of finding disparity between the two DP views, as one table. To add a matcher:
-///   1. write it in its own folder beside paper/ and likelihood/, with an options struct that has fields() and check();
+///   1. write it in its own folder beside paper/, likelihood/ and split/, with an options struct that has fields() and
+///   check();
 ///   2. add that struct to MatcherOptions and its fields to fields(MatcherOptions&);
 ///   3. add one row to the table in matchers.cpp;
 ///   4. describe it in docs/disparity.md.
@@ -22,7 +24,9 @@ struct TileDisparity;
 struct MatcherOptions {
   NormalizeOptions normalize;               ///< paper
   MatchOptions match;                       ///< paper
-  LikelihoodMatchOptions likelihood_match;  ///< likelihood; its noise is replaced by what the matcher is given
+  LikelihoodMatchOptions likelihood_match;  ///< likelihood, and split near the focus; its noise is replaced by what
+                                            ///< the matcher is given
+  SplitMatchOptions split_match;            ///< split
 };
 
 /// All but the noise, as "normalize.window_px", "match.range_px", "likelihood_match.range_px", ...

@@ -1,0 +1,152 @@
+#include "pipeline/disparity/split/coarse_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "capture/image/rows.h"
+
+namespace dualpixel::pipeline::split {
+namespace {
+
+/// Position `i` mirrored into 0 .. size - 1.
+int mirrored(int i, int size) {
+  if (size == 1) return 0;
+  const int period = 2 * size - 2;
+  i = ((i % period) + period) % period;
+  return i < size ? i : period - i;
+}
+
+bool is_usable(float value, float clipped) { return std::isfinite(value) && value < clipped; }
+
+/// Both views at a quarter of their size, means of the pixels that are usable in both, and the tiles' usable shares.
+struct Reduced {
+  Image left, right, usable;
+};
+
+Reduced reduce(const Image& left, const Image& right, float clipped) {
+  const int columns = (left.width + kTilePx - 1) / kTilePx, rows = (left.height + kTilePx - 1) / kTilePx;
+  const int width = columns * kTileSamples, height = rows * kTileSamples;
+  Reduced out{Image(width, height), Image(width, height), Image(columns, rows)};
+  for_rows(rows, [&](int row) {
+    for (int y = row * kTileSamples; y < (row + 1) * kTileSamples; ++y) {
+      float before_left = 0, before_right = 0;
+      for (int x = 0; x < width; ++x) {
+        float l = 0, r = 0, count = 0;
+        for (int j = 0; j < kSamplePx; ++j) {
+          const int v = mirrored(y * kSamplePx + j, left.height);
+          for (int i = 0; i < kSamplePx; ++i) {
+            const int u = mirrored(x * kSamplePx + i, left.width);
+            const float a = left.row(v)[u], b = right.row(v)[u];
+            if (!is_usable(a, clipped) || !is_usable(b, clipped)) continue;
+            l += a;
+            r += b;
+            count += 1;
+          }
+        }
+        if (count > 0) {
+          before_left = l / count;
+          before_right = r / count;
+        }
+        out.left.at(x, y) = before_left;
+        out.right.at(x, y) = before_right;
+        out.usable.at(x / kTileSamples, row) += count / (kTilePx * kTilePx);
+      }
+    }
+  });
+  return out;
+}
+
+/// The image with `margin` mirrored pixels on each side.
+Image padded(const Image& image, int margin) {
+  Image out(image.width + 2 * margin, image.height + 2 * margin);
+  for_rows(out.height, [&](int y) {
+    const float* in = image.row(mirrored(y - margin, image.height));
+    for (int x = 0; x < out.width; ++x) out.row(y)[x] = in[mirrored(x - margin, image.width)];
+  });
+  return out;
+}
+
+}  // namespace
+
+Image gaussian(const Image& image, double sigma) {
+  const int reach = static_cast<int>(std::ceil(3 * sigma));
+  std::vector<float> taps(reach + 1);
+  double total = 0;
+  for (int i = 0; i <= reach; ++i) {
+    taps[i] = static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma)));
+    total += (i == 0 ? 1 : 2) * taps[i];
+  }
+  for (float& tap : taps) tap = static_cast<float>(tap / total);
+  Image out(image.width, image.height);
+  for_rows(image.height, [&](int y) {
+    std::vector<float> line(image.width + 2 * reach);
+    float* middle = line.data() + reach;
+    for (int x = 0; x < image.width; ++x) middle[x] = taps[0] * image.row(y)[x];
+    for (int i = 1; i <= reach; ++i) {
+      const float* above = image.row(mirrored(y - i, image.height));
+      const float* below = image.row(mirrored(y + i, image.height));
+      for (int x = 0; x < image.width; ++x) middle[x] += taps[i] * (above[x] + below[x]);
+    }
+    for (int i = 1; i <= reach; ++i) {
+      middle[-i] = middle[mirrored(-i, image.width)];
+      middle[image.width - 1 + i] = middle[mirrored(image.width - 1 + i, image.width)];
+    }
+    float* to = out.row(y);
+    for (int x = 0; x < image.width; ++x) to[x] = taps[0] * middle[x];
+    for (int i = 1; i <= reach; ++i) {
+      for (int x = 0; x < image.width; ++x) to[x] += taps[i] * (middle[x - i] + middle[x + i]);
+    }
+  });
+  return out;
+}
+
+CoarseViews make_coarse_views(const Image& left, const Image& right, const SplitMatchOptions& options, int margin) {
+  constexpr double kShadingReach = 0.06;    // standard deviation of the window of the local ratio, of the width
+  constexpr float kLeastContrast = 0.004f;  // over the local mean, that counts as contrast
+  constexpr float kLeastSignal = 1e-4f;
+  Reduced views = reduce(left, right, options.clipped);
+  const int width = views.left.width, height = views.left.height;
+  const std::size_t size = views.left.data.size();
+
+  const double window = std::max(kShadingReach * width, 4.0);
+  const Image wide_left = gaussian(views.left, window), wide_right = gaussian(views.right, window);
+  for (std::size_t i = 0; i < size; ++i) {
+    const float ratio = wide_right.data[i] / wide_left.data[i];
+    const float gain = ratio > 0.0625f && ratio < 16 ? std::sqrt(ratio) : 1.0f;  // beyond that, or 0 / 0, no shading
+    views.left.data[i] *= gain;
+    views.right.data[i] /= gain;
+  }
+  const double box = (kSamplePx * kSamplePx - 1) / 12.0;  // variance of the mean over a sample's pixels, px^2
+  const double own = std::pow(options.low_pass_px / kSamplePx, 2) - box / (kSamplePx * kSamplePx) -
+                     kFilterSmoothing * kFilterSmoothing;
+  if (own > 0.04) {
+    views.left = gaussian(views.left, std::sqrt(own));
+    views.right = gaussian(views.right, std::sqrt(own));
+  }
+  const double high_pass = options.high_pass_px / kSamplePx;
+  const Image mean_left = gaussian(views.left, high_pass), mean_right = gaussian(views.right, high_pass);
+  Image sum(width, height), difference(width, height), power(width, height);
+  for (std::size_t i = 0; i < size; ++i) {
+    const float mean = std::max(0.5f * (mean_left.data[i] + mean_right.data[i]), kLeastSignal);
+    const float l = (views.left.data[i] - mean_left.data[i]) / mean;
+    const float r = (views.right.data[i] - mean_right.data[i]) / mean;
+    sum.data[i] = l + r;
+    difference.data[i] = l - r;
+    power.data[i] = 0.5f * (l * l + r * r);
+  }
+  power = gaussian(power, high_pass);
+  for (std::size_t i = 0; i < size; ++i) {
+    const float scale = 1 / std::sqrt(power.data[i] + kLeastContrast * kLeastContrast);
+    sum.data[i] *= scale;
+    difference.data[i] *= scale;
+  }
+  return {margin,
+          views.usable.width,
+          views.usable.height,
+          padded(sum, margin),
+          padded(difference, margin),
+          std::move(views.usable)};
+}
+
+}  // namespace dualpixel::pipeline::split

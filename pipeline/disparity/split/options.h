@@ -1,0 +1,22 @@
+#pragma once
+#include "pipeline/option_field.h"
+
+namespace dualpixel::pipeline {
+
+struct SplitMatchOptions {
+  int range_px = 16;        ///< largest |disparity| that is tried, DP px; 4..64
+  float alpha = 0.21f;      ///< disparity over signed blur diameter; at most 1/4, a ramp that reaches the pupil's rim
+  float clipped = 0.98f;    ///< pixels at or above it, normalized signal, are invalid
+  float low_pass_px = 6;    ///< standard deviation of the Gaussian before matching, DP px
+  float high_pass_px = 20;  ///< ... of the local mean that is taken out, DP px
+  float window_px = 12;     ///< ... of the window over which squared differences are summed, DP px
+  float near_focus_dp_px = 1.2f;    ///< up to this |disparity| the likelihood matcher answers; 0: nowhere
+  float confident_sigma_dp_px = 1;  ///< predicted error at which confidence is 1/2, DP px
+};
+
+OptionFields fields(SplitMatchOptions& options);
+
+/// Throws InputError where a value is out of its range.
+void check(const SplitMatchOptions& options);
+
+}  // namespace dualpixel::pipeline

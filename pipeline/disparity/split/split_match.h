@@ -1,0 +1,34 @@
+#pragma once
+#include "capture/image/image.h"
+#include "pipeline/disparity/likelihood/options.h"
+#include "pipeline/disparity/split/options.h"
+#include "pipeline/disparity/tile_disparity.h"
+
+/// Disparity of every tile of views whose split is soft. Blurred by a ramp, two views are no shift of each other above
+/// some 0.2 / |d| cycles a pixel: the phase between them follows their kernels and even turns its sign. This matcher
+/// knows the kernels of each disparity.
+namespace dualpixel::pipeline {
+
+/// `left` and `right` are linear views of one size, one channel, normalized signal. Returns d with right(x + d) =
+/// left(x), of the kernels' centroids, for each 8 x 8 tile. Steps:
+///   1. Both views under a Gaussian, at a quarter of their size; their ratio over a wide window and local means taken
+///      out; divided by the local contrast, so that no edge outweighs its surroundings.
+///   2. For every whole |d| up to the range, blur b = d / alpha: left through the right view's ramp kernel less right
+///      through the left's, whitened (split_filters.h). Squares are summed over a Gaussian window.
+///   3. Between hypotheses the residual is taken as linear in d, and its least square found.
+///   4. Where that and the likelihood matcher, given `near_focus` with a range just wide enough, both lie under
+///      near_focus_dp_px, the latter's answer: there blur is narrow, and fine texture tells more.
+///
+/// sigma_dp_px is the predicted standard deviation of the error, at most range_px; away from the focus root-sum-square
+/// of the least residual over its sensitivity to d, for six independent samples a window; the spread of other
+/// disparities that the residuals cannot rule out; and 0.04 |d|, for kernels that are not quite the camera's.
+/// Confidence is 1 / (1 + (sigma / confident_sigma_dp_px)^2), and 0 where the best disparity is an end of the range.
+/// `shared` is 0.9 there, as windows overlap.
+///
+/// Pixels that are clipped or not finite in either view are left out; empty views give an empty answer. The answer does
+/// not depend on the number of threads. Throws InputError where the views' sizes differ, they have more than one
+/// channel, or an option is out of range.
+TileDisparity match_by_split(const Image& left, const Image& right, const SplitMatchOptions& options = {},
+                             const LikelihoodMatchOptions& near_focus = {});
+
+}  // namespace dualpixel::pipeline

@@ -1,0 +1,168 @@
+#include "pipeline/disparity/split/split_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+#include "capture/image/rows.h"
+#include "pipeline/disparity/split/split_filters.h"
+
+namespace dualpixel::pipeline::split {
+namespace {
+
+/// `to` plus a row of `image` under a separable filter, from x = margin on. `line` is as wide as the image.
+void add_filtered(const Image& image, int margin, int y, int reach, const SeparableFilter& filter, bool odd,
+                  std::vector<float>& line, std::vector<float>& to) {
+  const int width = static_cast<int>(to.size());
+  const int first = margin - reach, last = margin + width + reach;
+  const float* at = image.row(y);
+  for (int x = first; x < last; ++x) line[x] = filter.along_y[0] * at[x];
+  for (int j = 1; j <= reach; ++j) {
+    const float tap = filter.along_y[j];
+    const float *above = image.row(y - j), *below = image.row(y + j);
+    for (int x = first; x < last; ++x) line[x] += tap * (above[x] + below[x]);
+  }
+  const float* middle = line.data() + margin;
+  float* out = to.data();
+  if (!odd) {
+    for (int x = 0; x < width; ++x) out[x] += filter.along_x[0] * middle[x];
+  }
+  for (int i = 1; i <= reach; ++i) {
+    const float tap = filter.along_x[i], other = odd ? -tap : tap;
+    for (int x = 0; x < width; ++x) out[x] += tap * middle[x - i] + other * middle[x + i];
+  }
+}
+
+/// Means over tiles, and later over windows, for hypotheses from -range to range: squares of the residual, and products
+/// of each residual with the next hypothesis's.
+struct Costs {
+  std::vector<Image> squares, products;
+};
+
+/// Residuals of one row of samples, both signs of one |d|.
+struct Residuals {
+  std::vector<float> behind, before;
+};
+
+/// Adds a row's mean products, tile by tile.
+void add_products(const std::vector<float>& a, const std::vector<float>& b, float* tiles, int columns) {
+  constexpr float kShare = 1.0f / (kTileSamples * kTileSamples);
+  static_assert(kTileSamples == 2);
+  for (int column = 0; column < columns; ++column) {
+    tiles[column] += kShare * (a[2 * column] * b[2 * column] + a[2 * column + 1] * b[2 * column + 1]);
+  }
+}
+
+Costs residual_costs(const CoarseViews& views, const std::vector<SplitFilters>& filters) {
+  const int range = static_cast<int>(filters.size()) - 1, columns = views.columns;
+  Costs costs{std::vector<Image>(2 * range + 1, Image(columns, views.rows)),
+              std::vector<Image>(2 * range, Image(columns, views.rows))};
+  for_rows(views.rows, [&](int row) {
+    const int width = columns * kTileSamples;
+    std::vector<float> line(views.sum.width), even(width), odd(width);
+    Residuals now{std::vector<float>(width), std::vector<float>(width)}, last = now;
+    for (int y = row * kTileSamples; y < (row + 1) * kTileSamples; ++y) {
+      for (int d = 0; d <= range; ++d) {
+        std::fill(even.begin(), even.end(), 0.0f);
+        std::fill(odd.begin(), odd.end(), 0.0f);
+        for (int term = 0; term < SplitFilters::kTerms; ++term) {
+          const SplitFilters& filter = filters[d];
+          add_filtered(views.difference, views.margin, views.margin + y, filter.reach, filter.difference[term], false,
+                       line, even);
+          if (d == 0) continue;
+          add_filtered(views.sum, views.margin, views.margin + y, filter.reach, filter.sum[term], true, line, odd);
+        }
+        for (int x = 0; x < width; ++x) {
+          now.behind[x] = even[x] + odd[x];
+          now.before[x] = even[x] - odd[x];
+        }
+        add_products(now.behind, now.behind, costs.squares[range + d].row(row), columns);
+        if (d > 0) {
+          add_products(now.before, now.before, costs.squares[range - d].row(row), columns);
+          add_products(last.behind, now.behind, costs.products[range + d - 1].row(row), columns);
+          add_products(now.before, last.before, costs.products[range - d].row(row), columns);
+        }
+        std::swap(now, last);
+      }
+    }
+  });
+  return costs;
+}
+
+/// The window's means of each image, tiles weighed by what of them is usable.
+void sum_over_windows(std::vector<Image>& costs, const Image& usable, double sigma) {
+  Image total = gaussian(usable, sigma);
+  for (float& value : total.data) value = 1 / std::max(value, 1e-6f);
+  for (Image& cost : costs) {
+    for (std::size_t i = 0; i < cost.data.size(); ++i) cost.data[i] *= usable.data[i];
+    cost = gaussian(cost, sigma);
+    for (std::size_t i = 0; i < cost.data.size(); ++i) cost.data[i] *= total.data[i];
+  }
+}
+
+float square(float value) { return value * value; }
+
+/// Between two hypotheses the residual is nearly linear: its least square there.
+struct Between {
+  float position = 0, least = INFINITY;
+  float sensitivity = 0;  ///< mean square of the residual's derivative, per DP px
+};
+
+Between between(const Costs& costs, int i, std::size_t tile) {
+  const float a = costs.squares[i].data[tile], b = costs.squares[i + 1].data[tile], ab = costs.products[i].data[tile];
+  const float sensitivity = a - 2 * ab + b;
+  if (!(sensitivity > 0)) return {};
+  const float t = std::clamp((a - ab) / sensitivity, 0.0f, 1.0f);
+  return {static_cast<float>(i) + t, (1 - t) * (1 - t) * a + 2 * t * (1 - t) * ab + t * t * b, sensitivity};
+}
+
+CoarseTile best_disparity(const Costs& costs, std::size_t tile) {
+  constexpr float kSamples = 6;             // independent residuals in a window
+  constexpr float kLeastResidual = 0.002f;  // of the contrast: what is never explained
+  constexpr float kKernelError = 0.04f;     // of the disparity: what an unknown split's kernels err by
+  const int count = static_cast<int>(costs.squares.size()), range = count / 2;
+  const auto cost = [&](int i) { return costs.squares[i].data[tile]; };
+  int best = range;
+  for (int d = 1; d <= range; ++d) {
+    if (cost(range - d) < cost(best)) best = range - d;
+    if (cost(range + d) < cost(best)) best = range + d;
+  }
+  if (best == 0 || best == count - 1) return {static_cast<float>(best - range), INFINITY};
+  const Between low = between(costs, best - 1, tile), high = between(costs, best, tile);
+  const Between& found = low.least < high.least ? low : high;
+  if (!(found.sensitivity > 0)) return {static_cast<float>(best - range), INFINITY};
+  const float position = found.position - static_cast<float>(range), at = found.least;
+  const float residual = std::max(at, 0.0f) + kLeastResidual;
+  float total = 0, spread = 0;
+  for (int i = 0; i < count; ++i) {
+    const float likely = std::exp(-0.5f * kSamples * std::max(cost(i) - at, 0.0f) / residual);
+    total += likely;
+    if (std::abs(i - best) > 1) spread += likely * square(static_cast<float>(i - range) - position);
+  }
+  return {position, residual / (kSamples * found.sensitivity) + spread / total + square(kKernelError * position)};
+}
+
+}  // namespace
+
+std::vector<CoarseTile> search_disparities(const Image& left, const Image& right, const SplitMatchOptions& options) {
+  std::vector<SplitFilters> filters;
+  for (int d = 0; d <= options.range_px; ++d) {
+    filters.push_back(make_filters(d, options.alpha, kSamplePx, kFilterSmoothing));
+  }
+  const CoarseViews views = make_coarse_views(left, right, options, filters.back().reach);
+  Costs costs = residual_costs(views, filters);
+  for (std::vector<Image>* images : {&costs.squares, &costs.products}) {
+    sum_over_windows(*images, views.usable, options.window_px / kTilePx);
+  }
+  std::vector<CoarseTile> tiles(views.usable.data.size());
+  for_rows(views.rows, [&](int row) {
+    for (int column = 0; column < views.columns; ++column) {
+      const std::size_t i = static_cast<std::size_t>(row) * views.columns + column;
+      tiles[i] = best_disparity(costs, i);
+    }
+  });
+  return tiles;
+}
+
+}  // namespace dualpixel::pipeline::split

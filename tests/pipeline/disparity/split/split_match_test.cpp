@@ -1,0 +1,212 @@
+#include "pipeline/disparity/split/split_match.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "capture/error.h"
+#include "pipeline/disparity/likelihood/likelihood_match.h"
+#include "pipeline/disparity/split/split_filters.h"
+
+namespace dualpixel::pipeline {
+namespace {
+
+constexpr int kRampWidth = 512, kRampHeight = 256;
+constexpr int kRampBorder = 6;       // tiles: a window's reach, mirrored there
+constexpr double kRampAlpha = 0.21;  // the matcher's default
+
+/// The transform at (fx, fy) of a disc of diameter |b| with weights 1 + side x / (k radius), k = 1 / (4 alpha), by
+/// sums over chords: its even part, and the part that comes with sin.
+struct Response {
+  double even = 0, odd = 0;
+};
+
+Response ramp_response(double fx, double fy, double b, double alpha) {
+  constexpr int kSteps = 200;
+  const double radius = std::abs(b) / 2, tilt = (b > 0 ? 4 : -4) * alpha;
+  Response sum;
+  double total = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double x = (i + 0.5) / kSteps * 2 - 1, half = std::sqrt(1 - x * x);
+    const double across = 2 * std::numbers::pi * fy * radius * half;
+    const double chord = half * (std::abs(across) > 1e-9 ? std::sin(across) / across : 1.0);
+    const double along = 2 * std::numbers::pi * fx * radius * x;
+    sum.even += chord * std::cos(along);
+    sum.odd += chord * tilt * x * std::sin(along);
+    total += half;
+  }
+  return {sum.even / total, sum.odd / total};
+}
+
+struct RampPair {
+  Image left, right;
+  double disparity = 0;
+};
+
+/// A plane at blur diameter b: cosines of random direction, amplitude 1 / f from 1/200 to 1/5 cycles a pixel, through
+/// the closed form of a soft split; then noise of standard deviation `noise`. Mean 0.3.
+RampPair ramp_pair(unsigned seed, double b, double noise, double alpha = kRampAlpha) {
+  constexpr int kWaves = 150;
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  RampPair pair{Image(kRampWidth, kRampHeight, 1, 0.3f), Image(kRampWidth, kRampHeight, 1, 0.3f), alpha * b};
+  for (int wave = 0; wave < kWaves; ++wave) {
+    const double f = 0.005 * std::pow(40, uniform(random)), angle = 2 * std::numbers::pi * uniform(random);
+    const double fx = f * std::cos(angle), fy = f * std::sin(angle), phase = 2 * std::numbers::pi * uniform(random);
+    const Response response = ramp_response(fx, fy, b, alpha);
+    const double amplitude = 0.1 * std::sqrt(2.0 / kWaves) * std::hypot(response.even, response.odd);
+    const double turn = std::atan2(response.odd, response.even);  // even cos t + odd sin t
+    for (int y = 0; y < kRampHeight; ++y) {
+      for (int x = 0; x < kRampWidth; ++x) {
+        const double t = 2 * std::numbers::pi * (fx * x + fy * y) + phase;
+        pair.left.at(x, y) += static_cast<float>(amplitude * std::cos(t + turn));
+        pair.right.at(x, y) += static_cast<float>(amplitude * std::cos(t - turn));
+      }
+    }
+  }
+  std::normal_distribution<float> normal(0, 1);
+  for (Image* view : {&pair.left, &pair.right}) {
+    for (float& value : view->data) value += static_cast<float>(noise) * normal(random);
+  }
+  return pair;
+}
+
+struct RampErrors {
+  double bias = 0, wrong = 0, within_one = 0, within_two = 0;
+};
+
+RampErrors ramp_errors(const TileDisparity& tiles, double d) {
+  RampErrors errors;
+  int count = 0;
+  for (int y = kRampBorder; y < tiles.disparity_dp_px.height - kRampBorder; ++y) {
+    for (int x = kRampBorder; x < tiles.disparity_dp_px.width - kRampBorder; ++x) {
+      const double error = tiles.disparity_dp_px.at(x, y) - d, sigma = tiles.sigma_dp_px.at(x, y);
+      errors.bias += error;
+      errors.wrong += std::abs(error) > 0.5;
+      errors.within_one += std::abs(error) < sigma;
+      errors.within_two += std::abs(error) < 2 * sigma;
+      ++count;
+    }
+  }
+  return {errors.bias / count, errors.wrong / count, errors.within_one / count, errors.within_two / count};
+}
+
+TEST(SplitFilters, UndoTheKernelsOfTheirDisparity) {
+  // Even filter times the difference plus odd filter times the sum of both views' responses, for waves of three
+  // directions: 0 but for what three separable terms leave out, which is .032 here, of 1.
+  for (const double d : {1.0, 3.0, 6.0}) {
+    const split::SplitFilters filters = split::make_filters(d, kRampAlpha, 4, 0.8);
+    for (const double angle : {0.0, 0.5, 1.0}) {
+      const double f = 0.06, fx = f * std::cos(angle), fy = f * std::sin(angle);  // cycles a sample
+      const auto response = [&](const split::SeparableFilter& filter, bool odd) {
+        double x = odd ? 0 : filter.along_x[0], y = filter.along_y[0];
+        for (int i = 1; i <= filters.reach; ++i) {
+          const double a = 2 * std::numbers::pi * i;
+          x += 2 * filter.along_x[i] * (odd ? std::sin(a * fx) : std::cos(a * fx));
+          y += 2 * filter.along_y[i] * std::cos(a * fy);
+        }
+        return x * y;
+      };
+      double even = 0, odd = 0;
+      for (int term = 0; term < split::SplitFilters::kTerms; ++term) {
+        even += response(filters.difference[term], false);
+        odd += response(filters.sum[term], true);
+      }
+      // Left is even - odd, right even + odd: the difference is -2 odd, the sum 2 even.
+      const Response views = ramp_response(fx / 4, fy / 4, d / kRampAlpha, kRampAlpha);
+      const double size = std::hypot(views.even, views.odd);
+      EXPECT_NEAR((views.even * odd - views.odd * even) / size, 0, 0.04) << d << " " << angle;
+      EXPECT_GT(std::hypot(even, odd), 0.7) << d << " " << angle;
+    }
+  }
+}
+
+TEST(SlowSplitMatch, SoftSplitsAreUnbiasedBeforeAndBehindTheFocus) {
+  // Bias and wrong share as asked of the matcher; what a single texture is off by lies within both.
+  for (const double noise : {0.0, 0.003}) {
+    for (const double b : {-30.0, -24.0, -15.0, -6.0, 6.0, 12.0, 20.0, 30.0}) {
+      const RampPair pair = ramp_pair(3, b, noise);
+      const RampErrors errors = ramp_errors(match_by_split(pair.left, pair.right), pair.disparity);
+      EXPECT_NEAR(errors.bias, 0, 0.05) << b << " noise " << noise;
+      EXPECT_LT(errors.wrong, 0.05) << b << " noise " << noise;
+      EXPECT_GT(errors.within_one, 0.6) << b << " noise " << noise;
+      EXPECT_GT(errors.within_two, 0.88) << b << " noise " << noise;
+    }
+  }
+}
+
+TEST(SplitMatch, NearTheFocusIsTheLikelihoodMatcher) {
+  const RampPair pair = ramp_pair(4, 2, 0.003);
+  const TileDisparity ours = match_by_split(pair.left, pair.right);
+  const TileDisparity likelihood = match_by_likelihood(pair.left, pair.right, {.range_px = 4});
+  EXPECT_EQ(ours.disparity_dp_px.data, likelihood.disparity_dp_px.data);
+  EXPECT_EQ(ours.sigma_dp_px.data, likelihood.sigma_dp_px.data);
+}
+
+TEST(SplitMatch, SameBytesForAnyNumberOfThreads) {
+  const RampPair pair = ramp_pair(5, 15, 0.01);
+  const auto with_threads = [&](int threads) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    return match_by_split(pair.left, pair.right);
+  };
+  const TileDisparity one = with_threads(1), three = with_threads(3);
+  EXPECT_EQ(one.disparity_dp_px.data, three.disparity_dp_px.data);
+  EXPECT_EQ(one.sigma_dp_px.data, three.sigma_dp_px.data);
+  EXPECT_EQ(one.confidence.data, three.confidence.data);
+}
+
+TEST(SplitMatch, UnusablePixelsStayFinite) {
+  RampPair pair = ramp_pair(6, 10, 0.003);
+  for (int y = 40; y < 120; ++y) {
+    for (int x = 60; x < 200; ++x) {
+      pair.left.at(x, y) = x < 100 ? std::numeric_limits<float>::quiet_NaN() : 2.0f;
+    }
+  }
+  const TileDisparity tiles = match_by_split(pair.left, pair.right);
+  for (std::size_t i = 0; i < tiles.disparity_dp_px.data.size(); ++i) {
+    EXPECT_TRUE(std::abs(tiles.disparity_dp_px.data[i]) <= 16) << i;
+    EXPECT_TRUE(tiles.sigma_dp_px.data[i] > 0 && tiles.sigma_dp_px.data[i] <= 16) << i;
+    EXPECT_TRUE(tiles.confidence.data[i] >= 0 && tiles.confidence.data[i] <= 1) << i;
+  }
+}
+
+TEST(SplitMatch, SmallAndEmptyViews) {
+  EXPECT_TRUE(match_by_split({}, {}).disparity_dp_px.empty());
+  for (const auto& [width, height] : {std::pair{1, 1}, {7, 3}, {20, 9}}) {
+    const Image view(width, height, 1, 0.3f);
+    const TileDisparity tiles = match_by_split(view, view);
+    EXPECT_EQ(tiles.disparity_dp_px.width, (width + 7) / 8);
+    for (const float d : tiles.disparity_dp_px.data) EXPECT_TRUE(std::isfinite(d));
+  }
+}
+
+TEST(SplitMatch, RefusesWhatItCannotUse) {
+  const Image view(32, 16, 1, 0.3f);
+  EXPECT_THROW(match_by_split(view, Image(24, 16, 1, 0.3f)), InputError);
+  EXPECT_THROW(match_by_split(Image(32, 16, 3), Image(32, 16, 3)), InputError);
+  for (const auto change :
+       {+[](SplitMatchOptions& o) { o.alpha = 0.3f; }, +[](SplitMatchOptions& o) { o.alpha = NAN; },
+        +[](SplitMatchOptions& o) { o.range_px = 3; }, +[](SplitMatchOptions& o) { o.window_px = 0; },
+        +[](SplitMatchOptions& o) { o.near_focus_dp_px = -1; }}) {
+    SplitMatchOptions options;
+    change(options);
+    EXPECT_THROW(match_by_split(view, view, options), InputError);
+  }
+  SplitMatchOptions options;
+  options.alpha = 0.3f;
+  try {
+    check(options);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("split_match.alpha: 0.3"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace dualpixel::pipeline
