@@ -42,7 +42,7 @@ SampleMap samples_in_time(const Simulation& s, const RenderScene& world, const C
   const auto spent_s = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
   const Pilot pilot = probe_tiles(world, view, s.render, target, kMostPilotSamples, progress);
   const double sample_s = spent_s() / pilot.samples;
-  const double maps = 1.0 * s.burst_frames * poses_of(s);
+  const double maps = (moves(s) ? s.burst_frames : 1) * poses_of(s);
   return share_budget(
       pilot, [&] { return std::max(*s.time_budget_s - spent_s(), 0.0) / (sample_s * maps); }, limits);
 }

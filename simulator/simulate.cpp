@@ -214,20 +214,6 @@ void add_truth_pictures(const Job& job, Truth& truth) {
   truth.noise = {.all_in_focus = sharp.noise, .photograph = wide.noise};
 }
 
-/// What all frames of a burst in which nothing moves see: the mean of one render for each of them. Independent renders
-/// would leave the merged burst with the same noise, and each frame with more of it.
-Views render_still(const Simulation& s, const RenderScene& world, const CameraView& view, const SampleMap& map,
-                   const ProgressCallback& progress) {
-  const Moment still = moment(s, view, 0);
-  Views mean;
-  for (int i = 0; i < s.burst_frames; ++i) {
-    Views views = render_frame(s, world, view, still, map, i,
-                               [&](double fraction) { progress((i + fraction) / s.burst_frames); });
-    add_share(views, s.burst_frames, mean);
-  }
-  return mean;
-}
-
 /// The first frame's views, before the sensor adds its noise.
 void add_truth_views(const Job& job, const Views& views, Truth& truth) {
   truth.left = in_units(views.left, job.unit_per_nit);
@@ -237,7 +223,7 @@ void add_truth_views(const Job& job, const Views& views, Truth& truth) {
 /// What is known of the first frame's samples and error, and of truth's views', which are in `truth`.
 void describe_sampling(const Job& job, const PictureSampling& sampling, Truth& truth) {
   const Simulation& s = job.simulation;
-  const int pictures = moves(s) ? poses_of(s) : s.burst_frames;  // whose mean a frame sees
+  const int pictures = poses_of(s);
   if (!sampling.target) {
     RenderOptions options = s.render;
     options.samples_per_pixel = static_cast<int>(sampling.map.samples.front());
@@ -354,16 +340,13 @@ Capture simulate(const Simulation& s, RenderScene& world, const CameraView& view
     const double over_target = expected_error(sampling, poses_of(s));
     capture.provenance.noise_fraction_reached = over_target * s.noise_fraction.value_or(1);
   }
-  const ProgressCallback views_step = [&](double fraction) {
-    if (stage) stage("left and right view", fraction);
-  };
   Views views;
-  if (!moves(s)) views = render_still(s, world, view, sampling.map, views_step);
   for (int i = 0; i < s.burst_frames; ++i) {
     const Moment middle = moment(s, view, middle_s(s, i));
-    if (moves(s)) {
-      views = render_frame(s, world, view, middle, sampling.map, i,
-                           [&](double fraction) { views_step((i + fraction) / s.burst_frames); });
+    if (i == 0 || moves(s)) {  // else all frames see the first one's light
+      views = render_frame(s, world, view, middle, sampling.map, i, [&](double fraction) {
+        if (stage) stage("left and right view", (i + fraction) / s.burst_frames);
+      });
     }
     if (i == 0) add_truth_views(job, views, truth);
     if (i > 0 && moves(s)) {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "scenes/test_targets/noise.h"
 #include "scenes/make_scenes/sdf_mesh.h"
 #include "scenes/procedural/signed_distance.h"
+#include "scenes/test_targets/noise.h"
 
 namespace dualpixel::scenes {
 namespace {
