@@ -14,6 +14,7 @@
 #include "simulator/picture_sampling.h"
 #include "simulator/render/motion.h"
 #include "simulator/render/render_error.h"
+#include "simulator/render/render_scene.h"
 #include "simulator/render/truth.h"
 #include "simulator/render/views.h"
 #include "simulator/sampling/hash.h"

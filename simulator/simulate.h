@@ -4,12 +4,13 @@
 
 #include "capture/capture.h"
 #include "simulator/render/camera_view.h"
-#include "simulator/render/render_scene.h"
 #include "simulator/scene/scene.h"
 #include "simulator/scene_file.h"
 
 /// The simulator from end to end: scene + lens + sensor -> capture with truth.
 namespace dualpixel::simulator {
+
+struct RenderScene;
 
 /// Reads glTF and environment that `simulation` names, animated objects where they are at `time_s` if
 /// Simulation::animation is set. Throws InputError, also where nothing in them gives light.

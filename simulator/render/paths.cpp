@@ -79,11 +79,12 @@ void see_environment(const RenderScene& world, const RayPacket& rays, Paths& pat
   add_light(paths, i, environment_radiance(environment, d) * mis_weight(paths.pdf[i], other));
 }
 
-void see_unlit(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RayPacket& rays, Paths& paths) {
+/// `t`: what of the light reaches the start of each path.
+void see_unlit(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RayPacket& rays,
+               const Vec3Packet& t, Paths& paths) {
   Vec3Packet color;
   base_colors_at(scene, mesh, lanes, rays, color);
   Vec3Packet& r = paths.radiance;
-  const Vec3Packet& t = paths.throughput;
   const float white_nits = scene.unlit_white_nits;
 #pragma GCC ivdep
   for (int i = 0; i < kPacket; ++i) {
@@ -374,7 +375,9 @@ constexpr int kMostBounces = 32;  ///< that are told apart on the way to a surfa
 
 void add_known_light(const RenderScene& world, const PathOptions& options, unsigned mesh_id, const int lanes[kPacket],
                      const RayPacket& rays, const Hits& hits, int bounces_left, Paths& paths, KnownLight& known) {
-  constexpr float kIndirectSpacing = 4;  // over that of direct light, as it has no sharp shadows
+  // Over that of direct light, as it has no sharp shadows. Points of light that rays from other points find are far
+  // enough apart as it is: a wall with points in its corners alone would lose what is reflected to its middle.
+  const float indirect_spacing = paths.kinds == LightKinds::all ? 4 : 1;
   const Material& material = world.scene.materials[world.scene.meshes[mesh_id].material];
   const bool possible = world.light_cache && material.normal_texture.texture < 0;  // else normals vary between points
   const bool placed = !world.scene.meshes[mesh_id].placements.empty();
@@ -389,7 +392,7 @@ void add_known_light(const RenderScene& world, const PathOptions& options, unsig
     const Hit hit{0, mesh_id, rays.triangle[i], rays.u[i], rays.v[i], placed ? rays.placement[i] : 0};
     InterpolatedLight found = direct.at(hit, direction, spacing_m);
     if (bounces_left > 0 && found.soft_agrees) {
-      found.light.soft += indirect.at(hit, direction, kIndirectSpacing * spacing_m).light.soft;
+      found.light.soft += indirect.at(hit, direction, indirect_spacing * spacing_m).light.soft;
     }
     glm::vec3 irradiance(0);
     if (found.soft_agrees) known.soft[i] = -1, irradiance += found.light.soft;
@@ -430,8 +433,7 @@ bool keeps(float size, float random, float& keep) {
   return random < keep;
 }
 
-/// The part of a surface's reflection that its next ray carries: not what comes from points on the surface, and after
-/// the last reflection only what is not diffuse.
+/// The part of a surface's reflection that its next ray carries.
 glm::vec3 carried(const Surface& s, glm::vec3 to_eye, glm::vec3 to_light, bool without_diffuse) {
   return bsdf(s, to_eye, to_light) - (without_diffuse ? diffuse_bsdf(s) : glm::vec3(0));
 }
@@ -442,7 +444,8 @@ bool carries_nothing(const SurfacePacket& surface, bool without_diffuse) {
 
 /// One shadow ray from each hit to a sampled point of a light of these kinds.
 void sample_lights(const RenderScene& world, const int lanes[kPacket], const Hits& hits, ScatterSamples& samples,
-                   LightKinds kinds, bool last, const KnownLight& known, const Paths& paths, ShadowRays& shadow) {
+                   LightKinds kinds, bool diffuse_by_lights, const KnownLight& known, const Paths& paths,
+                   ShadowRays& shadow) {
   constexpr float kSmall = 0.15f;  // of the light that is known: what adds less is followed by fewer rays
   const Padded &light = samples.light(), &roulette = samples.roulette();
   LightPacket l;
@@ -456,7 +459,7 @@ void sample_lights(const RenderScene& world, const int lanes[kPacket], const Hit
     }
     const Surface s = hits.surface.at(i);
     const bool hard = l.pdf[i] == 0, is_known = hard ? known.hard[i] : known.soft[i];
-    const bool without_diffuse = known.soft[i] || last;
+    const bool without_diffuse = known.soft[i] || diffuse_by_lights;
     const bool also_by_reflection = !hard && !carries_nothing(hits.surface, without_diffuse);
     glm::vec3 reflected = carried(s, to_eye, direction, without_diffuse);
     if (also_by_reflection) reflected *= mis_weight(l.pdf[i], bsdf_pdf(s, to_eye, direction));
@@ -475,10 +478,10 @@ void sample_lights(const RenderScene& world, const int lanes[kPacket], const Hit
 
 /// Light samples of the kinds that each lane still needs.
 void sample_missing_lights(const RenderScene& world, const int lanes[kPacket], const Hits& hits,
-                           ScatterSamples& samples, bool last, const KnownLight& known, const Paths& paths,
+                           ScatterSamples& samples, bool diffuse_by_lights, const KnownLight& known, const Paths& paths,
                            ShadowRays& shadow) {
   const auto missing = [&](int i) -> std::optional<LightKinds> {
-    if (!hits.surface.lambertian || (!known.soft[i] && !last)) return LightKinds::all;
+    if (!hits.surface.lambertian || (!known.soft[i] && !diffuse_by_lights)) return LightKinds::all;
     if (known.soft[i] && known.hard[i]) return {};
     if (known.soft[i]) return LightKinds::hard;
     return known.hard[i] ? LightKinds::soft : LightKinds::all;
@@ -487,16 +490,16 @@ void sample_missing_lights(const RenderScene& world, const int lanes[kPacket], c
     alignas(64) int wanted[kPacket];
     for (int i = 0; i < kPacket; ++i) wanted[i] = lanes[i] && missing(i) == kinds ? -1 : 0;
     if (first_set(wanted) == kPacket) continue;
-    sample_lights(world, wanted, hits, samples, kinds, last, known, paths, shadow);
+    sample_lights(world, wanted, hits, samples, kinds, diffuse_by_lights, known, paths, shadow);
   }
 }
 
 /// The next ray of each path.
-void sample_reflections(const int lanes[kPacket], const Hits& hits, ScatterSamples& samples, bool last,
+void sample_reflections(const int lanes[kPacket], const Hits& hits, ScatterSamples& samples, bool diffuse_by_lights,
                         const KnownLight& known, RayPacket& rays, Paths& paths) {
   constexpr float kSmall = 0.25f;  // rays that carry less are followed less often
   for (int i = 0; i < kPacket; ++i) {
-    const bool without_diffuse = known.soft[i] || last;
+    const bool without_diffuse = known.soft[i] || diffuse_by_lights;
     if (!lanes[i] || carries_nothing(hits.surface, without_diffuse)) continue;
     const Surface s = hits.surface.at(i);
     const glm::vec3 to_eye = hits.to_eye.at(i);
@@ -507,6 +510,8 @@ void sample_reflections(const int lanes[kPacket], const Hits& hits, ScatterSampl
     const glm::vec3 carries = carried(s, to_eye, direction, without_diffuse) * (n_l / pdf);
     float keep = 1;
     if (!keeps(luminance(glm::abs(carries)) / kSmall, samples.roulette().v[i], keep)) continue;
+    const glm::vec3 for_unlit = carried(s, to_eye, direction, true) * (n_l / pdf);
+    paths.unlit_throughput.set(i, paths.throughput.at(i) * for_unlit / keep);
     paths.throughput.set(i, paths.throughput.at(i) * carries / keep);
     paths.pdf[i] = pdf;
     paths.normal.set(i, s.normal);
@@ -520,15 +525,16 @@ void sample_reflections(const int lanes[kPacket], const Hits& hits, ScatterSampl
 /// The paths of `lanes`, all at one mesh: emission at the hit, light known there, light samples, and the next ray.
 void scatter(const RenderScene& world, const PathOptions& options, unsigned mesh_id, const int lanes[kPacket],
              int bounces_left, ScatterSamples& samples, RayPacket& rays, Paths& paths, ShadowRays& shadow) {
-  const bool last = bounces_left == 0;
+  // After the last reflection, light samples alone give what is diffuse; but near surfaces that glow they are far off.
+  const bool diffuse_by_lights = bounces_left == 0 && !world.lights.has_emissive();
   Hits hits;
   hits_at(world, mesh_id, lanes, rays, hits);
   for (int i = 0; i < kPacket; ++i) hits.spacing_m[i] = paths.spacing_m[i] + paths.spread[i] * hits.distance[i];
   if (hits.surface.emits) add_emission(world, mesh_id, lanes, rays, hits, paths);
   KnownLight known;
   add_known_light(world, options, mesh_id, lanes, rays, hits, bounces_left, paths, known);
-  sample_missing_lights(world, lanes, hits, samples, last, known, paths, shadow);
-  sample_reflections(lanes, hits, samples, last, known, rays, paths);
+  sample_missing_lights(world, lanes, hits, samples, diffuse_by_lights, known, paths, shadow);
+  sample_reflections(lanes, hits, samples, diffuse_by_lights, known, rays, paths);
 }
 
 /// What a ray that is followed for lights alone finds on a mesh.
@@ -581,7 +587,8 @@ void advance(const RenderScene& world, const PathOptions& options, RayPacket& ra
     const Mesh& mesh = scene.meshes[mesh_id];
     if (scene.materials[mesh.material].unlit) {
       if (bounce > options.max_bounces && paths.kinds == LightKinds::soft) continue;
-      see_unlit(scene, mesh, lanes, rays, paths);
+      see_unlit(scene, mesh, lanes, rays, bounce > options.max_bounces ? paths.unlit_throughput : paths.throughput,
+                paths);
       continue;
     }
     if (bounce > options.max_bounces) {

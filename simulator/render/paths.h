@@ -32,6 +32,9 @@ inline constexpr float kCountedInFull = std::numeric_limits<float>::infinity();
 struct Paths {
   alignas(64) int active[kPacket];  ///< -1 or 0, as Embree wants it
   Vec3Packet throughput, radiance;
+  /// What of `throughput` counts on unlit surfaces beyond the last reflection: diffuse reflection does not see them
+  /// there.
+  Vec3Packet unlit_throughput;
   /// Solid-angle density of the ray's direction, if light samples could have found the same light: infinite for camera
   /// rays, 0 where they have found all of it.
   alignas(64) float pdf[kPacket];
