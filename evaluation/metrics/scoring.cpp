@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 /// What `image`, which shows a later frame, shows of the points that the first frame sees: bilinear at pixel + motion,
 /// outside of the picture its border, or `outside` where that is given.
 Image seen_from_first(const Image& image, const Image& motion, std::optional<float> outside = {}) {
-  if (image.empty()) return image;
+  if (image.empty()) return {};
   Image moved(image.width, image.height, image.channels);
   tbb::parallel_for(0, image.height, [&](int y) {
     for (int x = 0; x < image.width; ++x) {

@@ -39,7 +39,7 @@ nlohmann::json merged_over_file(const nlohmann::json& json, const std::string& n
   std::string model;
   fields.choice("model", model, names_of(kLensModels));
   if (merged.is_object() && !merged.contains("file") && own.contains("model") &&
-      model != merged.value("model", nlohmann::json(kLensModels[0].name))) {
+      nlohmann::json(model) != merged.value("model", nlohmann::json(kLensModels[0].name))) {
     fields.fail("model", "differs from that of " + printable(name) + ": leave out what is not that lens's");
   }
   if (merged.is_object() && merged.contains("split") && own.contains("split") && own["split"].is_object() &&
