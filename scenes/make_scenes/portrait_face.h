@@ -1,0 +1,24 @@
+#pragma once
+#include <glm/glm.hpp>
+
+/// The face of the default scene's person. Meters, from the middle between the ears: y up, z out of the face.
+namespace dualpixel::scenes {
+
+/// The middle of the eye on the side of positive x; the other is its mirror image.
+inline constexpr glm::vec3 kEye{0.0305f, 0.0148f, 0.0715f};
+inline constexpr float kEyeRadius_m = 0.0121f, kLidRadius_m = 0.0134f;
+
+/// Heights over the eye's middle between which it is open, `x` from its middle: an almond.
+float upper_lid_m(float x);
+float lower_lid_m(float x);
+
+/// Signed distance of head and neck without hair.
+float portrait_head(glm::vec3 p);
+
+/// What the skin's color at a point is multiplied by, linear R, G, B, at most 1: lips, cheeks, lids.
+glm::vec3 skin_tint(glm::vec3 p);
+
+/// The point of the face in front of (x, y).
+glm::vec3 on_face(float x, float y);
+
+}  // namespace dualpixel::scenes
