@@ -145,7 +145,7 @@ struct Capture {
 inline constexpr int kCaptureFormatVersion = 1;
 
 /// Writes `capture` to the folder `path`: first to a temporary sibling, capture.json with a manifest of sizes and
-/// hashes last, then a rename. Throws InputError where `path` exists and is no capture, or cannot be written.
+/// hashes last, then a rename. Throws InputError where `path` exists and is not a capture, or cannot be written.
 void write_capture(const Capture& capture, const std::string& path);
 
 /// Reads and verifies a capture: version, manifest, sizes, finiteness. Throws InputError.

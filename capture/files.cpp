@@ -83,7 +83,7 @@ void require_replaceable(const std::string& path, const std::string& marker) {
   std::error_code error;
   const fs::file_status status = fs::symlink_status(path, error);
   if (status.type() == fs::file_type::not_found) return;
-  if (!fs::is_directory(status)) fail(path, "exists and is no folder");
+  if (!fs::is_directory(status)) fail(path, "exists and is not a folder");
   if (fs::is_regular_file(fs::path(path) / marker, error)) return;
   const bool empty = fs::is_empty(path, error);
   if (error) fail(path, "cannot be read: " + error.message());

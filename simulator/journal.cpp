@@ -95,7 +95,8 @@ Journal::Journal(const std::string& path, std::uint64_t key) : path_(path) {
     file_.read(reinterpret_cast<char*>(&header), sizeof header);
     const auto there = static_cast<std::size_t>(file_.gcount());
     if (std::memcmp(&header, &ours, std::min(there, sizeof kMagic)) != 0) {
-      throw InputError(printable(path) + ": is no journal of a render: move it away, or choose another output folder");
+      throw InputError(printable(path) +
+                       ": is not a journal of a render: move it away, or choose another output folder");
     }
     if (std::memcmp(&header, &ours, there) != 0) {
       throw InputError(printable(path) +

@@ -35,11 +35,10 @@ CameraView place_camera(const Simulation& simulation, const Scene& scene);
 /// `stage` is called with what is being done and the fraction of it that is.
 using StageCallback = std::function<void(const std::string& stage, double fraction)>;
 
-/// `scene` is load_scene(simulation). Each frame is rendered with random numbers of its own and, where something moves,
-/// at its own time; truth is the first frame's, with the motion to the others. Truth's views are the mean over the
-/// frames where nothing moves.
-/// Throws InputError before anything is rendered where an animation makes triangles appear or vanish, or where pictures
-/// and scenes would not fit into this machine's memory.
+/// `scene` is load_scene(simulation). Where something moves, each frame is rendered at its own time with random numbers
+/// of its own; else all frames share one render. Truth is the first frame's, with the motion to the others. Throws
+/// InputError before anything is rendered where an animation makes triangles appear or vanish, or where pictures and
+/// scenes would not fit into this machine's memory.
 Capture simulate(const Simulation& simulation, const Scene& scene, const StageCallback& stage = {});
 
 /// The same with place_camera()'s result, where the caller has it already.

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -53,6 +54,25 @@ int report(int status, const std::string& message) {
   return status;
 }
 
+/// What to say of the first word that is not a command, at the top or under `experiment` and its like.
+std::optional<std::string> unknown_command(const CLI::App& program, int argc, char** argv) {
+  const CLI::App* parent = &program;
+  for (int i = 1; i < argc && argv[i][0] != '-' && parent->get_require_subcommand_min() > 0; ++i) {
+    std::vector<std::string> names;
+    const CLI::App* found = nullptr;
+    for (const CLI::App* command : parent->get_subcommands({})) {
+      names.push_back(command->get_name());
+      if (names.back() == argv[i]) found = command;
+    }
+    if (!found) {
+      return fmt::format("'{}' is not a command{}; there are {}", dualpixel::printable(argv[i]),
+                         dualpixel::did_you_mean(argv[i], names), fmt::join(names, ", "));
+    }
+    parent = found;
+  }
+  return {};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -87,12 +107,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
     const auto chosen = program.get_subcommands();
-    if (chosen.empty() && argc > 1 && argv[1][0] != '-') {
-      std::vector<std::string> names;
-      for (const CLI::App* command : program.get_subcommands({})) names.push_back(command->get_name());
-      return report(kBadInput, fmt::format("'{}' is no command{}; there are {}", dualpixel::printable(argv[1]),
-                                           dualpixel::did_you_mean(argv[1], names), fmt::join(names, ", ")));
-    }
+    if (const auto unknown = unknown_command(program, argc, argv)) return report(kBadInput, *unknown);
     return report(kBadInput, fmt::format("{} (see 'dualpixel {}--help')", dualpixel::printable(error.what()),
                                          chosen.empty() ? "" : chosen.front()->get_name() + " "));
   } catch (const dualpixel::InputError& error) {

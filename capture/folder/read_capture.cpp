@@ -163,9 +163,9 @@ void read_truth(Fields fields, Input& input, Truth& truth) {
 
 Capture read_capture(const std::string& path, bool with_truth) {
   std::error_code error;
-  if (!fs::is_directory(path, error)) throw InputError(printable(path) + ": is no capture: no such folder");
+  if (!fs::is_directory(path, error)) throw InputError(printable(path) + ": is not a capture: no such folder");
   const std::string file = path + "/" + kCaptureMarker;
-  if (!fs::exists(file, error)) throw InputError(printable(path) + ": is no capture: it has no capture.json");
+  if (!fs::exists(file, error)) throw InputError(printable(path) + ": is not a capture: it has no capture.json");
   const nlohmann::json document = read_json_file(file);
   const CaptureCheck check(file);
 

@@ -45,7 +45,7 @@ std::string format_of(const std::string& path) {
   if (head.starts_with("II*\0"sv) || head.starts_with("MM\0*"sv) || head.starts_with("II+\0"sv)) return "tiff";
   if (head.starts_with("\xff\xd8\xff"sv)) return "jpeg";
   if (head.starts_with("#?RADIANCE"sv) || head.starts_with("#?RGBE"sv)) return "hdr";
-  refuse(path, "is no picture that can be read (EXR, PNG, TIFF, JPEG or HDR)");
+  refuse(path, "is not a picture that can be read (EXR, PNG, TIFF, JPEG or HDR)");
 }
 
 void check_size(const std::string& path, std::int64_t width, std::int64_t height, std::int64_t channels) {

@@ -28,7 +28,7 @@ struct BlurMapping {
   double frontal_factor = 1;
   double r_max_px = 0;
 
-  /// 0 where the disparity is no number, and everywhere where kappa is 0.
+  /// 0 where the disparity is not a number, and everywhere where kappa is 0.
   float radius_px(float disparity_dp_px) const;
   /// The disparities in front of and behind the focus at which r(d), were it not capped, is `radius_px` > 0.
   double front_dp_px(double radius_px) const;

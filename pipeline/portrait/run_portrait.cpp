@@ -218,6 +218,16 @@ void upsample(Run& run) {
   run.result.confidence = resize_bilinear(run.reduced.confidence, run.width, run.height);
 }
 
+/// Blur shrinks with the square of the picture's width: of a small picture nothing may be left of it.
+void warn_of_sharp_picture(Run& run) {
+  constexpr float kSeen_px = 0.5f;
+  const std::vector<float>& radii = run.defocused.radius_px.data;
+  const float largest = radii.empty() ? 0 : *std::max_element(radii.begin(), radii.end());
+  if (largest >= kSeen_px) return;
+  run.result.warnings.push_back(fmt::format(
+      "nothing is blurred: the largest radius is {:.2g} px; match_lens blurs as a real lens does", largest));
+}
+
 /// Sections 5.1 and 5.2: d_focus, Eq. 5's radii, and the layered blur.
 void blur_by_disparity(Run& run) {
   const PortraitOptions& options = run.options;
@@ -232,6 +242,7 @@ void blur_by_disparity(Run& run) {
                                                       result.mode == Mode::dp_seg, options.blur_radius);
   run.defocused =
       defocus_method_named("layers").render({result.input, result.disparity_dp_px, {}, mapping}, run.defocus);
+  warn_of_sharp_picture(run);
 }
 
 /// Section 3.4: the mask made to follow the picture's edges.

@@ -60,7 +60,7 @@ std::vector<float> decode(std::string_view bytes, bool half) {
 
 std::map<std::string, Tensor> parse_tensors(std::string_view bytes, const std::string& file) {
   std::uint64_t header_bytes = 0;
-  if (bytes.size() < sizeof header_bytes) fail(file, "is no safetensors file: shorter than 8 bytes");
+  if (bytes.size() < sizeof header_bytes) fail(file, "is not a safetensors file: shorter than 8 bytes");
   std::memcpy(&header_bytes, bytes.data(), sizeof header_bytes);
   bytes.remove_prefix(sizeof header_bytes);
   if (header_bytes > std::min(bytes.size(), kLongestHeader)) {
@@ -182,7 +182,7 @@ NetworkWeights parse_weights(std::string_view bytes, const std::string& file) {
     weights.layers.emplace(layer.name, std::move(conv));
   }
   if (!tensors.empty())
-    fail(file, fmt::format("tensor {}: is no part of a person network", printable(tensors.begin()->first)));
+    fail(file, fmt::format("tensor {}: is not a part of a person network", printable(tensors.begin()->first)));
   weights.file = file;
   weights.file_hash = hash_of(bytes);
   return weights;

@@ -24,7 +24,7 @@ std::optional<glm::dvec2> place_of(const LensSampler& lens, glm::dvec2 slope, gl
                               (lens.chief_slope(at.x, at.y + step_m) - here) / step_m);
     const glm::dvec2 correction = glm::inverse(jacobian) * (slope - here);
     at += correction;
-    if (glm::length(correction) < kCloseEnoughPx * step_m) return at;  // false where it is no number
+    if (glm::length(correction) < kCloseEnoughPx * step_m) return at;  // false where it is not a number
   }
   return {};
 }

@@ -336,8 +336,8 @@ TEST(CaptureIo, RefusesProvenanceThatIsNoJson) {
 
 TEST(CaptureIo, RefusesFoldersThatAreNoCapture) {
   const TemporaryFolder folder;
-  EXPECT_EQ(capture_refusal(folder / "none"), folder / "none" + ": is no capture: no such folder");
-  EXPECT_EQ(capture_refusal(folder.path.string()), folder.path.string() + ": is no capture: it has no capture.json");
+  EXPECT_EQ(capture_refusal(folder / "none"), folder / "none" + ": is not a capture: no such folder");
+  EXPECT_EQ(capture_refusal(folder.path.string()), folder.path.string() + ": is not a capture: it has no capture.json");
   write_bytes(folder / "capture.json", "{");
   EXPECT_NE(capture_refusal(folder.path.string()), "");
 }

@@ -55,7 +55,7 @@ TEST(NewFolder, ReplacesItsOwnKindAndEmptyFoldersOnly) {
   write_bytes(folder / "precious/thesis", "text");
   write_bytes(folder / "file", "text");
   EXPECT_NE(new_folder_refusal(folder / "precious").find("will not be overwritten"), std::string::npos);
-  EXPECT_EQ(new_folder_refusal(folder / "file"), folder / "file" + ": exists and is no folder");
+  EXPECT_EQ(new_folder_refusal(folder / "file"), folder / "file" + ": exists and is not a folder");
   EXPECT_EQ(read_bytes(folder / "precious/thesis"), "text");
   EXPECT_EQ(read_bytes(folder / "file"), "text");
 }

@@ -120,7 +120,7 @@ TEST(ImageIo, TheFormatIsKnownByItsBytes) {
   EXPECT_EQ(read_image(folder / "a.exr").width, 3);
   write_bytes(folder / "b.png", "P6 1 1 255 abc");
   EXPECT_EQ(image_refusal(folder / "b.png"),
-            folder / "b.png" + ": is no picture that can be read (EXR, PNG, TIFF, JPEG or HDR)");
+            folder / "b.png" + ": is not a picture that can be read (EXR, PNG, TIFF, JPEG or HDR)");
 }
 
 TEST(ImageIo, ReadsOtherFormats) {

@@ -114,7 +114,7 @@ TEST(Journal, RefusesAnothersAndLeavesItAsItIs) {
   EXPECT_EQ(read_bytes(path), bytes);
   for (const std::string foreign : {"mine", "not a journal, but some notes"}) {
     write_bytes(path, foreign);
-    EXPECT_NE(refusal(1).find(path + ": is no journal"), std::string::npos) << refusal(1);
+    EXPECT_NE(refusal(1).find(path + ": is not a journal"), std::string::npos) << refusal(1);
     EXPECT_EQ(read_bytes(path), foreign);
   }
 }

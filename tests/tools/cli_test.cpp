@@ -47,8 +47,10 @@ TEST(Cli, BadUsageIsOneLineAndStatus2) {
     SCOPED_TRACE(arguments);
     expect_one_line_refusal(run_program(arguments));
   }
-  EXPECT_NE(run_program("simulat").err.find("'simulat' is no command; did you mean 'simulate'?"), std::string::npos);
-  EXPECT_EQ(run_program("info").err.find("is no command"), std::string::npos);
+  EXPECT_NE(run_program("simulat").err.find("'simulat' is not a command; did you mean 'simulate'?"), std::string::npos);
+  EXPECT_NE(run_program("experiment failure").err.find("'failure' is not a command; did you mean 'failures'?"),
+            std::string::npos);
+  EXPECT_EQ(run_program("info").err.find("is not a command"), std::string::npos);
 }
 
 TEST(CliInfo, DescribesACapture) {

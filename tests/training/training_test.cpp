@@ -488,7 +488,7 @@ TEST(SlowTraining, OtherRunsCheckpointsAreRefused) {
   const std::string checkpoint = read_file(options.output + "/checkpoint.pt");
   for (const std::size_t length : {std::size_t{0}, std::size_t{1000}, checkpoint.size() / 2}) {
     replace_file(options.output + "/checkpoint.pt", checkpoint.substr(0, length));
-    EXPECT_NE(refusal(options).find("is no checkpoint"), std::string::npos) << refusal(options);
+    EXPECT_NE(refusal(options).find("is not a checkpoint"), std::string::npos) << refusal(options);
   }
   options.output = "/dev/null/run";
   options.resume = false;

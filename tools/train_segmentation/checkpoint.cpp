@@ -126,7 +126,7 @@ Checkpoint read_checkpoint(const std::string& path) {
   } catch (const InputError&) {
     throw;
   } catch (const std::exception&) {
-    throw InputError(printable(path) + ": is no checkpoint of this program, or a damaged one");
+    throw InputError(printable(path) + ": is not a checkpoint of this program, or a damaged one");
   }
 }
 

@@ -31,7 +31,7 @@ std::string weights_hash(Network& network);
 
 void write_checkpoint(const Checkpoint& checkpoint, const std::string& path);
 
-/// Throws InputError for what is no checkpoint, and for a damaged one.
+/// Throws InputError for what is not a checkpoint, and for a damaged one.
 Checkpoint read_checkpoint(const std::string& path);
 
 }  // namespace dualpixel::tools

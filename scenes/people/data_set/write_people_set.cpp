@@ -96,7 +96,7 @@ void refuse_another(const std::string& folder, nlohmann::json written, const nlo
   }
 }
 
-/// Refuses a folder that holds a set of other options, or something that is no set.
+/// Refuses a folder that holds a set of other options, or something that is not a set.
 void refuse_other_contents(const std::string& folder, const PeopleOptions& options) {
   std::vector<std::string> shards;
   bool other_files = false;
@@ -108,7 +108,7 @@ void refuse_other_contents(const std::string& folder, const PeopleOptions& optio
   const bool whole = fs::exists(folder + "/" + kSetFile);
   nlohmann::json set = object_in(folder + "/" + kSetFile);
   if (whole ? set["format"] != "dualpixel people" : shards.empty() && other_files) {
-    throw InputError(printable(folder) + ": holds something that is no set of people: choose another folder");
+    throw InputError(printable(folder) + ": holds something that is not a set of people: choose another folder");
   }
   if (whole) refuse_another(folder, set, set_recipe(options));
   if (whole && set["count"].is_number_integer() && set["count"] > options.count) {

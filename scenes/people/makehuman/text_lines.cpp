@@ -39,7 +39,7 @@ float TextLines::number(std::string_view word) const {
   float value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value) || std::abs(value) > 1e6f) {
-    fail(fmt::format("'{}' is no number", printable(std::string(word), 40)));
+    fail(fmt::format("'{}' is not a number", printable(std::string(word), 40)));
   }
   return value;
 }
@@ -48,7 +48,7 @@ int TextLines::index(std::string_view word, int count) const {
   int value = -1;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc() || end != word.data() + word.size() || value < 0 || value >= count) {
-    fail(fmt::format("'{}' is no index from 0 to {}", printable(std::string(word), 40), count - 1));
+    fail(fmt::format("'{}' is not an index from 0 to {}", printable(std::string(word), 40), count - 1));
   }
   return value;
 }

@@ -122,7 +122,7 @@ void block_stray(const LensPacket& packet, float weight[kPacket]) {
   for (int i = 0; i < kPacket; ++i) {
     const float steep = std::abs(packet.slope_x[i]) + std::abs(packet.slope_y[i]);
     const float far_m = std::abs(packet.origin_x[i]) + std::abs(packet.origin_y[i]);
-    weight[i] = steep + far_m < kSteepest ? weight[i] : 0.0f;  // false for what is no number
+    weight[i] = steep + far_m < kSteepest ? weight[i] : 0.0f;  // false for what is not a number
   }
 }
 

@@ -53,8 +53,8 @@ TEST(MakeHuman, BrokenAssetsAreRefusedByFileAndLine) {
     }
   };
   EXPECT_EQ(message(good, weights, ""), "");
-  EXPECT_NE(message("v 0 0 zero\n", weights, "").find("base.obj:1: 'zero' is no number"), std::string::npos);
-  EXPECT_NE(message("v 0 0 0\nf 1 2 1\n", weights, "").find("base.obj:2: '2' is no index from 0 to 1"),
+  EXPECT_NE(message("v 0 0 zero\n", weights, "").find("base.obj:1: 'zero' is not a number"), std::string::npos);
+  EXPECT_NE(message("v 0 0 0\nf 1 2 1\n", weights, "").find("base.obj:2: '2' is not an index from 0 to 1"),
             std::string::npos);
   EXPECT_NE(message(good + "f 0 1 2\n", weights, "").find("counted from 1"), std::string::npos);
   EXPECT_NE(message(good.substr(0, good.find("g joint-r-knee")), weights, "").find("'joint-r-knee'"),
