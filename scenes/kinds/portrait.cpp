@@ -88,7 +88,7 @@ void build_portrait(SceneBuilder& build, const Parameters& p, RandomStream rng) 
 
 SceneKind portrait_kind() {
   return {"portrait",
-          "people before a garden, a street or a room; the first one's eyes are in focus",
+          "people in front of a garden, a street or a room; the first one's eyes are in focus",
           {{"people", "", Type::integer, 1, 4, 1, 3, "side by side"},
            {"place", "", Type::number, 0, 0, 0, 0, "behind them", {"garden", "street", "room"}},
            {"light",

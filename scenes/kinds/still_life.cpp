@@ -121,7 +121,8 @@ struct Placed {
   float radius;
 };
 
-/// Things in free places, dense near the middle of the view, lower in front than behind.
+/// Things in free places, dense near the middle of the view, lower in front than behind. `scale`: the camera's
+/// distance; a near camera would stand between or in things in front.
 void add_things(SceneBuilder& build, RandomStream rng, int count, float scale, const Table& table, vec3& subject) {
   std::vector<Placed> placed;
   for (int i = 0; i < count; ++i) {
@@ -134,7 +135,8 @@ void add_things(SceneBuilder& build, RandomStream rng, int count, float scale, c
       const bool free = std::all_of(placed.begin(), placed.end(), [&](const Placed& p) {
         return glm::distance(p.at, vec2(x, z)) > p.radius + thing.radius_m;
       });
-      if (!free || std::abs(x) > table.wide || std::abs(z) > table.deep) continue;
+      const bool hides_the_rest = i > 0 && z + thing.radius_m > 0.35f * scale && scale < 0.5f;
+      if (!free || hides_the_rest || std::abs(x) > table.wide || std::abs(z) > table.deep) continue;
       placed.push_back({{x, z}, thing.radius_m * 0.92f});
       thing.add(build, own.substream(1), standing({x, 0.0006f, z}, own.uniform(0, 2 * kPi)));
       if (i == 0) subject = {x, 0.35f * thing.height_m, z};
@@ -181,7 +183,7 @@ void build_still_life(SceneBuilder& build, const Parameters& p, RandomStream rng
 
 SceneKind still_life_kind() {
   return {"still_life",
-          "a table with things, before a wall",
+          "a table with things, in front of a wall",
           {{"objects", "", Type::integer, 1, 60, 9, 26,
             "things that are tried to be placed; those without room are left out"},
            {"distance_m", "m", Type::logarithmic, 0.12, 2, 0.28, 1.0, "from the camera to the middle of the table"},
