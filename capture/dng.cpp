@@ -110,7 +110,8 @@ void set_colors(TiffFile& file, const Capture& capture) {
 void write_dng(const std::string& path, const ImageU16& raw, const Capture& capture, bool mosaic,
                const NoiseProfile& noise, double pixel_height) {
   const Exposure& exposure = capture.exposure;
-  const double range = exposure.white_level_dn - exposure.black_level_dn;
+  const double white = mosaic ? exposure.white_level_dn : exposure.dp_white_level_dn.value_or(exposure.white_level_dn);
+  const double range = white - exposure.black_level_dn;
   constexpr int kLinearRaw = 34892, kD65 = 21;
 
   TiffFile file(path);
@@ -135,8 +136,7 @@ void write_dng(const std::string& path, const ImageU16& raw, const Capture& capt
   file.set(TIFFTAG_DNGBACKWARDVERSION, oldest_reader);
   file.set(TIFFTAG_UNIQUECAMERAMODEL, ("dualpixel " + capture.camera.name).c_str());
   file.set_array(TIFFTAG_BLACKLEVEL, std::vector<float>{static_cast<float>(exposure.black_level_dn)});
-  file.set_array(TIFFTAG_WHITELEVEL,
-                 std::vector<std::uint32_t>{static_cast<std::uint32_t>(std::lround(exposure.white_level_dn))});
+  file.set_array(TIFFTAG_WHITELEVEL, std::vector<std::uint32_t>{static_cast<std::uint32_t>(std::lround(white))});
   const float scale[2] = {1, static_cast<float>(pixel_height)};
   file.set(TIFFTAG_DEFAULTSCALE, scale);
   file.set(TIFFTAG_CALIBRATIONILLUMINANT1, kD65);

@@ -10,24 +10,31 @@
 namespace dualpixel::pipeline {
 namespace {
 
-TileDisparity match_as_in_paper(const Image& left, const Image& right, const std::optional<ViewNoise>& /*noise*/,
+TileDisparity match_as_in_paper(const Image& left, const Image& right, const ViewSensor& sensor,
                                 const MatcherOptions& options) {
-  return match_tiles(normalize_locally(left, options.normalize), normalize_locally(right, options.normalize),
-                     options.match);
+  const auto normalized = [&](const Image& view) {
+    const Image usable = without_clipped(view, options.normalize.clipped * sensor.white);
+    return normalize_locally(usable.empty() ? view : usable, options.normalize);
+  };
+  return match_tiles(normalized(left), normalized(right), options.match);
 }
 
-TileDisparity match_likeliest(const Image& left, const Image& right, const std::optional<ViewNoise>& noise,
+LikelihoodMatchOptions of_sensor(LikelihoodMatchOptions options, const ViewSensor& sensor) {
+  options.noise = sensor.noise;
+  options.white = sensor.white;
+  return options;
+}
+
+TileDisparity match_likeliest(const Image& left, const Image& right, const ViewSensor& sensor,
                               const MatcherOptions& options) {
-  LikelihoodMatchOptions likelihood = options.likelihood_match;
-  likelihood.noise = noise;
-  return match_by_likelihood(left, right, likelihood);
+  return match_by_likelihood(left, right, of_sensor(options.likelihood_match, sensor));
 }
 
-TileDisparity match_knowing_split(const Image& left, const Image& right, const std::optional<ViewNoise>& noise,
+TileDisparity match_knowing_split(const Image& left, const Image& right, const ViewSensor& sensor,
                                   const MatcherOptions& options) {
-  LikelihoodMatchOptions likelihood = options.likelihood_match;
-  likelihood.noise = noise;
-  return match_by_split(left, right, options.split_match, likelihood);
+  SplitMatchOptions split = options.split_match;
+  split.white = sensor.white;
+  return match_by_split(left, right, split, of_sensor(options.likelihood_match, sensor));
 }
 
 constexpr Matcher kMatchers[] = {

@@ -143,6 +143,7 @@ Exposure describe_exposure(const SensorOptions& sensor, const ExposureOptions& e
   e.bits = sensor.bits;
   e.black_level_dn = sensor.black_level_dn;
   e.white_level_dn = std::exp2(sensor.bits) - 1;
+  e.dp_white_level_dn = std::min(e.white_level_dn, sensor.black_level_dn + gain * 0.5 * sensor.full_well_e);
   e.mosaic_noise = {gain, read + 1.0 / 12};
   e.dp_noise = {gain / binned(sensor), read / binned(sensor) + 1.0 / 12};
   for (int c = 0; c < 3; ++c) e.white_balance[c] = sensor.electrons_per_lux_s[1] / sensor.electrons_per_lux_s[c];
@@ -169,7 +170,6 @@ Frame expose(const Image& electrons, const SensorOptions& sensor, const Exposure
   const int height = electrons.height;
   const double gain = gain_dn_per_electron(sensor, exposure.iso);
   const double white = std::exp2(sensor.bits) - 1;
-  // Beyond the full well, charge is lost; the two halves share one well.
   const auto level = [&](double counted) { return sensor.black_level_dn + gain * counted; };
   const auto digitize = [&](double dn) { return static_cast<std::uint16_t>(std::clamp(std::round(dn), 0.0, white)); };
 
@@ -194,11 +194,7 @@ Frame expose(const Image& electrons, const SensorOptions& sensor, const Exposure
         };
         double left = draws.poisson(fixed.left_gain * electrons.at(x, y, 0));
         double right = draws.poisson(fixed.right_gain * electrons.at(x, y, 1));
-        const double fill = (left + right) / sensor.full_well_e;
-        if (fill > 1) {
-          left /= fill;
-          right /= fill;
-        }
+        fill_wells(sensor, left, right);
         frame.mosaic.at(x, y) = digitize(read_out(left + right, fixed.whole_offset_dn));
         if (dense || cfa_color(x, y) == 1) {
           sums[2 * (x / block_width)] += read_out(left, fixed.left_offset_dn);

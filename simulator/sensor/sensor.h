@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -7,10 +8,10 @@
 #include "capture/option_ranges.h"
 #include "simulator/sampling/sensor_grid.h"
 
-/// From light to digital numbers. Each half of a photosite counts photons; the photosite's electrons are the sum of
-/// its halves, so mosaic and DP views share their shot noise as on a real sensor, and each read-out adds its own read
-/// noise. A DP pixel is the mean of the green half-photosites of its block, read one by one and digitized together; of
-/// a block of one, the half-photosite under its own filter.
+/// From light to digital numbers. Each half of a photosite counts photons and holds them in a well of its own, half of
+/// the photosite's; the photosite's electrons are the sum of its halves, so mosaic and DP views share their shot noise
+/// as on a real sensor, and each read-out adds its own read noise. A DP pixel is the mean of the green half-photosites
+/// of its block, read one by one and digitized together; of a block of one, the half-photosite under its own filter.
 namespace dualpixel::simulator {
 
 /// A sensor: its geometry, from which the renderer's SensorGrid and a capture's Camera are derived, and what turns
@@ -23,6 +24,7 @@ struct SensorOptions {
   /// lx s is 4.1e15 photons/m^2, 8000 on 1.4 um square; filter and quantum efficiency leave about half.
   std::array<double, 3> electrons_per_lux_s = {3600, 4000, 3200};
   double full_well_e = 6000;            ///< of the undivided photosite; the white level at ISO 100
+  double well_spill = 0;                ///< share of what a half's well cannot hold that goes to its twin's
   double read_noise_e = 2.0;            ///< standard deviation of one read-out, ahead of the gain
   double read_noise_after_gain_dn = 0;  ///< likewise, behind it
   // Fixed pattern, the same in every frame of one camera and no part of its noise profile; normal.
@@ -40,6 +42,7 @@ inline constexpr OptionRange<SensorOptions> kSensorRanges[] = {
     {"height_px", &SensorOptions::height_px, 4, 32768},
     {"pixel_pitch_um", &SensorOptions::pixel_pitch_um, 0.1, 100},
     {"full_well_e", &SensorOptions::full_well_e, 1, 1e7},
+    {"well_spill", &SensorOptions::well_spill, 0, 1},
     {"read_noise_e", &SensorOptions::read_noise_e, 0, 1e4},
     {"read_noise_after_gain_dn", &SensorOptions::read_noise_after_gain_dn, 0, 1e4},
     {"prnu", &SensorOptions::prnu, 0, 0.5},
@@ -70,6 +73,16 @@ inline constexpr OptionRange<ExposureOptions> kExposureRanges[] = {
 
 inline std::optional<OptionProblem> check(const ExposureOptions& exposure) {
   return check_ranges(exposure, kExposureRanges);
+}
+
+/// The electrons that the wells of a photosite's halves keep of `left` and `right`.
+inline void fill_wells(const SensorOptions& sensor, double& left, double& right) {
+  const double well = 0.5 * sensor.full_well_e;
+  if (left <= well && right <= well) return;
+  const double spilled_left = sensor.well_spill * std::max(left - well, 0.0);
+  const double spilled_right = sensor.well_spill * std::max(right - well, 0.0);
+  left = std::min(left + spilled_right, well);
+  right = std::min(right + spilled_left, well);
 }
 
 /// Digital numbers per electron: the full well reaches the white level at ISO 100.

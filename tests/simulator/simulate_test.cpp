@@ -68,6 +68,7 @@ TEST(SceneFile, RefusesWhatCannotBeAndNamesIt) {
       {"/sensor/prnu", -0.1, {"/sensor/prnu", "-0.1"}},
       {"/sensor/dp_downsample_y", 1, {"/sensor/dp_downsample_y", "2 x 1"}},
       {"/sensor/full_well_e", 0, {"/sensor/full_well_e"}},
+      {"/sensor/well_spill", 1.5, {"/sensor/well_spill", "1.5"}},
       {"/burst/frames", 0, {"/burst/frames", "0"}},
       {"/burst/hand_shake", -1, {"/burst/hand_shake", "-1"}},
       {"/burst/interval_s", 0.005, {"/burst/interval_s", "0.005", "0.01"}},  // shorter than the exposure

@@ -186,9 +186,52 @@ TEST(Sensor, BlackMiddleAndWhiteAtEveryBitDepth) {
     EXPECT_NEAR(mean(3000), sensor.black_level_dn + 3000 * gain, 4 * std::sqrt(3004.0) * gain / 128);
     const Frame bright = expose(Image(128, 128, 2, 1e6f), sensor, {0.01, 200}, 1);
     for (const auto v : bright.mosaic.data) ASSERT_EQ(v, white);
-    // the halves share one well: each is half full
+    // each half has half of the well
     const double half = sensor.black_level_dn + 2 * 3000 * gain;
     EXPECT_NEAR(statistics(bright.left).mean, half, 0.01 * half);
+  }
+}
+
+// Charge beyond a half's own well is lost, or goes to the twin as far as that has room: counted by hand, electrons.
+TEST(Sensor, EachHalfHasAWellOfItsOwn) {
+  SensorOptions sensor = fine_sensor();
+  sensor.width_px = sensor.height_px = 64;
+  sensor.read_noise_e = 0;
+  const double gain = gain_dn_per_electron(sensor, 100);
+  struct Case {
+    double spill, left_in, right_in, left, right;
+  };
+  for (const Case& c : {Case{0, 5000, 1000, 3000, 1000},
+                        {0.5, 5000, 1000, 3000, 2000},
+                        {1, 5500, 1000, 3000, 3000},
+                        {1, 1000, 4500, 2500, 3000},
+                        {1, 9000, 8000, 3000, 3000},
+                        {1, 2500, 2900, 2500, 2900}}) {
+    sensor.well_spill = c.spill;
+    Image light(64, 64, 2);
+    for (std::size_t i = 0; i < light.data.size(); i += 2) {
+      light.data[i] = static_cast<float>(c.left_in), light.data[i + 1] = static_cast<float>(c.right_in);
+    }
+    const Frame frame = expose(light, sensor, {0.01, 100}, 1);
+    // shot noise over 2048 photosites of a color, four standard errors, where the well is not full
+    const double tolerance = gain * 4 * std::sqrt((c.left_in + c.right_in) / 2048) + 0.5;
+    EXPECT_NEAR(statistics(frame.left).mean - 256, gain * c.left, tolerance) << c.spill << ' ' << c.left_in;
+    EXPECT_NEAR(statistics(frame.right).mean - 256, gain * c.right, tolerance) << c.spill << ' ' << c.left_in;
+    EXPECT_NEAR(statistics(frame.mosaic).mean - 256, gain * (c.left + c.right), tolerance);
+  }
+}
+
+// A view's white: half of the range at ISO 100, the digital limit from ISO 200 on; and what full wells read.
+TEST(Sensor, AViewsWhiteLevelIsWhereItsWellIsFull) {
+  SensorOptions sensor;
+  sensor.width_px = sensor.height_px = 64;
+  for (const auto& [iso, white] :
+       {std::pair{50.0, 64 + 959 / 4.0}, {100.0, 64 + 959 / 2.0}, {200.0, 1023.0}, {800.0, 1023.0}}) {
+    const Exposure described = describe_exposure(sensor, {0.01, iso});
+    ASSERT_TRUE(described.dp_white_level_dn);
+    EXPECT_NEAR(*described.dp_white_level_dn, white, 1e-9);
+    const Frame frame = expose(Image(64, 64, 2, 9000.0f), sensor, {0.01, iso}, 1);
+    EXPECT_NEAR(statistics(frame.left).mean, white, 1);
   }
 }
 
