@@ -95,11 +95,17 @@ void set_colors(TiffFile& file, const Capture& capture) {
   file.set_array(TIFFTAG_CFAPLANECOLOR, std::vector<std::uint8_t>{0, 1, 2});
   constexpr int kRectangular = 1;
   file.set(TIFFTAG_CFALAYOUT, kRectangular);
+  // the sensor's color of what is white in the capture's light is that of sRGB's white
+  const Matrix3 camera_from_srgb = inverse(capture.exposure.color_matrix.value_or(kIdentity3));
   std::vector<float> camera_from_xyz, neutral;
   for (int c = 0; c < 3; ++c) {
     const double white_balance = capture.exposure.white_balance[c];
     neutral.push_back(static_cast<float>(1 / white_balance));
-    for (const double weight : kSrgbFromXyz[c]) camera_from_xyz.push_back(static_cast<float>(weight / white_balance));
+    for (int xyz = 0; xyz < 3; ++xyz) {
+      double weight = 0;
+      for (int k = 0; k < 3; ++k) weight += camera_from_srgb[3 * c + k] * kSrgbFromXyz[k][xyz];
+      camera_from_xyz.push_back(static_cast<float>(weight / white_balance));
+    }
   }
   file.set_array(TIFFTAG_COLORMATRIX1, camera_from_xyz);
   file.set_array(TIFFTAG_ASSHOTNEUTRAL, neutral);

@@ -65,6 +65,9 @@ constexpr double kLongestInterval_s = 1e5;
 void read_sensor(Fields sensor, SensorOptions& s) {
   read_ranges(sensor, s, kSensorRanges);
   sensor.numbers("electrons_per_lux_s", s.electrons_per_lux_s.data(), 3);
+  read_named(sensor, "readout", s.readout, kReadouts);
+  sensor.numbers("color_matrix", s.color_matrix.data(), 9);
+  sensor.numbers("illuminant", s.illuminant.data(), 3);
   sensor.integer("fixed_pattern_seed", s.fixed_pattern_seed, 0, kAnySeed);
   sensor.done();
 }

@@ -167,6 +167,20 @@ Image in_units(Image image, double factor) {
   return image;
 }
 
+/// A picture in the scene's colors, or the error of each photosite in its own filter's color, with the scene's white
+/// made neutral.
+Image with_neutral_white(Image image, const std::array<double, 3>& white) {
+  if (white == std::array<double, 3>{1, 1, 1}) return image;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      for (int c = 0; c < image.channels; ++c) {
+        image.at(x, y, c) /= static_cast<float>(white[image.channels == 1 ? cfa_color(x, y) : c]);
+      }
+    }
+  }
+  return image;
+}
+
 double rms(const Image& image) {
   double sum = 0;
   for (const float value : image.data) sum += static_cast<double>(value) * value;
@@ -206,18 +220,20 @@ void add_truth_pictures(const Job& job, Truth& truth) {
       render_picture(job, 0, s.all_in_focus_samples_per_pixel, kAllInFocusStream, "all-in-focus image");
   TruthPicture wide = render_picture(job, s.photograph_aperture_scale, s.photograph_samples_per_pixel,
                                      kPhotographStream, "wide-aperture photograph");
-  truth.all_in_focus = std::move(sharp.picture);
-  truth.all_in_focus_sigma = std::move(sharp.sigma);
-  truth.photograph = std::move(wide.picture);
-  truth.photograph_sigma = std::move(wide.sigma);
+  const std::array<double, 3>& white = s.sensor.illuminant;
+  truth.all_in_focus = with_neutral_white(std::move(sharp.picture), white);
+  truth.all_in_focus_sigma = with_neutral_white(std::move(sharp.sigma), white);
+  truth.photograph = with_neutral_white(std::move(wide.picture), white);
+  truth.photograph_sigma = with_neutral_white(std::move(wide.sigma), white);
   truth.photograph_aperture_scale = s.photograph_aperture_scale;
   truth.noise = {.all_in_focus = sharp.noise, .photograph = wide.noise};
 }
 
 /// The first frame's views, before the sensor adds its noise.
 void add_truth_views(const Job& job, const Views& views, Truth& truth) {
-  truth.left = in_units(views.left, job.unit_per_nit);
-  truth.right = in_units(views.right, job.unit_per_nit);
+  const std::array<double, 3>& white = job.simulation.sensor.illuminant;
+  truth.left = with_neutral_white(in_units(views.left, job.unit_per_nit), white);
+  truth.right = with_neutral_white(in_units(views.right, job.unit_per_nit), white);
 }
 
 /// What is known of the first frame's samples and error, and of truth's views', which are in `truth`.
@@ -241,8 +257,12 @@ void describe_sampling(const Job& job, const PictureSampling& sampling, Truth& t
   }
   Image half_nits = truth.left;
   for (std::size_t i = 0; i < half_nits.data.size(); ++i) half_nits.data[i] += truth.right.data[i];
+  const std::array<double, 3>& white = s.sensor.illuminant;
+  half_nits = with_neutral_white(std::move(half_nits), {1 / white[0], 1 / white[1], 1 / white[2]});
   scale(half_nits, 0.5 / job.unit_per_nit);
-  truth.render_sigma = truth.views_sigma = in_units(standard_error(sampling, pictures, half_nits), job.unit_per_nit);
+  truth.views_sigma =
+      with_neutral_white(in_units(standard_error(sampling, pictures, half_nits), job.unit_per_nit), white);
+  truth.render_sigma = truth.views_sigma;
   truth.noise->views = rms(truth.views_sigma);
 }
 

@@ -123,6 +123,8 @@ void check_capture(const Capture& capture, const CaptureCheck& check) {
   check.require(std::all_of(exposure.white_balance.begin(), exposure.white_balance.end(),
                             [](double gain) { return gain > 0 && std::isfinite(gain); }),
                 "/exposure/white_balance", "gains must be positive");
+  check.require(!exposure.color_matrix || std::abs(determinant(*exposure.color_matrix)) > 1e-6,
+                "/exposure/color_matrix", "must have an inverse");
   check.require(!capture.frames.empty() && capture.frames.size() <= kMostFrames, "/frames",
                 fmt::format("{} frames; 1 to {} are allowed", capture.frames.size(), kMostFrames));
   for (std::size_t i = 0; i < capture.frames.size(); ++i) {

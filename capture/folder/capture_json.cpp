@@ -95,6 +95,7 @@ Json to_json(const Exposure& exposure) {
   json["mosaic_noise"] = to_json(exposure.mosaic_noise);
   json["dp_noise"] = to_json(exposure.dp_noise);
   json["white_balance"] = exposure.white_balance;
+  if (exposure.color_matrix) json["color_matrix"] = *exposure.color_matrix;
   json["lux_s_per_unit"] = exposure.lux_s_per_unit;
   return json;
 }
@@ -125,6 +126,7 @@ Exposure read_exposure(Fields fields) {
   exposure.mosaic_noise = read_noise(fields.object("mosaic_noise"));
   exposure.dp_noise = read_noise(fields.object("dp_noise"));
   fields.numbers("white_balance", exposure.white_balance.data(), 3);
+  if (fields.has("color_matrix")) fields.numbers("color_matrix", exposure.color_matrix.emplace().data(), 9);
   fields.number("lux_s_per_unit", exposure.lux_s_per_unit, 0, 1e12);
   fields.done();
   return exposure;

@@ -107,8 +107,9 @@ void develop(Run& run) {
   if (run.options.picture) {
     run.result.input = *run.options.picture;
   } else if (!burst.mosaic.empty()) {
-    const std::array<double, 3>& gains = run.capture.exposure.white_balance;
-    run.result.input = demosaic(white_balanced(burst.mosaic, camera.cfa, gains), camera.cfa);
+    const Exposure& exposure = run.capture.exposure;
+    run.result.input = in_srgb(demosaic(white_balanced(burst.mosaic, camera.cfa, exposure.white_balance), camera.cfa),
+                               exposure.color_matrix);
   } else {
     Image gray(burst.left.width, burst.left.height, 3);
     for (std::size_t i = 0; i < burst.left.data.size(); ++i) {

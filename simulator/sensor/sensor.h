@@ -5,6 +5,8 @@
 
 #include "capture/capture.h"
 #include "capture/image/image.h"
+#include "capture/matrix3.h"
+#include "capture/names.h"
 #include "capture/option_ranges.h"
 #include "simulator/sampling/sensor_grid.h"
 
@@ -12,7 +14,19 @@
 /// the photosite's; the photosite's electrons are the sum of its halves, so mosaic and DP views share their shot noise
 /// as on a real sensor, and each read-out adds its own read noise. A DP pixel is the mean of the green half-photosites
 /// of its block, read one by one and digitized together; of a block of one, the half-photosite under its own filter.
+/// Charge that comes without light is counted as light is; its mean is taken off, as the mean of optically black rows
+/// is in a camera.
 namespace dualpixel::simulator {
+
+/// Which read-outs a pair of halves takes.
+enum class Readout {
+  independent,  ///< the sum, left, and right
+  sum_and_left  ///< the sum and left; right = sum - left, after both were digitized
+};
+inline constexpr Named<Readout> kReadouts[] = {
+    {"independent", Readout::independent, "each view is read out by itself"},
+    {"sum_and_left", Readout::sum_and_left, "sum and left view are read out, right = sum - left"},
+};
 
 /// A sensor: its geometry, from which the renderer's SensorGrid and a capture's Camera are derived, and what turns
 /// light into digital numbers.
@@ -27,10 +41,23 @@ struct SensorOptions {
   double well_spill = 0;                ///< share of what a half's well cannot hold that goes to its twin's
   double read_noise_e = 2.0;            ///< standard deviation of one read-out, ahead of the gain
   double read_noise_after_gain_dn = 0;  ///< likewise, behind it
+  double row_noise_dn = 0;  ///< standard deviation of what all photosites of a row have in common in one read-out
+  Readout readout = Readout::independent;
+  // Charge without light, electrons a second of an undivided photosite at 25 C; it doubles every so many degrees.
+  double dark_current_e_per_s = 0;
+  double hot_pixel_share = 0;    ///< of all photosites, that have one leaky half: the same in every frame
+  double hot_pixel_e_per_s = 0;  ///< mean of what those leak; it varies between them as an exponential
+  double temperature_c = 25;
+  double dark_current_doubling_c = 8;
   // Fixed pattern, the same in every frame of one camera and no part of its noise profile; normal.
   double prnu = 0;            ///< standard deviation of a photosite's sensitivity over its mean; its halves vary apart
   double dark_offset_dn = 0;  ///< ... of a read-out's offset; a photosite and each of its halves have their own
   std::uint64_t fixed_pattern_seed = 1;  ///< which camera
+  /// What each filter sees of the scene's linear R, G, B, row by row; electrons_per_lux_s is that of a row that sums
+  /// to 1.
+  Matrix3 color_matrix = kIdentity3;
+  /// Linear R, G, B of what is white in the scene's light: the white balance and truth's pictures make it neutral.
+  std::array<double, 3> illuminant = {1, 1, 1};
   int bits = 10;
   double black_level_dn = 64;
   int dp_downsample_x = 2;  ///< photosites per DP pixel: 2 x 4, 2 x 2, or 1 x 1 (dense, all colors)
@@ -45,6 +72,12 @@ inline constexpr OptionRange<SensorOptions> kSensorRanges[] = {
     {"well_spill", &SensorOptions::well_spill, 0, 1},
     {"read_noise_e", &SensorOptions::read_noise_e, 0, 1e4},
     {"read_noise_after_gain_dn", &SensorOptions::read_noise_after_gain_dn, 0, 1e4},
+    {"row_noise_dn", &SensorOptions::row_noise_dn, 0, 1e4},
+    {"dark_current_e_per_s", &SensorOptions::dark_current_e_per_s, 0, 1e6},
+    {"hot_pixel_share", &SensorOptions::hot_pixel_share, 0, 1},
+    {"hot_pixel_e_per_s", &SensorOptions::hot_pixel_e_per_s, 0, 1e9},
+    {"temperature_c", &SensorOptions::temperature_c, -273, 200},
+    {"dark_current_doubling_c", &SensorOptions::dark_current_doubling_c, 1, 100},
     {"prnu", &SensorOptions::prnu, 0, 0.5},
     {"dark_offset_dn", &SensorOptions::dark_offset_dn, 0, 1e4},
     {"dp_downsample_x", &SensorOptions::dp_downsample_x, 1, 2},
@@ -88,12 +121,16 @@ inline void fill_wells(const SensorOptions& sensor, double& left, double& right)
 /// Digital numbers per electron: the full well reaches the white level at ISO 100.
 double gain_dn_per_electron(const SensorOptions& sensor, double iso);
 
-/// Variance of one read-out, DN^2, quantisation aside.
-double read_noise_dn2(const SensorOptions& sensor, double iso);
+/// Mean number of electrons that an undivided photosite which is not hot gathers without light.
+double dark_electrons(const SensorOptions& sensor, const ExposureOptions& exposure);
 
-/// Levels and the noise profiles that follow from shot noise, read noise and quantisation (variance 1/12 DN^2). They
-/// hold where the noise ahead of quantisation exceeds half a DN and the mean lies three standard deviations from 0 and
-/// from white; fixed pattern is not part of them.
+/// Variance of one read-out, DN^2, quantisation aside: of half a photosite (with its dark current) or a whole one.
+double read_noise_dn2(const SensorOptions& sensor, const ExposureOptions& exposure, bool whole);
+
+/// Levels, colors, and the noise profiles that follow from shot noise, read noise and quantisation (variance 1/12
+/// DN^2). That of the views is half that of their difference: of one of them, where both are read out by themselves.
+/// They hold where the noise ahead of quantisation exceeds half a DN and the mean lies three standard deviations from 0
+/// and from white; fixed pattern, hot pixels among it, is not part of them.
 Exposure describe_exposure(const SensorOptions& sensor, const ExposureOptions& exposure);
 
 /// Mean electrons of each half-photosite under its color filter; two channels: left, right. `left` and `right` are

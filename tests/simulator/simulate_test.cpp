@@ -69,6 +69,12 @@ TEST(SceneFile, RefusesWhatCannotBeAndNamesIt) {
       {"/sensor/dp_downsample_y", 1, {"/sensor/dp_downsample_y", "2 x 1"}},
       {"/sensor/full_well_e", 0, {"/sensor/full_well_e"}},
       {"/sensor/well_spill", 1.5, {"/sensor/well_spill", "1.5"}},
+      {"/sensor/readout", "both", {"/sensor/readout", "both", "sum_and_left"}},
+      {"/sensor/row_noise_dn", -1, {"/sensor/row_noise_dn", "-1"}},
+      {"/sensor/hot_pixel_share", 2, {"/sensor/hot_pixel_share", "2"}},
+      {"/sensor/dark_current_doubling_c", 0, {"/sensor/dark_current_doubling_c", "0"}},
+      {"/sensor/color_matrix", {1, 0, 0, 1, 0, 0, 0, 0, 1}, {"/sensor/color_matrix", "inverse"}},
+      {"/sensor/illuminant", {1, 0, 1}, {"/sensor/illuminant", "0"}},
       {"/burst/frames", 0, {"/burst/frames", "0"}},
       {"/burst/hand_shake", -1, {"/burst/hand_shake", "-1"}},
       {"/burst/interval_s", 0.005, {"/burst/interval_s", "0.005", "0.01"}},  // shorter than the exposure
