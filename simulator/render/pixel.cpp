@@ -44,7 +44,7 @@ void camera_packet(const CameraView& camera, const PathOptions& options, int x, 
   } else {
     camera.lens.sample(x, y, camera.lens.has_color() ? cfa_color(x, y) : 1, samples, packet);
   }
-  to_world(packet, camera.world_from_camera, rays);
+  to_world(packet, camera.pose(y), rays);
 }
 
 /// Starts a path for each of `count` samples that the lens lets pass. Half of them lie in each half of the pupil; an

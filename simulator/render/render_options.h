@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 
 #include "capture/option_ranges.h"
@@ -28,6 +29,7 @@ struct RenderOptions {
   /// pinhole.
   std::optional<double> ideal_aperture_scale;
   Sampling sampling = Sampling::mirrored;
+  int first_row = 0, end_row = std::numeric_limits<int>::max();  ///< of the tiles that are rendered; others stay black
   TileStore* store = nullptr;  ///< set: tiles that it knows are not rendered, others are added
 };
 

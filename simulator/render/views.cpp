@@ -25,6 +25,7 @@ Views render_views(const RenderScene& world, const CameraView& camera, const Ren
   std::atomic<std::uint64_t> done = 0;
   std::mutex progress_mutex;
   for_tiles(map, [&](const Tile& tile) {
+    if (tile.y0 < options.first_row || tile.y0 >= options.end_row) return;
     const std::uint64_t render = hash(options.seed, tile.samples);
     const bool known = options.store && options.store->restore(render, tile, views);
     for (int y = tile.y0; y < tile.y1 && !known; ++y) {

@@ -49,6 +49,7 @@ struct SensorOptions {
   double hot_pixel_e_per_s = 0;  ///< mean of what those leak; it varies between them as an exponential
   double temperature_c = 25;
   double dark_current_doubling_c = 8;
+  double row_time_us = 0;  ///< from a row's exposure to the next one's; 0: all rows are exposed together
   // Fixed pattern, the same in every frame of one camera and no part of its noise profile; normal.
   double prnu = 0;            ///< standard deviation of a photosite's sensitivity over its mean; its halves vary apart
   double dark_offset_dn = 0;  ///< ... of a read-out's offset; a photosite and each of its halves have their own
@@ -78,6 +79,7 @@ inline constexpr OptionRange<SensorOptions> kSensorRanges[] = {
     {"hot_pixel_e_per_s", &SensorOptions::hot_pixel_e_per_s, 0, 1e9},
     {"temperature_c", &SensorOptions::temperature_c, -273, 200},
     {"dark_current_doubling_c", &SensorOptions::dark_current_doubling_c, 1, 100},
+    {"row_time_us", &SensorOptions::row_time_us, 0, 1000},
     {"prnu", &SensorOptions::prnu, 0, 0.5},
     {"dark_offset_dn", &SensorOptions::dark_offset_dn, 0, 1e4},
     {"dp_downsample_x", &SensorOptions::dp_downsample_x, 1, 2},
