@@ -255,6 +255,26 @@ Image motion_to(const Simulation& s, const RenderScene& world, const CameraView&
   return motion;
 }
 
+/// Glare: the same share of every photosite's light goes evenly to all of its color. It comes from all over the lens,
+/// so that both halves get the same.
+void spread_glare(double share, Views& views) {
+  if (share == 0) return;
+  double sums[3] = {}, counts[3] = {};
+  for (int y = 0; y < views.left.height; ++y) {
+    for (int x = 0; x < views.left.width; ++x) {
+      const int c = cfa_color(x, y);
+      sums[c] += 0.5 * (views.left.at(x, y, c) + views.right.at(x, y, c));
+      counts[c] += 1;
+    }
+  }
+  for (Image* view : {&views.left, &views.right}) {
+    for (std::size_t i = 0; i < view->data.size(); ++i) {
+      const double even = sums[i % 3] / counts[i % 3];
+      view->data[i] = static_cast<float>((1 - share) * view->data[i] + share * even);
+    }
+  }
+}
+
 /// What each step of simulate() reports to.
 ProgressCallback step_of(const StageCallback& stage, const char* name) {
   if (!stage) return {};
@@ -475,6 +495,7 @@ Capture simulate(const Simulation& s, RenderScene& world, const CameraView& view
       views = render_frame(s, world, view, sampling.map, i, [&](double fraction) {
         if (stage) stage("left and right view", (i + fraction) / s.burst_frames);
       });
+      spread_glare(s.lens.veiling_glare, views);
     }
     if (i == 0) add_truth_views(job, views, truth);
     if (i > 0 && moves(s)) truth.motion.push_back(motion_to(s, world, view, middle_s(s, i)));

@@ -23,6 +23,11 @@ class LensSampler {
   /// pupil. `color`: 0 R, 1 G, 2 B; it matters where has_color().
   void sample(int x, int y, int color, const float s[4][kRays], LensPacket& out) const;
 
+  /// Whether rays bend at the stop; bend() does it to those of a photosite under filter `color`, by two uniform numbers
+  /// each.
+  bool diffracts() const;
+  void bend(int color, const float u[kRays], const float v[kRays], LensPacket& rays) const;
+
   /// Rays of the ideal lens with the same chief rays: perfect focus, its pupil scaled (0: a pinhole), no shading.
   void sample_ideal(int x, int y, const float s[4][kRays], float aperture_scale, LensPacket& out) const;
 
