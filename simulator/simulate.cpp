@@ -341,20 +341,52 @@ TruthPicture render_picture(const Job& job, double aperture_scale, std::optional
   return truth;
 }
 
+/// Through the lens that the scene file names for the photograph, over a sensor of the same field of view. Each color
+/// is rendered by itself where the lens has any.
+TruthPicture render_through_lens(const Job& job, const char* name) {
+  const Simulation& s = job.simulation;
+  SensorGrid sensor = sensor_grid(s.sensor);
+  sensor.pixel_pitch_m *= s.photograph->thin.image_distance_m() / s.lens.thin.image_distance_m();
+  const CameraView view{job.view.world_from_camera, prepare_lens(s, *s.photograph, sensor)};
+  RenderOptions options = s.render;
+  options.samples_per_pixel = s.photograph_samples_per_pixel.value_or(s.render.samples_per_pixel);
+  options.seed = hash(s.render.seed, kPhotographStream);
+  const PictureSampling sampling = sample_picture(s, job.world, view, options, job.goal, {});
+  const int colors = view.lens.has_color() ? 3 : 1;
+  Image picture, halves;
+  for (int color = 0; color < colors; ++color) {
+    if (colors > 1) options.color = color, options.seed = hash(s.render.seed, kPhotographStream, color);
+    Views views = render_at(s, job.world, view, 0, options, sampling.map, step_of(job.stage, name));
+    if (color == 1 || colors == 1) halves = views.left;
+    Image all = undivided(std::move(views));
+    if (color == 0) picture = all;
+    for (std::size_t i = color; i < all.data.size() && color > 0; i += 3) picture.data[i] = all.data[i];
+  }
+  const double unit_per_half_nit = 2 * job.unit_per_nit;  // as if the halves' errors were the same
+  TruthPicture truth{in_units(std::move(picture), job.unit_per_nit),
+                     in_units(standard_error(sampling, 1, halves), unit_per_half_nit), 0};
+  truth.noise = truth.sigma.empty() ? unit_per_half_nit * measure_error(job.world, view, options, 1) : rms(truth.sigma);
+  return truth;
+}
+
 /// Truth's pictures in the frames' normalized signal: a neutral gray reads the same in all channels after the sensor's
 /// color response is divided out, as white balance does.
 void add_truth_pictures(const Job& job, Truth& truth) {
   const Simulation& s = job.simulation;
   TruthPicture sharp =
       render_picture(job, 0, s.all_in_focus_samples_per_pixel, kAllInFocusStream, "all-in-focus image");
-  TruthPicture wide = render_picture(job, s.photograph_aperture_scale, s.photograph_samples_per_pixel,
-                                     kPhotographStream, "wide-aperture photograph");
+  constexpr const char* kWide = "wide-aperture photograph";
+  TruthPicture wide = s.photograph ? render_through_lens(job, kWide)
+                                   : render_picture(job, s.photograph_aperture_scale, s.photograph_samples_per_pixel,
+                                                    kPhotographStream, kWide);
   const std::array<double, 3>& white = s.sensor.illuminant;
   truth.all_in_focus = with_neutral_white(std::move(sharp.picture), white);
   truth.all_in_focus_sigma = with_neutral_white(std::move(sharp.sigma), white);
   truth.photograph = with_neutral_white(std::move(wide.picture), white);
   truth.photograph_sigma = with_neutral_white(std::move(wide.sigma), white);
   truth.photograph_aperture_scale = s.photograph_aperture_scale;
+  truth.photograph_lens =
+      s.photograph ? fmt::format("{} at f/{:.3g}", s.photograph->name, s.photograph->thin.f_number) : "ideal";
   truth.noise = {.all_in_focus = sharp.noise, .photograph = wide.noise};
 }
 
