@@ -69,8 +69,9 @@ glm::dvec2 LensSampler::chief_slope(double x_m, double y_m) const {
   return at * std::visit([&](const auto& model) { return model.chief_slope_per_m(glm::length(at)); }, prepared_->model);
 }
 
-void LensSampler::sample(int x, int y, int color, const float s[4][kRays], LensPacket& out) const {
-  const PixelFrame f = pixel_frame(sensor(), x, y);
+void LensSampler::sample(int x, int y, int color, const float s[4][kRays], LensPacket& out, std::uint32_t draw) const {
+  PixelFrame f = pixel_frame(sensor(), x, y);
+  f.draw = draw;
   PupilPacket pupil;
   std::visit([&](const auto& model) { model.sample(f, color, s, out, pupil); }, prepared_->model);
   prepared_->split.weigh(f, pupil, out);

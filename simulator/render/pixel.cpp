@@ -43,7 +43,9 @@ void camera_packet(const CameraView& camera, const PathOptions& options, int x, 
     camera.lens.sample_ideal(x, y, samples, static_cast<float>(*options.ideal_aperture_scale), packet);
   } else {
     const int color = options.color.value_or(cfa_color(x, y));
-    camera.lens.sample(x, y, camera.lens.has_color() ? color : 1, samples, packet);
+    // packets take the wavelengths of the filter's band by turns, and photosites begin anywhere
+    const std::uint32_t draw = indices.first / (kPacket / 2) + static_cast<std::uint32_t>(indices.pixel_key >> 40);
+    camera.lens.sample(x, y, camera.lens.has_color() ? color : 1, samples, packet, draw);
     if (camera.lens.diffracts()) {
       constexpr std::uint32_t kDiffractionStream = 0x1002;
       alignas(64) float u[kPacket], v[kPacket];
