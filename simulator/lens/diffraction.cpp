@@ -1,20 +1,36 @@
 #include "simulator/lens/diffraction.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+
+#include "simulator/sampling/packet.h"
 
 namespace dualpixel::simulator {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kStretchSteps = 128;
+constexpr int kStretchSteps = 512;
 constexpr double kLeastBend = 1e-2, kMostBend = 1e3;  // the table's ends, lambda times the f-number
 constexpr double kFarthest = 100;                     // of the pattern, likewise
+constexpr double kOctaves = 16.6096404744368;         // log2(kMostBend / kLeastBend)
+constexpr float kLowestOctave = -6.64385619f;         // log2(kLeastBend)
+
+/// log2 of a positive normal number, to 2e-5; without branches, so that loops over it become vectors.
+inline float log2_of(float x) {
+  const auto bits = std::bit_cast<std::int32_t>(x);
+  const float mantissa = std::bit_cast<float>((bits & 0x7fffff) | 0x3f800000);
+  const float t = (mantissa - 1) / (mantissa + 1), t2 = t * t;
+  constexpr float kScale = 2 / std::numbers::ln2_v<float>;
+  const float fraction = kScale * t * (1 + t2 * (1.0f / 3 + t2 * (1.0f / 5 + t2 * (1.0f / 7))));
+  return static_cast<float>((bits >> 23) - 127) + fraction;
+}
 
 /// Share of the light that bends by less than `bend`, over a round pupil.
 double bent_share(double bend) {
-  constexpr int kRings = 400, kAngles = 16;
+  constexpr int kRings = 300, kAngles = 8;
   double share = 0;
   for (int ring = 0; ring < kRings; ++ring) {
     const double rho = std::sqrt((ring + 0.5) / kRings);
@@ -53,28 +69,34 @@ Diffraction::Diffraction(const ThinLens& thin) : pupil_radius_m_(0.5 * thin.pupi
   }
 }
 
-double Diffraction::stretch(double bend) const {
-  constexpr double kStepsPerOctave = kStretchSteps / 16.6096404744368;  // log2 of the table's range
-  const double at =
-      std::clamp(std::log2(std::max(bend, 1e-9) / kLeastBend) * kStepsPerOctave, 0.0, kStretchSteps - 1e-6);
-  const auto k = static_cast<std::size_t>(at);
-  return stretch_[k] + (at - static_cast<double>(k)) * (stretch_[k + 1] - stretch_[k]);
+float Diffraction::stretch(float bend_squared) const {
+  constexpr auto kStepsPerOctave = static_cast<float>(kStretchSteps / kOctaves);
+  const float octaves = 0.5f * log2_of(std::max(bend_squared, 1e-20f)) - kLowestOctave;
+  const float at = std::clamp(octaves * kStepsPerOctave, 0.0f, kStretchSteps - 1e-3f);
+  const int k = static_cast<int>(at);
+  return stretch_[k] + (at - static_cast<float>(k)) * (stretch_[k + 1] - stretch_[k]);
 }
 
 void Diffraction::bend(double wavelength_m, const float u[kPacket], const float v[kPacket], LensPacket& rays) const {
-  constexpr double kNearestEdge = 1e-4;                            // pupil radii
-  const double slope_unit = wavelength_m / (2 * pupil_radius_m_);  // lambda times the f-number, as a slope
+  constexpr float kNearestEdge = 1e-4f;  // pupil radii
+  constexpr auto kTurn = static_cast<float>(2 * kPi), kLn2 = std::numbers::ln2_v<float>;
+  const auto radius = static_cast<float>(pupil_radius_m_);
+  const auto slope_unit = static_cast<float>(wavelength_m / (2 * pupil_radius_m_));  // lambda N, as a slope
+  alignas(64) float px[kPacket], py[kPacket];
+  concentric_disc(u, v, px, py);
   for (int i = 0; i < kPacket; ++i) {
-    const double x = rays.origin_x[i], y = rays.origin_y[i], r = std::hypot(x, y);
-    const double rho = std::min(r / pupil_radius_m_, 1 - kNearestEdge);
-    const double radial_x = r > 0 ? x / r : 1, radial_y = r > 0 ? y / r : 0;
-    const double length = std::sqrt(-2 * std::log(1 - static_cast<double>(u[i]))), angle = 2 * kPi * v[i];
-    const double across = length * std::cos(angle) / (2 * kPi * (1 - rho));
-    const double along = length * std::sin(angle) / (2 * kPi * std::sqrt(1 - rho * rho));
-    const double bend = std::hypot(across, along);
-    const double turn = slope_unit * std::min(stretch(bend), kFarthest / std::max(bend, 1e-9));
-    rays.slope_x[i] += static_cast<float>(turn * (across * radial_x - along * radial_y));
-    rays.slope_y[i] += static_cast<float>(turn * (across * radial_y + along * radial_x));
+    const float x = rays.origin_x[i], y = rays.origin_y[i], r = std::sqrt(x * x + y * y) + 1e-12f;
+    const float rho = std::min(r / radius, 1 - kNearestEdge);
+    // two normal numbers from a point of the disc (Marsaglia 1962)
+    const float s = std::max(px[i] * px[i] + py[i] * py[i], 1e-12f);
+    const float normal = std::sqrt(-2 * kLn2 * log2_of(s) / s);
+    const float across = px[i] * normal / (kTurn * (1 - rho));
+    const float along = py[i] * normal / (kTurn * std::sqrt(1 - rho * rho));
+    const float bend_squared = across * across + along * along + 1e-20f;
+    const auto farthest = static_cast<float>(kFarthest) / std::sqrt(bend_squared);
+    const float turn = slope_unit * std::min(stretch(bend_squared), farthest) / r;
+    rays.slope_x[i] += turn * (across * x - along * y);
+    rays.slope_y[i] += turn * (across * y + along * x);
   }
 }
 

@@ -23,8 +23,8 @@ class Diffraction {
   /// Turns rays at the entrance pupil, by two uniform numbers each.
   void bend(double wavelength_m, const float u[kPacket], const float v[kPacket], LensPacket& rays) const;
 
-  /// The Airy pattern's radius, in lambda times the f-number, over the bend's, of a bend of that length.
-  double stretch(double bend) const;
+  /// The Airy pattern's radius, in lambda times the f-number, over the bend's, of a bend whose length has that square.
+  float stretch(float bend_squared) const;
 
  private:
   double pupil_radius_m_;

@@ -79,7 +79,7 @@ Trust trust_beside_sky(const Capture& capture, const pipeline::Matcher& matcher,
 // A sky 30 times as bright as a view's white, and one of 8 times before stronger blur. What is wrong although it is
 // left out lies in the sky's own blur, whose unclipped rim covers the wall with more light than its own. Ten rows of
 // four columns in two scenes: a share of 0.05 is four tiles.
-TEST(BlownSky, MatchersTrustLittleOfWhatClips) {
+TEST(SlowBlownSky, MatchersTrustLittleOfWhatClips) {
   const Capture captures[] = {wall_capture(30000, 0.9), wall_capture(8000, 1.6)};
   for (const pipeline::Matcher& matcher : pipeline::matchers()) {
     Trust own, as_the_mosaic;

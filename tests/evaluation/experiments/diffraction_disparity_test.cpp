@@ -66,15 +66,15 @@ Error disparity_error(double depth_m, bool diffraction, const pipeline::Matcher&
   return {error.mean / count, std::sqrt(error.rms / count)};
 }
 
-// The figures of docs/camera_effects.md. The Airy pattern is no wider than a DP pixel at f/1.8: it takes contrast, and
-// the error grows by less than a half.
+// The figures of docs/camera_effects.md. The Airy pattern is narrower than a DP pixel at f/1.8: it takes contrast, and
+// pulls what is measured towards 0 by some hundredths of a pixel, as blur that both views have in common does.
 TEST(SlowDiffraction, CostsLittleDisparityNearTheFocus) {
   for (const pipeline::Matcher& matcher : pipeline::matchers()) {
     for (const double depth_m : {0.7, 0.8, 0.86, 0.9, 0.95, 1.1, 1.3}) {
       const Error off = disparity_error(depth_m, false, matcher), on = disparity_error(depth_m, true, matcher);
       std::printf("%-10s %.2f m: without %+.3f, %.3f; with %+.3f, %.3f\n", matcher.name.data(), depth_m, off.mean,
                   off.rms, on.mean, on.rms);
-      EXPECT_LT(on.rms, 1.5 * off.rms) << matcher.name << ' ' << depth_m;
+      EXPECT_LT(on.rms, off.rms + 0.05) << matcher.name << ' ' << depth_m;
       EXPECT_LT(std::abs(on.mean - off.mean), 0.05) << matcher.name << ' ' << depth_m;
     }
   }
