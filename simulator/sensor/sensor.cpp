@@ -150,7 +150,7 @@ std::optional<OptionProblem> check(const SensorOptions& s) {
     if (!(value > 0 && value < 1e9)) return OptionProblem{"illuminant", fmt::format("{}: must lie in (0, 1e9)", value)};
   }
   for (const double electrons : white_electrons(s)) {
-    if (!(electrons > 0 && std::abs(determinant(s.color_matrix)) > 1e-6)) {
+    if (!(electrons > 0 && electrons < 1e12 && std::abs(determinant(s.color_matrix)) > 1e-6)) {
       return OptionProblem{"color_matrix", "must have an inverse, and see something of the illuminant in each row"};
     }
   }
