@@ -17,78 +17,24 @@ struct Match {
 
 float squared(float value) { return value * value; }
 
-/// 1 where a pixel of the left view, its neighbors, and what the right view has at all shifts are finite; empty where
-/// every pixel is.
-Image usable_pixels(const Image& left, const Image& right, int range) {
-  const auto finite = [](float value) { return std::isfinite(value); };
-  if (std::all_of(left.data.begin(), left.data.end(), finite) &&
-      std::all_of(right.data.begin(), right.data.end(), finite)) {
-    return {};
-  }
-  Image usable(left.width, left.height, 1, 1.0f);
-  for_rows(left.height, [&](int y) {
-    const auto leave_out_around = [&](int x, int reach) {
-      std::fill(usable.row(y) + std::max(x - reach, 0), usable.row(y) + std::min(x + reach + 1, left.width), 0.0f);
-    };
-    for (int x = 0; x < left.width; ++x) {
-      if (!finite(left.at(x, y))) leave_out_around(x, 1);
-      if (!finite(right.at(x, y))) leave_out_around(x, range);
-    }
-  });
-  return usable;
-}
-
-Image zero_where_not_finite(Image view) {
-  for (float& value : view.data) value = std::isfinite(value) ? value : 0;
-  return view;
-}
-
-/// A tile's pixels [x0, x1) x [y0, y1) of the left view; all shifts stay inside the right one.
-struct TileBox {
-  int x0, x1, y0, y1;
-};
-
-/// Mean squared differences at each shift, into `cost`, and the mean square of the gradient; over the pixels for which
-/// `counts(x, y)` is 1, of which there are `pixels`.
-template <typename Counts>
-float tile_costs_of(const Image& left, const Image& right, const TileBox& box, float pixels, const Counts& counts,
-                    std::vector<float>& cost) {
-  const int range = static_cast<int>(cost.size()) / 2;
+/// Pixels [x0, x1) x [y0, y1) of the left view against the right view; all shifts stay inside.
+Match match_tile(const Image& left, const Image& right, int x0, int x1, int y0, int y1, const MatchOptions& options,
+                 std::vector<float>& cost) {
+  const int range = options.range_px;
+  const float pixels = static_cast<float>((x1 - x0) * (y1 - y0));
   float gradient_square = 0;
   std::fill(cost.begin(), cost.end(), 0.0f);
-  for (int y = box.y0; y < box.y1; ++y) {
+  for (int y = y0; y < y1; ++y) {
     const float* l = left.row(y);
     const float* r = right.row(y);
     for (int shift = -range; shift <= range; ++shift) {
       float sum = 0;
-      for (int x = box.x0; x < box.x1; ++x) sum += counts(x, y) * squared(l[x] - r[x + shift]);
+      for (int x = x0; x < x1; ++x) sum += squared(l[x] - r[x + shift]);
       cost[shift + range] += sum / pixels;
     }
-    for (int x = box.x0; x < box.x1; ++x) {
-      gradient_square +=
-          counts(x, y) * squared(l[std::min(x + 1, left.width - 1)] - l[std::max(x - 1, 0)]) / (4 * pixels);
+    for (int x = x0; x < x1; ++x) {
+      gradient_square += squared(l[std::min(x + 1, left.width - 1)] - l[std::max(x - 1, 0)]) / (4 * pixels);
     }
-  }
-  return gradient_square;
-}
-
-/// `usable` as usable_pixels() gives it.
-Match match_tile(const Image& left, const Image& right, const TileBox& box, const Image& usable,
-                 const MatchOptions& options, std::vector<float>& cost) {
-  const int range = options.range_px;
-  float pixels = static_cast<float>((box.x1 - box.x0) * (box.y1 - box.y0)), gradient_square = 0;
-  if (usable.empty()) {
-    gradient_square = tile_costs_of(
-        left, right, box, pixels, [](int, int) { return 1.0f; }, cost);
-  } else {
-    const float all = pixels;
-    pixels = 0;
-    for (int y = box.y0; y < box.y1; ++y) {
-      for (int x = box.x0; x < box.x1; ++x) pixels += usable.at(x, y);
-    }
-    if (pixels <= 0.25f * all) return {};
-    gradient_square = tile_costs_of(
-        left, right, box, pixels, [&](int x, int y) { return usable.row(y)[x]; }, cost);
   }
 
   // Among equal costs the smallest shift wins.
@@ -162,9 +108,6 @@ TileDisparity match_tiles(const Image& left, const Image& right, const MatchOpti
   const int columns = (left.width + tile - 1) / tile;
   const int rows = (left.height + tile - 1) / tile;
   TileDisparity tiles{.disparity_dp_px = Image(columns, rows), .confidence = Image(columns, rows), .tile_px = tile};
-  const Image usable = usable_pixels(left, right, range);
-  const Image left_or_0 = usable.empty() ? Image() : zero_where_not_finite(left);
-  const Image right_or_0 = usable.empty() ? Image() : zero_where_not_finite(right);
   for_rows(rows, [&](int row) {
     std::vector<float> cost(2 * range + 1);
     const int y0 = row * tile;
@@ -173,8 +116,7 @@ TileDisparity match_tiles(const Image& left, const Image& right, const MatchOpti
       const int x0 = std::max(column * tile, range);
       const int x1 = std::min(column * tile + tile, left.width - range);
       if (x0 >= x1) continue;
-      const Match match = usable.empty() ? match_tile(left, right, {x0, x1, y0, y1}, usable, options, cost)
-                                         : match_tile(left_or_0, right_or_0, {x0, x1, y0, y1}, usable, options, cost);
+      const Match match = match_tile(left, right, x0, x1, y0, y1, options, cost);
       tiles.disparity_dp_px.at(column, row) = match.disparity;
       tiles.confidence.at(column, row) = match.confidence;
     }

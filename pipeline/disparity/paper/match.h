@@ -27,10 +27,9 @@ void check(const MatchOptions& options);
 /// `left` and `right` are normalized views (normalize.h) of one size. Returns d with right(x + d) = left(x): for each
 /// tile of the left view, the minimum of the parabola through the least sum of squared differences and its neighbors.
 ///
-/// Pixels that are NaN, or next to one, or compared with one at any shift, are left out; where three quarters of a tile
-/// are, its confidence is 0. Near the left and right border a tile shrinks to the pixels whose whole search range lies
-/// inside the right view. Confidence is 0 where nothing of it is left, where the costs have no unique minimum, or where
-/// the least cost lies at an end of the range: the true minimum may be beyond. Elsewhere it is the product of
+/// Near the left and right border a tile shrinks to the pixels whose whole search range lies inside the right view.
+/// Confidence is 0 where nothing of it is left, where the costs have no unique minimum, or where the least cost lies at
+/// an end of the range: the true minimum may be beyond. Elsewhere it is the product of
 ///   - exp(-q / ssd_scale), q the mean squared difference at the parabola's minimum;
 ///   - 1 / (1 + v / deviation^2), v = (q + ssd_floor) / (pixels * g2) the variance of a least-squares shift estimate,
 ///     g2 the mean squared horizontal gradient minus q / 4, the part that is due to noise;

@@ -10,33 +10,6 @@
 #include "capture/image/rows.h"
 
 namespace dualpixel::pipeline {
-namespace {
-
-bool all_finite(const Image& view) {
-  return std::all_of(view.data.begin(), view.data.end(), [](float v) { return std::isfinite(v); });
-}
-
-/// One over the number of finite pixels in the window around each; 0 where there are none.
-Image shares_of_finite(const Image& view, int reach) {
-  Image across(view.width, view.height), shares(view.width, view.height);
-  for_rows(view.height, [&](int y) {
-    for (int x = 0; x < view.width; ++x) {
-      const float* first = view.row(y) + std::max(x - reach, 0);
-      const float* last = view.row(y) + std::min(x + reach, view.width - 1) + 1;
-      across.at(x, y) = static_cast<float>(std::count_if(first, last, [](float v) { return std::isfinite(v); }));
-    }
-  });
-  for_rows(view.height, [&](int y) {
-    for (int x = 0; x < view.width; ++x) {
-      float count = 0;
-      for (int v = std::max(y - reach, 0); v <= std::min(y + reach, view.height - 1); ++v) count += across.at(x, v);
-      shares.at(x, y) = count > 0 ? 1 / count : 0;
-    }
-  });
-  return shares;
-}
-
-}  // namespace
 
 OptionFields fields(NormalizeOptions& options) {
   return {{"window_px", &options.window_px, 3, 255, "DP px, odd", "S: 9"},
@@ -51,20 +24,11 @@ void check(const NormalizeOptions& options) {
   }
 }
 
-Image without_clipped(const Image& view, float level) {
-  const auto clips = [level](float value) { return value >= level; };
-  if (std::none_of(view.data.begin(), view.data.end(), clips)) return {};
-  Image out = view;
-  std::replace_if(out.data.begin(), out.data.end(), clips, NAN);
-  return out;
-}
-
 Image normalize_locally(const Image& view, const NormalizeOptions& options) {
   check(options);
   const int reach = options.window_px / 2;
   const int width = view.width;
   Image out(width, view.height);
-  const Image shares = all_finite(view) ? Image() : shares_of_finite(view, reach);
   const auto finite = [](float value) { return std::isfinite(value) ? value : 0.0f; };
   const auto add_line = [&](int line, double sign, std::vector<double>& sums, std::vector<double>& squares) {
     const float* row = view.row(line);
@@ -103,11 +67,10 @@ Image normalize_locally(const Image& view, const NormalizeOptions& options) {
       float* to = out.row(y);
       for (int x = 0; x < width; ++x) {
         const int columns = std::min(x + reach, width - 1) - std::max(x - reach, 0) + 1;
-        const double share = shares.empty() ? 1 / (static_cast<double>(columns) * (bottom - top + 1)) : shares.at(x, y);
+        const double share = 1 / (static_cast<double>(columns) * (bottom - top + 1));
         const double mean = sum[x] * share;
         const float deviation = std::sqrt(static_cast<float>(std::max(square[x] * share - mean * mean, 0.0)));
-        to[x] = static_cast<float>(in[x] - mean) / (deviation + options.std_floor);
-        if (!std::isfinite(in[x])) to[x] = NAN;
+        to[x] = static_cast<float>(finite(in[x]) - mean) / (deviation + options.std_floor);
       }
     }
   });

@@ -59,50 +59,12 @@ TEST(Normalize, TakesOutGainAndOffset) {
   for (std::size_t i = 0; i < a.data.size(); ++i) EXPECT_NEAR(a.data[i], b.data[i], 0.1);
 }
 
-// What clips is left out: the rest is normalized, and matched, as if the view ended there.
-TEST(Normalize, ClippedPixelsDoNotReachTheirNeighbors) {
-  const Texture texture(1, 0.4);
-  const Image whole = textured(texture, 64, 32, 0);
-  Image blown = whole;
-  for (int y = 0; y < 32; ++y) {
-    for (int x = 40; x < 64; ++x) blown.at(x, y) = 2;
-  }
-  Image part(40, 32);
-  for (int y = 0; y < 32; ++y) std::copy_n(whole.row(y), 40, part.row(y));
-  EXPECT_TRUE(without_clipped(whole, 2).empty());
-  const Image normal = normalize_locally(without_clipped(blown, 2)), alone = normalize_locally(part);
-  for (int y = 0; y < 32; ++y) {
-    for (int x = 0; x < 40; ++x) EXPECT_NEAR(normal.at(x, y), alone.at(x, y), 1e-4);
-    for (int x = 40; x < 64; ++x) EXPECT_TRUE(std::isnan(normal.at(x, y)));
-  }
-}
-
-TEST(Match, LeavesOutWhatIsNotANumber) {
-  const Texture texture(2, 0.4);
-  Image left = textured(texture, 64, 32, 0), right = textured(texture, 64, 32, 1.0);
-  const TileDisparity whole = match_tiles(normalize_locally(left), normalize_locally(right));
-  for (int y = 0; y < 32; ++y) {
-    for (int x = 37; x < 64; ++x) left.at(x, y) = right.at(x, y) = NAN;
-  }
-  const TileDisparity tiles = match_tiles(normalize_locally(left), normalize_locally(right));
-  for (int row = 0; row < 4; ++row) {
-    // columns up to 37 - 3 - 1 count: four tiles, whose last windows are cut a little, and too little of the fifth
-    for (int column = 0; column < 4; ++column) {
-      EXPECT_NEAR(tiles.disparity_dp_px.at(column, row), whole.disparity_dp_px.at(column, row), 0.01);
-    }
-    for (int column = 4; column < 8; ++column) EXPECT_EQ(tiles.confidence.at(column, row), 0);
-  }
-}
-
-TEST(Normalize, FlatAndBrokenInputs) {
+TEST(Normalize, FlatAndBrokenInputsStayFinite) {
   for (const float value : normalize_locally(Image(20, 20, 1, 0.3f)).data) EXPECT_NEAR(value, 0, 1e-4);
   Image broken = textured(Texture(1, 0.4), 20, 20, 0);
   broken.at(5, 5) = std::numeric_limits<float>::quiet_NaN();
   broken.at(6, 5) = std::numeric_limits<float>::infinity();
-  const Image normal = normalize_locally(broken);
-  for (std::size_t i = 0; i < normal.data.size(); ++i) {
-    EXPECT_EQ(std::isfinite(normal.data[i]), std::isfinite(broken.data[i])) << i;
-  }
+  for (const float value : normalize_locally(broken).data) EXPECT_TRUE(std::isfinite(value));
   for (const auto& [width, height] : {std::pair{1, 1}, {3, 500}}) {
     for (const float value : normalize_locally(Image(width, height, 1, 0.5f)).data) EXPECT_TRUE(std::isfinite(value));
   }
