@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "capture/image/image.h"
+#include "capture/matrix3.h"
 
 /// A capture is what a dual-pixel camera delivers for one press of the shutter, rendered or real: the only data that
 /// passes from the simulator to the pipeline. docs/capture.md defines its folder on disk, field by field.
@@ -55,19 +56,22 @@ struct Exposure {
   double time_s = 0;
   double iso = 0;
   int bits = 10;
-  double black_level_dn = 0;  ///< of a mosaic photosite and of a DP half-pixel alike
-  double white_level_dn = 0;
-  NoiseProfile mosaic_noise;  ///< of one photosite
-  NoiseProfile dp_noise;      ///< of one pixel of one DP view
+  double black_level_dn = 0;                ///< of a mosaic photosite and of a DP half-pixel alike
+  double white_level_dn = 0;                ///< at which the mosaic clips
+  std::optional<double> dp_white_level_dn;  ///< at which a DP view clips; empty: at white_level_dn
+  NoiseProfile mosaic_noise;                ///< of one photosite
+  NoiseProfile dp_noise;  ///< of one pixel of one DP view; where views are correlated, half that of their difference
   /// Gains of R, G, B, green 1, that make a neutral gray read the same in all three: "as shot" white balance.
   std::array<double, 3> white_balance = {1, 1, 1};
+  /// From balanced camera colors to linear sRGB, white to white; empty: they are the same.
+  std::optional<Matrix3> color_matrix;
   double lux_s_per_unit =
       0;  ///< luminous exposure on the sensor that the normalized signal 1.0 corresponds to; 0: unknown
 };
 
-/// Raw digital numbers. The signal normalized as (DN - black) / (white - black) runs from 0 to 1 at clipping.
-/// A DP view's pixel is the mean of the green half-photosites that it covers, so that the normalized left + right is
-/// the normalized signal of undivided green photosites.
+/// Raw digital numbers. The signal normalized as (DN - black) / (white - black) runs from 0 to 1 where the mosaic
+/// clips, and to view_white() where a view does. A DP view's pixel is the mean of the green half-photosites that it
+/// covers, so that the normalized left + right is the normalized signal of undivided green photosites.
 struct Frame {
   ImageU16 mosaic;  ///< width_px x height_px; may be empty in a capture of DP views alone
   ImageU16 left;    ///< dp_width x dp_height
@@ -82,6 +86,12 @@ inline Image normalized(const ImageU16& raw, const Exposure& exposure) {
   Image signal(raw.width, raw.height);
   for (std::size_t i = 0; i < raw.data.size(); ++i) signal.data[i] = static_cast<float>((raw.data[i] - black) / range);
   return signal;
+}
+
+/// The normalized signal at which a DP view clips: 1/2 where each half of a photosite has a well of its own.
+inline double view_white(const Exposure& exposure) {
+  return (exposure.dp_white_level_dn.value_or(exposure.white_level_dn) - exposure.black_level_dn) /
+         (exposure.white_level_dn - exposure.black_level_dn);
 }
 
 /// RMS over the picture of the standard error that rendering leaves, normalized signal.
@@ -108,6 +118,7 @@ struct Truth {
   Image photograph;       ///< RGB through the wider aperture
   Image left, right;  ///< RGB: the views without the sensor's noise, whose sum is the undivided picture; may be empty
   double photograph_aperture_scale = 0;  ///< its pupil diameter over the capture's
+  std::string photograph_lens;           ///< that it looks through: "ideal", or a lens's name; empty: unknown
   /// Of a burst in which something moved, for each frame but the first: x and y in photosites, such that the point that
   /// the first frame's pixel sees is at pixel + motion in that frame; infinite behind that frame's camera.
   std::vector<Image> motion;

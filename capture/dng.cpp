@@ -95,11 +95,17 @@ void set_colors(TiffFile& file, const Capture& capture) {
   file.set_array(TIFFTAG_CFAPLANECOLOR, std::vector<std::uint8_t>{0, 1, 2});
   constexpr int kRectangular = 1;
   file.set(TIFFTAG_CFALAYOUT, kRectangular);
+  // the sensor's color of what is white in the capture's light is that of sRGB's white
+  const Matrix3 camera_from_srgb = inverse(capture.exposure.color_matrix.value_or(kIdentity3));
   std::vector<float> camera_from_xyz, neutral;
   for (int c = 0; c < 3; ++c) {
     const double white_balance = capture.exposure.white_balance[c];
     neutral.push_back(static_cast<float>(1 / white_balance));
-    for (const double weight : kSrgbFromXyz[c]) camera_from_xyz.push_back(static_cast<float>(weight / white_balance));
+    for (int xyz = 0; xyz < 3; ++xyz) {
+      double weight = 0;
+      for (int k = 0; k < 3; ++k) weight += camera_from_srgb[3 * c + k] * kSrgbFromXyz[k][xyz];
+      camera_from_xyz.push_back(static_cast<float>(weight / white_balance));
+    }
   }
   file.set_array(TIFFTAG_COLORMATRIX1, camera_from_xyz);
   file.set_array(TIFFTAG_ASSHOTNEUTRAL, neutral);
@@ -110,7 +116,8 @@ void set_colors(TiffFile& file, const Capture& capture) {
 void write_dng(const std::string& path, const ImageU16& raw, const Capture& capture, bool mosaic,
                const NoiseProfile& noise, double pixel_height) {
   const Exposure& exposure = capture.exposure;
-  const double range = exposure.white_level_dn - exposure.black_level_dn;
+  const double white = mosaic ? exposure.white_level_dn : exposure.dp_white_level_dn.value_or(exposure.white_level_dn);
+  const double range = white - exposure.black_level_dn;
   constexpr int kLinearRaw = 34892, kD65 = 21;
 
   TiffFile file(path);
@@ -135,8 +142,7 @@ void write_dng(const std::string& path, const ImageU16& raw, const Capture& capt
   file.set(TIFFTAG_DNGBACKWARDVERSION, oldest_reader);
   file.set(TIFFTAG_UNIQUECAMERAMODEL, ("dualpixel " + capture.camera.name).c_str());
   file.set_array(TIFFTAG_BLACKLEVEL, std::vector<float>{static_cast<float>(exposure.black_level_dn)});
-  file.set_array(TIFFTAG_WHITELEVEL,
-                 std::vector<std::uint32_t>{static_cast<std::uint32_t>(std::lround(exposure.white_level_dn))});
+  file.set_array(TIFFTAG_WHITELEVEL, std::vector<std::uint32_t>{static_cast<std::uint32_t>(std::lround(white))});
   const float scale[2] = {1, static_cast<float>(pixel_height)};
   file.set(TIFFTAG_DEFAULTSCALE, scale);
   file.set(TIFFTAG_CALIBRATIONILLUMINANT1, kD65);

@@ -65,6 +65,9 @@ constexpr double kLongestInterval_s = 1e5;
 void read_sensor(Fields sensor, SensorOptions& s) {
   read_ranges(sensor, s, kSensorRanges);
   sensor.numbers("electrons_per_lux_s", s.electrons_per_lux_s.data(), 3);
+  read_named(sensor, "readout", s.readout, kReadouts);
+  sensor.numbers("color_matrix", s.color_matrix.data(), 9);
+  sensor.numbers("illuminant", s.illuminant.data(), 3);
   sensor.integer("fixed_pattern_seed", s.fixed_pattern_seed, 0, kAnySeed);
   sensor.done();
 }
@@ -98,6 +101,35 @@ void read_environment_fields(Fields environment, Simulation& s, const std::strin
     }
   }
   environment.done();
+}
+
+/// Truth's photograph looks through an ideal lens, through the capture's own opened wide, or through that of another
+/// file, focused alike. The latter's aperture is its own. Whatever their pixels' split, both halves together are the
+/// picture.
+void read_truth_fields(Fields truth, const nlohmann::json& own_lens, double focus_distance_m, Simulation& s) {
+  std::string lens = "ideal";
+  const bool scaled = truth.has("photograph_aperture_scale");
+  read_ranges(truth, s, kTruthRanges);
+  truth.text("photograph_lens", lens);
+  truth.done();
+  if (lens == "ideal") return;
+  nlohmann::json json = {{"file", lens}};
+  if (lens == "own") {
+    if (!(s.photograph_aperture_scale > 0)) {
+      truth.fail("photograph_aperture_scale", "0: a pinhole is ideal: must be above 0 where photograph_lens is own");
+    }
+    json = own_lens;
+    json["f_number"] = s.lens.thin.f_number / s.photograph_aperture_scale;
+  } else if (scaled) {
+    truth.fail("photograph_aperture_scale", "is that of the lens file that photograph_lens names: leave it out");
+  }
+  try {
+    s.photograph = read_lens(json, s.path, "/lens", focus_distance_m);
+  } catch (const InputError& error) {
+    truth.fail("photograph_lens", printable(lens) + ": " + error.what());
+  }
+  s.photograph->split = {};
+  s.photograph_aperture_scale = s.photograph->thin.pupil_diameter_m() / s.lens.thin.pupil_diameter_m();
 }
 
 /// What rendering may be asked to reach, instead of a number of samples.
@@ -178,7 +210,8 @@ Simulation read_simulation(const nlohmann::json& json, const std::string& path) 
   s.gltf_path = path_beside(path, gltf);
   double focus_distance_m = 1;
   read_camera(root.object("camera"), s, focus_distance_m);
-  s.lens = read_lens(root.has("lens") ? root.raw("lens") : nlohmann::json::object(), path, "/lens", focus_distance_m);
+  const nlohmann::json lens = root.has("lens") ? root.raw("lens") : nlohmann::json::object();
+  s.lens = read_lens(lens, path, "/lens", focus_distance_m);
   read_sensor(root.object("sensor"), s.sensor);
   Fields exposure = root.object("exposure");
   read_ranges(exposure, s.exposure, kExposureRanges);
@@ -187,9 +220,7 @@ Simulation read_simulation(const nlohmann::json& json, const std::string& path) 
   read_environment_fields(root.object("environment"), s, path);
   read_ranges(root, s, kSceneRanges);
   if (root.has("face_px")) root.numbers("face_px", s.face_px.emplace().data(), 4);
-  Fields truth = root.object("truth");
-  read_ranges(truth, s, kTruthRanges);
-  truth.done();
+  read_truth_fields(root.object("truth"), lens, focus_distance_m, s);
   read_render(root.object("render"), s);
   root.done();
   require_valid(check(s), path);

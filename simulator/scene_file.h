@@ -44,6 +44,7 @@ struct Simulation {
   double unlit_white_nits = 100;
   std::optional<std::array<double, 4>> face_px;
   double photograph_aperture_scale = 5;
+  std::optional<Lens> photograph;  ///< focused; empty: the photograph looks through the ideal lens
   RenderOptions render;
   LightCacheOptions light;  ///< in the file's "render", as the other fields
   /// Set: every picture gets as many samples, tile by tile, as keep its error's RMS at this share of the sensor's

@@ -6,7 +6,7 @@ namespace dualpixel::simulator {
 
 ErrorTarget sensor_noise(const Simulation& s, double lux_per_nit) {
   const double gain = gain_dn_per_electron(s.sensor, s.exposure.iso);
-  const double read_e2 = read_noise_dn2(s.sensor, s.exposure.iso) / (gain * gain);
+  const double read_e2 = read_noise_dn2(s.sensor, s.exposure, false) / (gain * gain);
   ErrorTarget target;
   for (int c = 0; c < 3; ++c) {
     const double electrons_per_nit = lux_per_nit * s.exposure.time_s * s.sensor.electrons_per_lux_s[c];

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
+#include <limits>
 #include <memory>
 #include <set>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "capture/error.h"
 #include "simulator/picture_sampling.h"
@@ -61,21 +63,61 @@ void scale(Image& image, double factor) {
   for (float& value : image.data) value = static_cast<float>(value * factor);
 }
 
+/// Rows of a picture that see one and the same scene.
+struct Band {
+  int first_row, end_row;
+};
+
+/// Where things are animated and the shutter rolls, the scene changes from band to band, whole tiles each; elsewhere
+/// all rows see the same.
+std::vector<Band> bands_of(const Simulation& s) {
+  constexpr int kMostBands = 32;
+  const int height = s.sensor.height_px;
+  if (!(s.animation && s.sensor.row_time_us > 0)) return {{0, height}};
+  const int tiles = (height + SampleMap::kTile - 1) / SampleMap::kTile;
+  const int rows = (tiles + kMostBands - 1) / kMostBands * SampleMap::kTile;
+  std::vector<Band> bands;
+  for (int row = 0; row < height; row += rows) bands.push_back({row, std::min(row + rows, height)});
+  return bands;
+}
+
+/// How much later than the picture's middle a row is exposed, whose middle is at `row`.
+double row_delay_s(const Simulation& s, double row) {
+  return 1e-6 * s.sensor.row_time_us * (row - 0.5 * s.sensor.height_px);
+}
+
+/// When the middle of a band is exposed in a picture whose middle is exposed at `time_s`.
+double band_s(const Simulation& s, double time_s, const Band& band) {
+  return time_s + row_delay_s(s, 0.5 * (band.first_row + band.end_row));
+}
+
 /// Scene and camera at one time of a burst.
 struct Moment {
   std::unique_ptr<Scene> own_scene;  ///< empty: the first frame's
   CameraView view;
 };
 
-Moment moment(const Simulation& s, const CameraView& first, double time_s) {
+/// What a band sees of a picture whose middle is exposed at `time_s`; `view.world_from_camera` is that of its middle.
+Moment moment(const Simulation& s, const CameraView& first, double time_s, const Band& band) {
   Moment now{nullptr, first};
-  if (s.animation && time_s != 0) {
-    now.own_scene = std::make_unique<Scene>(load_scene(s, time_s));
+  const double scene_s = band_s(s, time_s, band);
+  if (s.animation && scene_s != 0) {
+    now.own_scene = std::make_unique<Scene>(load_scene(s, scene_s));
     now.view.world_from_camera = camera_pose(s, *now.own_scene);
   }
-  const glm::dmat4 shake = hand_shake(s.hand_shake_seed, time_s, s.hand_shake);
-  now.view.world_from_camera = glm::mat4(glm::dmat4(now.view.world_from_camera) * shake);
+  const glm::dmat4 held(now.view.world_from_camera);
+  const auto pose_at = [&](double at_s) { return glm::mat4(held * hand_shake(s.hand_shake_seed, at_s, s.hand_shake)); };
+  now.view.world_from_camera = pose_at(time_s);
+  if (s.hand_shake > 0 && s.sensor.row_time_us > 0) {
+    std::vector<glm::mat4> poses;
+    for (int y = 0; y < s.sensor.height_px; ++y) poses.push_back(pose_at(time_s + row_delay_s(s, y + 0.5)));
+    now.view.row_poses = std::make_shared<const std::vector<glm::mat4>>(std::move(poses));
+  }
   return now;
+}
+
+Moment moment(const Simulation& s, const CameraView& first, double time_s) {
+  return moment(s, first, time_s, {0, s.sensor.height_px});
 }
 
 double middle_s(const Simulation& s, int frame) { return frame * s.frame_interval_s; }
@@ -89,7 +131,9 @@ void check_animation(const Simulation& s, const Scene& first) {
   std::set<double> times_s;
   for (int frame = 0; frame < s.burst_frames; ++frame) {
     times_s.insert(middle_s(s, frame));
-    for (int pose = 0; pose < poses_of(s); ++pose) times_s.insert(pose_s(s, frame, pose));
+    for (const Band& band : bands_of(s)) {
+      for (int pose = 0; pose < poses_of(s); ++pose) times_s.insert(band_s(s, pose_s(s, frame, pose), band));
+    }
   }
   for (const double time_s : times_s) {
     if (time_s == 0) continue;  // `first`
@@ -127,24 +171,109 @@ void add_share(Views views, int count, Views& mean) {
   }
 }
 
-/// The mean over the poses of frame `frame`'s exposure; `middle` is its moment.
-Views render_frame(const Simulation& s, const RenderScene& first_world, const CameraView& first, const Moment& middle,
-                   const SampleMap& map, int frame, const ProgressCallback& progress) {
-  const auto render = [&](const Moment& now, int pose) {
+/// The world of a moment that has a scene of its own.
+RenderScene world_of(const Simulation& s, const Moment& now, const RenderScene& first_world) {
+  return RenderScene(*now.own_scene, first_world.light_cache ? first_world.light_cache->options : s.light);
+}
+
+/// A picture whose middle is exposed at `time_s`.
+Views render_at(const Simulation& s, const RenderScene& first_world, const CameraView& first, double time_s,
+                RenderOptions options, const SampleMap& map, const ProgressCallback& progress) {
+  Views views;
+  for (const Band& band : bands_of(s)) {
+    options.first_row = band.first_row, options.end_row = band.end_row;
+    const Moment now = moment(s, first, time_s, band);
+    Views part = now.own_scene ? render_views(world_of(s, now, first_world), now.view, options, map, progress)
+                               : render_views(first_world, now.view, options, map, progress);
+    if (views.left.empty()) {
+      views = std::move(part);
+      continue;
+    }
+    for (Image Views::*view : {&Views::left, &Views::right}) {
+      std::copy((part.*view).row(band.first_row), (part.*view).row(band.end_row - 1) + 3 * s.sensor.width_px,
+                (views.*view).row(band.first_row));
+    }
+  }
+  return views;
+}
+
+/// The mean over the poses of frame `frame`'s exposure.
+Views render_frame(const Simulation& s, const RenderScene& first_world, const CameraView& first, const SampleMap& map,
+                   int frame, const ProgressCallback& progress) {
+  Views mean;
+  for (int pose = 0; pose < poses_of(s); ++pose) {
     RenderOptions options = s.render;
     if (frame > 0 || pose > 0) options.seed = hash(s.render.seed, kPoseStream, frame * poses_of(s) + pose);
     const ProgressCallback part = [&](double fraction) { progress((pose + fraction) / poses_of(s)); };
-    if (!now.own_scene) return render_views(first_world, now.view, options, map, part);
-    const LightCacheOptions& light = first_world.light_cache ? first_world.light_cache->options : s.light;
-    return render_views(RenderScene(*now.own_scene, light), now.view, options, map, part);
-  };
-  Views mean;
-  for (int pose = 0; pose < poses_of(s); ++pose) {
-    const double time_s = pose_s(s, frame, pose);
-    add_share(time_s == middle_s(s, frame) ? render(middle, pose) : render(moment(s, first, time_s), pose), poses_of(s),
-              mean);
+    add_share(render_at(s, first_world, first, pose_s(s, frame, pose), options, map, part), poses_of(s), mean);
   }
   return mean;
+}
+
+/// The first frame's geometry, each row's at its own time.
+Truth first_truth(const Simulation& s, const RenderScene& world, const CameraView& view) {
+  Truth truth = empty_truth(view.lens.sensor());
+  for (const Band& band : bands_of(s)) {
+    const Moment now = moment(s, view, 0, band);
+    if (now.own_scene) {
+      trace_truth_rows(world_of(s, now, world), now.view, band.first_row, band.end_row, truth);
+    } else {
+      trace_truth_rows(world, now.view, band.first_row, band.end_row, truth);
+    }
+  }
+  return truth;
+}
+
+/// Motion from the first frame to that whose middle is exposed at `time_s`. A point that the first frame's band shows
+/// is looked for in the same band of the later frame and the two next to it, and taken from the one that it lands
+/// nearest.
+Image motion_to(const Simulation& s, const RenderScene& world, const CameraView& view, double time_s) {
+  const std::vector<Band> bands = bands_of(s);
+  Image motion(s.sensor.width_px, s.sensor.height_px, 2, std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    const Band& band = bands[i];
+    const Moment now = moment(s, view, 0, band);
+    const std::unique_ptr<RenderScene> own =
+        now.own_scene ? std::make_unique<RenderScene>(*now.own_scene, LightCacheOptions{0}) : nullptr;
+    Image distance(s.sensor.width_px, s.sensor.height_px, 1, std::numeric_limits<float>::infinity());
+    for (std::size_t j = std::max<std::size_t>(i, 1) - 1; j < std::min(i + 2, bands.size()); ++j) {
+      const Moment later = moment(s, view, time_s, bands[j]);
+      const Scene& later_scene = later.own_scene ? *later.own_scene : world.scene;
+      const Image found =
+          trace_motion_rows(own ? *own : world, now.view, later_scene, later.view, band.first_row, band.end_row);
+      for (int y = band.first_row; y < band.end_row; ++y) {
+        for (int x = 0; x < motion.width; ++x) {
+          const float row = static_cast<float>(y) + 0.5f + found.at(x, y, 1);
+          const float away = std::max(
+              {static_cast<float>(bands[j].first_row) - row, row - static_cast<float>(bands[j].end_row), 0.0f});
+          if (!(away < distance.at(x, y))) continue;
+          distance.at(x, y) = away;
+          for (int c = 0; c < 2; ++c) motion.at(x, y, c) = found.at(x, y, c);
+        }
+      }
+    }
+  }
+  return motion;
+}
+
+/// Glare: the same share of every photosite's light goes evenly to all of its color. It comes from all over the lens,
+/// so that both halves get the same.
+void spread_glare(double share, Views& views) {
+  if (share == 0) return;
+  double sums[3] = {}, counts[3] = {};
+  for (int y = 0; y < views.left.height; ++y) {
+    for (int x = 0; x < views.left.width; ++x) {
+      const int c = cfa_color(x, y);
+      sums[c] += 0.5 * (views.left.at(x, y, c) + views.right.at(x, y, c));
+      counts[c] += 1;
+    }
+  }
+  for (Image* view : {&views.left, &views.right}) {
+    for (std::size_t i = 0; i < view->data.size(); ++i) {
+      const double even = sums[i % 3] / counts[i % 3];
+      view->data[i] = static_cast<float>((1 - share) * view->data[i] + share * even);
+    }
+  }
 }
 
 /// What each step of simulate() reports to.
@@ -165,6 +294,20 @@ struct Job {
 
 Image in_units(Image image, double factor) {
   scale(image, factor);
+  return image;
+}
+
+/// A picture in the scene's colors, or the error of each photosite in its own filter's color, with the scene's white
+/// made neutral.
+Image with_neutral_white(Image image, const std::array<double, 3>& white) {
+  if (white == std::array<double, 3>{1, 1, 1}) return image;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      for (int c = 0; c < image.channels; ++c) {
+        image.at(x, y, c) /= static_cast<float>(white[image.channels == 1 ? cfa_color(x, y) : c]);
+      }
+    }
+  }
   return image;
 }
 
@@ -189,7 +332,7 @@ TruthPicture render_picture(const Job& job, double aperture_scale, std::optional
   options.samples_per_pixel = samples.value_or(s.render.samples_per_pixel);
   options.seed = hash(s.render.seed, stream);
   const PictureSampling sampling = sample_picture(s, job.world, job.view, options, job.goal, {});
-  Views views = render_views(job.world, job.view, options, sampling.map, step_of(job.stage, name));
+  Views views = render_at(s, job.world, job.view, 0, options, sampling.map, step_of(job.stage, name));
   // both halves are the same light, so that errors add up, too
   const double unit_per_half_nit = 2 * job.unit_per_nit;
   TruthPicture truth{{}, in_units(standard_error(sampling, 1, views.left), unit_per_half_nit), 0};
@@ -199,26 +342,60 @@ TruthPicture render_picture(const Job& job, double aperture_scale, std::optional
   return truth;
 }
 
+/// Through the lens that the scene file names for the photograph, over a sensor of the same field of view. Each color
+/// is rendered by itself where the lens has any.
+TruthPicture render_through_lens(const Job& job, const char* name) {
+  const Simulation& s = job.simulation;
+  SensorGrid sensor = sensor_grid(s.sensor);
+  sensor.pixel_pitch_m *= s.photograph->thin.image_distance_m() / s.lens.thin.image_distance_m();
+  const CameraView view{job.view.world_from_camera, prepare_lens(s, *s.photograph, sensor)};
+  RenderOptions options = s.render;
+  options.samples_per_pixel = s.photograph_samples_per_pixel.value_or(s.render.samples_per_pixel);
+  options.seed = hash(s.render.seed, kPhotographStream);
+  const PictureSampling sampling = sample_picture(s, job.world, view, options, job.goal, {});
+  const int colors = view.lens.has_color() ? 3 : 1;
+  Image picture, halves;
+  for (int color = 0; color < colors; ++color) {
+    if (colors > 1) options.color = color, options.seed = hash(s.render.seed, kPhotographStream, color);
+    Views views = render_at(s, job.world, view, 0, options, sampling.map, step_of(job.stage, name));
+    if (color == 1 || colors == 1) halves = views.left;
+    Image all = undivided(std::move(views));
+    if (color == 0) picture = all;
+    for (std::size_t i = color; i < all.data.size() && color > 0; i += 3) picture.data[i] = all.data[i];
+  }
+  const double unit_per_half_nit = 2 * job.unit_per_nit;  // as if the halves' errors were the same
+  TruthPicture truth{in_units(std::move(picture), job.unit_per_nit),
+                     in_units(standard_error(sampling, 1, halves), unit_per_half_nit), 0};
+  truth.noise = truth.sigma.empty() ? unit_per_half_nit * measure_error(job.world, view, options, 1) : rms(truth.sigma);
+  return truth;
+}
+
 /// Truth's pictures in the frames' normalized signal: a neutral gray reads the same in all channels after the sensor's
 /// color response is divided out, as white balance does.
 void add_truth_pictures(const Job& job, Truth& truth) {
   const Simulation& s = job.simulation;
   TruthPicture sharp =
       render_picture(job, 0, s.all_in_focus_samples_per_pixel, kAllInFocusStream, "all-in-focus image");
-  TruthPicture wide = render_picture(job, s.photograph_aperture_scale, s.photograph_samples_per_pixel,
-                                     kPhotographStream, "wide-aperture photograph");
-  truth.all_in_focus = std::move(sharp.picture);
-  truth.all_in_focus_sigma = std::move(sharp.sigma);
-  truth.photograph = std::move(wide.picture);
-  truth.photograph_sigma = std::move(wide.sigma);
+  constexpr const char* kWide = "wide-aperture photograph";
+  TruthPicture wide = s.photograph ? render_through_lens(job, kWide)
+                                   : render_picture(job, s.photograph_aperture_scale, s.photograph_samples_per_pixel,
+                                                    kPhotographStream, kWide);
+  const std::array<double, 3>& white = s.sensor.illuminant;
+  truth.all_in_focus = with_neutral_white(std::move(sharp.picture), white);
+  truth.all_in_focus_sigma = with_neutral_white(std::move(sharp.sigma), white);
+  truth.photograph = with_neutral_white(std::move(wide.picture), white);
+  truth.photograph_sigma = with_neutral_white(std::move(wide.sigma), white);
   truth.photograph_aperture_scale = s.photograph_aperture_scale;
+  truth.photograph_lens =
+      s.photograph ? fmt::format("{} at f/{:.3g}", s.photograph->name, s.photograph->thin.f_number) : "ideal";
   truth.noise = {.all_in_focus = sharp.noise, .photograph = wide.noise};
 }
 
 /// The first frame's views, before the sensor adds its noise.
 void add_truth_views(const Job& job, const Views& views, Truth& truth) {
-  truth.left = in_units(views.left, job.unit_per_nit);
-  truth.right = in_units(views.right, job.unit_per_nit);
+  const std::array<double, 3>& white = job.simulation.sensor.illuminant;
+  truth.left = with_neutral_white(in_units(views.left, job.unit_per_nit), white);
+  truth.right = with_neutral_white(in_units(views.right, job.unit_per_nit), white);
 }
 
 /// What is known of the first frame's samples and error, and of truth's views', which are in `truth`.
@@ -242,8 +419,12 @@ void describe_sampling(const Job& job, const PictureSampling& sampling, Truth& t
   }
   Image half_nits = truth.left;
   for (std::size_t i = 0; i < half_nits.data.size(); ++i) half_nits.data[i] += truth.right.data[i];
+  const std::array<double, 3>& white = s.sensor.illuminant;
+  half_nits = with_neutral_white(std::move(half_nits), {1 / white[0], 1 / white[1], 1 / white[2]});
   scale(half_nits, 0.5 / job.unit_per_nit);
-  truth.render_sigma = truth.views_sigma = in_units(standard_error(sampling, pictures, half_nits), job.unit_per_nit);
+  truth.views_sigma =
+      with_neutral_white(in_units(standard_error(sampling, pictures, half_nits), job.unit_per_nit), white);
+  truth.render_sigma = truth.views_sigma;
   truth.noise->views = rms(truth.views_sigma);
 }
 
@@ -332,7 +513,7 @@ Capture simulate(const Simulation& s, RenderScene& world, const CameraView& view
     const RenderError error = estimate_error(world, view, s.render, noise, s.render.samples_per_pixel);
     capture.provenance.noise_fraction_reached = std::sqrt(error.both());
   }
-  Truth& truth = capture.truth.emplace(trace_truth(world, view));
+  Truth& truth = capture.truth.emplace(first_truth(s, world, view));
   add_truth_pictures(job, truth);
 
   const PictureSampling sampling =
@@ -343,20 +524,18 @@ Capture simulate(const Simulation& s, RenderScene& world, const CameraView& view
   }
   Views views;
   for (int i = 0; i < s.burst_frames; ++i) {
-    const Moment middle = moment(s, view, middle_s(s, i));
     if (i == 0 || moves(s)) {  // else all frames see the first one's light
-      views = render_frame(s, world, view, middle, sampling.map, i, [&](double fraction) {
+      views = render_frame(s, world, view, sampling.map, i, [&](double fraction) {
         if (stage) stage("left and right view", (i + fraction) / s.burst_frames);
       });
+      spread_glare(s.lens.veiling_glare, views);
     }
     if (i == 0) add_truth_views(job, views, truth);
-    if (i > 0 && moves(s)) {
-      const Scene& then = middle.own_scene ? *middle.own_scene : world.scene;
-      truth.motion.push_back(trace_motion(world, view, then, middle.view));
-    }
+    if (i > 0 && moves(s)) truth.motion.push_back(motion_to(s, world, view, middle_s(s, i)));
     const Image electrons = expected_electrons(views.left, views.right, s.sensor, s.exposure, view.lens.lux_per_nit());
     capture.frames.push_back(expose(electrons, s.sensor, s.exposure, hash(s.render.seed, kSensorNoiseStream, i)));
-    capture.frames.back().camera_from_world = row_major(glm::inverse(middle.view.world_from_camera));
+    capture.frames.back().camera_from_world =
+        row_major(glm::inverse(moment(s, view, middle_s(s, i)).view.world_from_camera));
     if (stage) stage("sensor", (i + 1.0) / s.burst_frames);
   }
   describe_sampling(job, sampling, truth);

@@ -86,15 +86,18 @@ Json to_json(const Camera& camera) {
 }
 
 Json to_json(const Exposure& exposure) {
-  return {{"time_s", exposure.time_s},
-          {"iso", exposure.iso},
-          {"bits", exposure.bits},
-          {"black_level_dn", exposure.black_level_dn},
-          {"white_level_dn", exposure.white_level_dn},
-          {"mosaic_noise", to_json(exposure.mosaic_noise)},
-          {"dp_noise", to_json(exposure.dp_noise)},
-          {"white_balance", exposure.white_balance},
-          {"lux_s_per_unit", exposure.lux_s_per_unit}};
+  Json json = {{"time_s", exposure.time_s},
+               {"iso", exposure.iso},
+               {"bits", exposure.bits},
+               {"black_level_dn", exposure.black_level_dn},
+               {"white_level_dn", exposure.white_level_dn}};
+  if (exposure.dp_white_level_dn) json["dp_white_level_dn"] = *exposure.dp_white_level_dn;
+  json["mosaic_noise"] = to_json(exposure.mosaic_noise);
+  json["dp_noise"] = to_json(exposure.dp_noise);
+  json["white_balance"] = exposure.white_balance;
+  if (exposure.color_matrix) json["color_matrix"] = *exposure.color_matrix;
+  json["lux_s_per_unit"] = exposure.lux_s_per_unit;
+  return json;
 }
 
 Camera read_camera(Fields fields) {
@@ -118,9 +121,12 @@ Exposure read_exposure(Fields fields) {
   fields.required("bits").integer("bits", exposure.bits, 8, 16);
   fields.required("black_level_dn").number("black_level_dn", exposure.black_level_dn, 0, 65535);
   fields.required("white_level_dn").number("white_level_dn", exposure.white_level_dn, 0, 65535);
+  constexpr const char* kDpWhite = "dp_white_level_dn";
+  if (fields.has(kDpWhite)) fields.number(kDpWhite, exposure.dp_white_level_dn.emplace(), 0, 65535);
   exposure.mosaic_noise = read_noise(fields.object("mosaic_noise"));
   exposure.dp_noise = read_noise(fields.object("dp_noise"));
   fields.numbers("white_balance", exposure.white_balance.data(), 3);
+  if (fields.has("color_matrix")) fields.numbers("color_matrix", exposure.color_matrix.emplace().data(), 9);
   fields.number("lux_s_per_unit", exposure.lux_s_per_unit, 0, 1e12);
   fields.done();
   return exposure;

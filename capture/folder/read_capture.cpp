@@ -139,6 +139,7 @@ void read_truth(Fields fields, Input& input, Truth& truth) {
   fields.required("photograph").text("photograph", photograph);
   fields.required("photograph_aperture_scale");
   fields.number("photograph_aperture_scale", truth.photograph_aperture_scale, 1e-3, 1e3);
+  fields.text("photograph_lens", truth.photograph_lens);
   fields.text("views", views);
   if (fields.has("noise")) read_noise(fields.object("noise"), truth);
   fields.text("sampling", sampling);

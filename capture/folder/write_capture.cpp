@@ -98,6 +98,7 @@ Json write_truth(const Truth& truth, const Capture& capture, Output& output) {
                 {"all_in_focus", kAllInFocusFile},
                 {"photograph", kPhotographFile},
                 {"photograph_aperture_scale", truth.photograph_aperture_scale}};
+  if (!truth.photograph_lens.empty()) entry["photograph_lens"] = truth.photograph_lens;
   output.tasks.push_back([&truth, &capture, file = output.add(kGeometryFile)] {
     write_exr(file,
               {{"Z", &truth.depth_m},

@@ -92,7 +92,7 @@ MatcherBenchmark errors_of(const pipeline::PixelDisparity& found, const Image& t
 std::vector<double> times_ms(const std::vector<StereoMethod>& all, const StereoPair& pair) {
   constexpr int kWidth = 1344, kHeight = 1008, kRepeats = 9;
   const StereoPair large{resize_bilinear(pair.left, kWidth, kHeight), resize_bilinear(pair.right, kWidth, kHeight),
-                         pair.noise};
+                         pair.sensor};
   std::vector<double> best(all.size(), std::numeric_limits<double>::infinity());
   for (int repeat = 0; repeat < kRepeats; ++repeat) {
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -139,7 +139,7 @@ std::vector<StereoMethod> stereo_methods() {
   std::vector<StereoMethod> all;
   for (const pipeline::Matcher& matcher : pipeline::matchers()) {
     all.push_back({std::string(matcher.name), [&matcher](const StereoPair& pair) {
-                     return pipeline::upsample_tiles(matcher.match(pair.left, pair.right, pair.noise, {}),
+                     return pipeline::upsample_tiles(matcher.match(pair.left, pair.right, pair.sensor, {}),
                                                      pair.left.width, pair.left.height);
                    }});
   }
@@ -155,7 +155,7 @@ DisparityBenchmark measure_disparity(const std::vector<std::string>& scene_files
     const Capture capture = render(file);
     const StereoPair pair{normalized(capture.frames[0].left, capture.exposure),
                           normalized(capture.frames[0].right, capture.exposure),
-                          pipeline::view_noise(capture.exposure)};
+                          pipeline::view_sensor(capture.exposure)};
     const std::vector<double> ms = times_ms(all, pair);
     DisparityBenchmark::Scene& scene = benchmark.scenes.emplace_back();
     scene.scene = file;

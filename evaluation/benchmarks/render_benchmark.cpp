@@ -131,8 +131,9 @@ EmbreeShare against_embree(const Patches& patches) {
   const auto render_some = [&](RayLog* log) {
     for (int p = 0; p < kPatches; p += kEvery) {
       for (int i = 0; i < kPatchSide * kPatchSide; ++i) {
-        simulator::render_pixel(patches.world, patches.cameras[p], {patches.max_bounces, {}, Sampling::mirrored, log},
-                                i % kPatchSide, i / kPatchSide, kSamples, simulator::hash(7, p, i));
+        simulator::render_pixel(patches.world, patches.cameras[p],
+                                {patches.max_bounces, {}, Sampling::mirrored, {}, log}, i % kPatchSide, i / kPatchSide,
+                                kSamples, simulator::hash(7, p, i));
       }
     }
   };

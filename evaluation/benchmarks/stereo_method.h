@@ -9,10 +9,10 @@
 /// What the disparity benchmark compares: one signature for the pipeline's matchers and their peers.
 namespace dualpixel::evaluation {
 
-/// Two DP views, linear, normalized signal, with the noise of each pixel.
+/// Two DP views, linear, normalized signal, and their sensor.
 struct StereoPair {
   Image left, right;
-  pipeline::ViewNoise noise;
+  pipeline::ViewSensor sensor;
 };
 
 /// A matcher of the pipeline, or a peer. Gives the disparity of every pixel, NaN where it has none; sigma and

@@ -49,7 +49,7 @@ nlohmann::ordered_json to_json(const FailureSweep& sweep) {
 
 FailureFigures measure_failure(const FailureCase& failure, const pipeline::Matcher& matcher) {
   const pipeline::PixelDisparity found = pipeline::upsample_tiles(
-      matcher.match(failure.left, failure.right, failure.noise, {}), kFailureWidth, kFailureHeight);
+      matcher.match(failure.left, failure.right, {failure.noise}, {}), kFailureWidth, kFailureHeight);
   FailureFigures figures;
   SigmaFigures of_sigma;
   std::vector<float> sigmas;

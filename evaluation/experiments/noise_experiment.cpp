@@ -94,8 +94,8 @@ simulator::ExposureOptions expose_gray(double lux, double lux_per_nit, const sim
 
 /// Disparity of every tile that the border does not cut short.
 std::vector<double> match(const Image& left, const Image& right, const Matcher& matcher,
-                          const pipeline::ViewNoise& noise) {
-  const pipeline::TileDisparity tiles = matcher.match(left, right, noise, {});
+                          const pipeline::ViewSensor& sensor) {
+  const pipeline::TileDisparity tiles = matcher.match(left, right, sensor, {});
   std::vector<double> values;
   for (int y = 1; y + 1 < tiles.disparity_dp_px.height; ++y) {
     for (int x = 1; x + 1 < tiles.disparity_dp_px.width; ++x) values.push_back(tiles.disparity_dp_px.at(x, y));
@@ -134,12 +134,11 @@ std::vector<Matched> expose_and_match(const Target& target, double lux, simulato
   }
   const pipeline::MergedBurst single = pipeline::align_and_merge({frames.front()}, exposure);
   const pipeline::MergedBurst merged = pipeline::align_and_merge(frames, exposure);
-  const auto remaining = static_cast<float>(pipeline::merged_view_variance(kNoiseFrames));
-  const pipeline::ViewNoise noise = pipeline::view_noise(exposure);
+  const double remaining = pipeline::merged_view_variance(kNoiseFrames);
   std::vector<Matched> result;
   for (const Matcher& matcher : pipeline::matchers()) {
-    result.push_back({match(single.left, single.right, matcher, noise),
-                      match(merged.left, merged.right, matcher, {remaining * noise.shot, remaining * noise.read})});
+    result.push_back({match(single.left, single.right, matcher, pipeline::view_sensor(exposure)),
+                      match(merged.left, merged.right, matcher, pipeline::view_sensor(exposure, remaining))});
   }
   return result;
 }

@@ -93,4 +93,18 @@ Image demosaic(const Image& mosaic, const std::string& cfa) {
   return rgb;
 }
 
+Image in_srgb(Image rgb, const std::optional<Matrix3>& color_matrix) {
+  if (!color_matrix) return rgb;
+  std::array<float, 9> m;
+  for (int i = 0; i < 9; ++i) m[i] = static_cast<float>((*color_matrix)[i]);
+  for_rows(rgb.height, [&](int y) {
+    float* pixel = rgb.row(y);
+    for (int x = 0; x < rgb.width; ++x, pixel += 3) {
+      const float r = pixel[0], g = pixel[1], b = pixel[2];
+      for (int c = 0; c < 3; ++c) pixel[c] = m[3 * c] * r + m[3 * c + 1] * g + m[3 * c + 2] * b;
+    }
+  });
+  return rgb;
+}
+
 }  // namespace dualpixel::pipeline

@@ -1,8 +1,10 @@
 #pragma once
 #include <array>
+#include <optional>
 #include <string>
 
 #include "capture/image/image.h"
+#include "capture/matrix3.h"
 
 /// From a Bayer mosaic to linear RGB of the same size.
 namespace dualpixel::pipeline {
@@ -16,5 +18,8 @@ Image white_balanced(Image mosaic, const std::string& cfa, const std::array<doub
 /// of Bayer-Patterned Color Images", Fig. 2. It takes colors to be balanced. The mosaic is mirrored about its
 /// outermost photosites, which keeps the phase of the pattern. Values may overshoot the mosaic's range at edges.
 Image demosaic(const Image& mosaic, const std::string& cfa);
+
+/// Balanced camera colors as linear sRGB, by the matrix that their capture states; saturated colors may get negative.
+Image in_srgb(Image rgb, const std::optional<Matrix3>& color_matrix);
 
 }  // namespace dualpixel::pipeline

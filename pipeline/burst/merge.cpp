@@ -34,7 +34,8 @@ struct PairShape {
   int width, height;
   float motion_x, motion_y;  ///< pixels per Bayer px
   float black;               ///< DN
-  float clipped;             ///< DN above black
+  float range;               ///< DN from black to the mosaic's white
+  float clipped;             ///< from here on a plane is clipped, DN above black
   float shot, read;          ///< variance = shot * (DN - black) + read
   float strength;
 };
@@ -271,7 +272,7 @@ void subtract_difference(const ComplexTile& base, const ComplexTile& other, cons
 /// Adds a merged tile to the planes that it overlaps.
 template <int step>
 void add_tile(const ComplexTile& tile, const PairShape& shape, int x0, int y0, const PlanePair<float>& planes) {
-  const float scale = 1 / (shape.clipped * kTile * kTile);
+  const float scale = 1 / (shape.range * kTile * kTile);
   for (int y = std::max(-y0, 0); y < std::min(kTile, shape.height - y0); ++y) {
     alignas(Lanes) float first[kTile], second[kTile];
     std::memcpy(first, tile.re[y], sizeof(first));
@@ -351,7 +352,7 @@ MergedBurst merge_burst(const std::vector<Frame>& frames, int base, const std::v
 
   PairShape shape;
   shape.black = static_cast<float>(exposure.black_level_dn);
-  shape.clipped = static_cast<float>(exposure.white_level_dn) - shape.black;
+  shape.range = shape.clipped = static_cast<float>(exposure.white_level_dn) - shape.black;
   shape.strength = static_cast<float>(options.strength);
   std::vector<PlanePair<const std::uint16_t>> pairs(frames.size());
   MergedBurst merged;
@@ -381,6 +382,10 @@ MergedBurst merge_burst(const std::vector<Frame>& frames, int base, const std::v
   shape.motion_y = static_cast<float>(shape.height) / static_cast<float>(height);
   shape.shot = static_cast<float>(exposure.dp_noise.shot_dn);
   shape.read = static_cast<float>(exposure.dp_noise.read_dn2);
+  if (exposure.dp_white_level_dn && *exposure.dp_white_level_dn < exposure.white_level_dn) {
+    // a full well is read out with noise, on either side of its level
+    shape.clipped = static_cast<float>(*exposure.dp_white_level_dn) - shape.black - 3 * std::sqrt(shape.read);
+  }
   for (std::size_t z = 0; z < frames.size(); ++z) {
     pairs[z] = {frames[z].left.row(0), frames[z].right.row(0), shape.width};
   }

@@ -99,7 +99,7 @@ NoiseLevel merged_noise(const Exposure& exposure, int frames) {
   const double range = exposure.white_level_dn - exposure.black_level_dn;
   const double left = merged_mosaic_variance(frames);
   return {left * exposure.mosaic_noise.shot_dn / range, left * exposure.mosaic_noise.read_dn2 / (range * range),
-          exposure.white_balance};
+          exposure.white_balance, exposure.color_matrix.value_or(kIdentity3)};
 }
 
 void add_noise(Image& rgb, const Image& blurred, const std::vector<NoisePatch>& patches, const NoiseLevel& level) {
@@ -119,8 +119,14 @@ void add_noise(Image& rgb, const Image& blurred, const std::vector<NoisePatch>& 
       const float* amount = blurred.row(y);
       float* row = rgb.row(y);
       for (int c = 0; c < 3; ++c) {
-        const auto shot = static_cast<float>(level.gains[c] * level.shot);
-        const auto read = static_cast<float>(level.gains[c] * level.gains[c] * level.read);
+        double shot_gain = 0, read_gain = 0;
+        for (int k = 0; k < 3; ++k) {
+          const double weight = level.color_matrix[3 * c + k], gain = level.gains[k];
+          shot_gain += weight * weight * gain;
+          read_gain += weight * weight * gain * gain;
+        }
+        const auto shot = static_cast<float>(shot_gain * level.shot);
+        const auto read = static_cast<float>(read_gain * level.read);
         for (int x = 0; x < width; ++x) {
           const float value = row[3 * x + c];
           row[3 * x + c] = value + std::sqrt(shot * std::max(value, 0.0f) + read) * amount[x] * noise[3 * x + c];

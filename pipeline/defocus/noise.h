@@ -31,10 +31,12 @@ std::vector<NoisePatch> make_noise_patches(std::uint64_t seed, const NoiseOption
 
 /// Noise of the merged picture: variance of a channel whose normalized, white-balanced signal is v:
 ///     gain * (shot * v + gain * read)
+/// of the camera's color; of linear sRGB the sum of the three, each times its weight squared, as gray has it.
 struct NoiseLevel {
   double shot = 0;
   double read = 0;
   std::array<double, 3> gains = {1, 1, 1};
+  Matrix3 color_matrix = kIdentity3;  ///< from the camera's balanced colors to linear sRGB
 };
 
 /// Of a merged burst of `frames` mosaics (merge.h).

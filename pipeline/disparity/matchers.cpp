@@ -1,7 +1,9 @@
 #include "pipeline/disparity/matchers.h"
 
+#include <algorithm>
 #include <string>
 
+#include "capture/image/rows.h"
 #include "capture/names.h"
 #include "pipeline/disparity/likelihood/likelihood_match.h"
 #include "pipeline/disparity/split/split_match.h"
@@ -10,24 +12,47 @@
 namespace dualpixel::pipeline {
 namespace {
 
-TileDisparity match_as_in_paper(const Image& left, const Image& right, const std::optional<ViewNoise>& /*noise*/,
+/// What clips has an edge like everything else, and the paper matches it; it is only trusted less.
+void distrust_clipped(const Image& left, const Image& right, float level, TileDisparity& tiles) {
+  const int tile = tiles.tile_px;
+  for_rows(tiles.confidence.height, [&](int row) {
+    for (int column = 0; column < tiles.confidence.width; ++column) {
+      int all = 0, clipped = 0;
+      for (int y = row * tile; y < std::min((row + 1) * tile, left.height); ++y) {
+        for (int x = column * tile; x < std::min((column + 1) * tile, left.width); ++x) {
+          ++all;
+          clipped += left.at(x, y) >= level || right.at(x, y) >= level ? 1 : 0;
+        }
+      }
+      if (clipped > 0) tiles.confidence.at(column, row) *= 1 - static_cast<float>(clipped) / static_cast<float>(all);
+    }
+  });
+}
+
+TileDisparity match_as_in_paper(const Image& left, const Image& right, const ViewSensor& sensor,
                                 const MatcherOptions& options) {
-  return match_tiles(normalize_locally(left, options.normalize), normalize_locally(right, options.normalize),
-                     options.match);
+  TileDisparity tiles = match_tiles(normalize_locally(left, options.normalize),
+                                    normalize_locally(right, options.normalize), options.match);
+  distrust_clipped(left, right, options.normalize.clipped * sensor.white, tiles);
+  return tiles;
 }
 
-TileDisparity match_likeliest(const Image& left, const Image& right, const std::optional<ViewNoise>& noise,
+LikelihoodMatchOptions of_sensor(LikelihoodMatchOptions options, const ViewSensor& sensor) {
+  options.noise = sensor.noise;
+  options.white = sensor.white;
+  return options;
+}
+
+TileDisparity match_likeliest(const Image& left, const Image& right, const ViewSensor& sensor,
                               const MatcherOptions& options) {
-  LikelihoodMatchOptions likelihood = options.likelihood_match;
-  likelihood.noise = noise;
-  return match_by_likelihood(left, right, likelihood);
+  return match_by_likelihood(left, right, of_sensor(options.likelihood_match, sensor));
 }
 
-TileDisparity match_knowing_split(const Image& left, const Image& right, const std::optional<ViewNoise>& noise,
+TileDisparity match_knowing_split(const Image& left, const Image& right, const ViewSensor& sensor,
                                   const MatcherOptions& options) {
-  LikelihoodMatchOptions likelihood = options.likelihood_match;
-  likelihood.noise = noise;
-  return match_by_split(left, right, options.split_match, likelihood);
+  SplitMatchOptions split = options.split_match;
+  split.white = sensor.white;
+  return match_by_split(left, right, split, of_sensor(options.likelihood_match, sensor));
 }
 
 constexpr Matcher kMatchers[] = {

@@ -1,5 +1,4 @@
 #pragma once
-#include <optional>
 #include <span>
 #include <string_view>
 
@@ -20,16 +19,15 @@ namespace dualpixel::pipeline {
 
 struct TileDisparity;
 
-/// Options of all matchers; each reads its own.
+/// Options of all matchers; each reads its own. What they say of the sensor is replaced by what the matcher is given.
 struct MatcherOptions {
   NormalizeOptions normalize;               ///< paper
   MatchOptions match;                       ///< paper
-  LikelihoodMatchOptions likelihood_match;  ///< likelihood, and split near the focus; its noise is replaced by what
-                                            ///< the matcher is given
+  LikelihoodMatchOptions likelihood_match;  ///< likelihood, and split near the focus
   SplitMatchOptions split_match;            ///< split
 };
 
-/// All but the noise, as "normalize.window_px", "match.range_px", "likelihood_match.range_px", ...
+/// All but what describes the sensor, as "normalize.window_px", "match.range_px", "likelihood_match.range_px", ...
 OptionFields fields(MatcherOptions& options);
 
 struct Matcher {
@@ -37,10 +35,10 @@ struct Matcher {
   std::string_view description;  ///< one phrase, for help and tables
   /// Largest |disparity| that can be found, DP px.
   int (*range_dp_px)(const MatcherOptions& options);
-  /// `left` and `right` are linear views of one size, one channel, normalized signal; `noise` is that of one view's
-  /// pixel, estimated from the views by matchers that need it where not given. Throws InputError where the views or an
-  /// option cannot be used.
-  TileDisparity (*match)(const Image& left, const Image& right, const std::optional<ViewNoise>& noise,
+  /// `left` and `right` are linear views of one size, one channel, normalized signal, of `sensor`; matchers that need
+  /// its noise estimate it from the views where it is not known. Throws InputError where the views or an option cannot
+  /// be used.
+  TileDisparity (*match)(const Image& left, const Image& right, const ViewSensor& sensor,
                          const MatcherOptions& options);
 };
 

@@ -1,14 +1,22 @@
 #pragma once
+#include <optional>
+
 #include "capture/capture.h"
 #include "capture/image/image.h"
 
 /// Noise of DP views.
 namespace dualpixel::pipeline {
 
-/// Variance of a pixel of one view whose mean is x, in the normalized signal (0 black, 1 clipped): shot * x + read.
+/// Variance of a pixel of one view whose mean is x, in the normalized signal (0 black): shot * x + read.
 struct ViewNoise {
   float shot = 0;
   float read = 0;
+};
+
+/// What a matcher may know of the views' sensor.
+struct ViewSensor {
+  std::optional<ViewNoise> noise;  ///< of one view's pixel; empty: unknown
+  float white = 1;                 ///< normalized signal at which a view clips
 };
 
 /// What the capture states; {0, 0} where it is unknown.
@@ -16,6 +24,15 @@ inline ViewNoise view_noise(const Exposure& exposure) {
   const double range = exposure.white_level_dn - exposure.black_level_dn;
   return {static_cast<float>(exposure.dp_noise.shot_dn / range),
           static_cast<float>(exposure.dp_noise.read_dn2 / (range * range))};
+}
+
+/// Of views that are the mean of frames and keep `noise_left` of one frame's variance.
+inline ViewSensor view_sensor(const Exposure& exposure, double noise_left = 1) {
+  ViewSensor sensor{{}, static_cast<float>(view_white(exposure))};
+  const ViewNoise one = view_noise(exposure);
+  const auto left = static_cast<float>(noise_left);
+  if (one.shot > 0 || one.read > 0) sensor.noise = {left * one.shot, left * one.read};
+  return sensor;
 }
 
 /// The profile read off the views themselves, as shot noise alone: the lower quartile, over 8 x 8 tiles, of the

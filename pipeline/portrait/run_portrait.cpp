@@ -107,8 +107,9 @@ void develop(Run& run) {
   if (run.options.picture) {
     run.result.input = *run.options.picture;
   } else if (!burst.mosaic.empty()) {
-    const std::array<double, 3>& gains = run.capture.exposure.white_balance;
-    run.result.input = demosaic(white_balanced(burst.mosaic, camera.cfa, gains), camera.cfa);
+    const Exposure& exposure = run.capture.exposure;
+    run.result.input = in_srgb(demosaic(white_balanced(burst.mosaic, camera.cfa, exposure.white_balance), camera.cfa),
+                               exposure.color_matrix);
   } else {
     Image gray(burst.left.width, burst.left.height, 3);
     for (std::size_t i = 0; i < burst.left.data.size(); ++i) {
@@ -161,12 +162,10 @@ void find_people(Run& run) {
 
 /// Section 4.1: disparity of every tile, then of every DP pixel.
 void match_views(Run& run) {
-  const auto left = static_cast<float>(merged_view_variance(static_cast<int>(run.capture.frames.size())));
-  const ViewNoise one_frame = view_noise(run.capture.exposure);
-  std::optional<ViewNoise> noise;
-  if (one_frame.shot > 0 || one_frame.read > 0) noise = {left * one_frame.shot, left * one_frame.read};
+  const double noise_left = merged_view_variance(static_cast<int>(run.capture.frames.size()));
+  const ViewSensor sensor = view_sensor(run.capture.exposure, noise_left);
   const Matcher& matcher = matcher_named(run.options.matcher);
-  const TileDisparity tiles = matcher.match(run.burst.left, run.burst.right, noise, run.options.matching);
+  const TileDisparity tiles = matcher.match(run.burst.left, run.burst.right, sensor, run.options.matching);
   run.matched = upsample_tiles(tiles, run.burst.left.width, run.burst.left.height, run.options.tile_upsample);
 }
 
@@ -338,7 +337,9 @@ void prepare(Run& run, const std::optional<Image>& person_mask) {
     run.defocus.bokeh.aperture.transposed = true;
   }
   const std::array<double, 3>& gains = run.capture.exposure.white_balance;
-  run.defocus.bokeh.white = *std::min_element(gains.begin(), gains.end());
+  const bool of_views = run.capture.frames[0].mosaic.empty() && !options.picture;
+  run.defocus.bokeh.white =
+      of_views ? 2 * view_white(run.capture.exposure) : *std::min_element(gains.begin(), gains.end());
   run.result.warnings = std::move(known.warnings);
   if (options.mode != Mode::seg) prepare_correction(run);
   if (options.mode != Mode::dp && person_mask) {

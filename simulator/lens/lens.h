@@ -16,6 +16,8 @@ struct Lens {
   ThinLens thin;
   LensModel model;
   SplitPixel split;
+  bool diffraction = false;  ///< rays bend at the stop (diffraction.h)
+  double veiling_glare = 0;  ///< share of the light that the lens spreads evenly over the picture (ISO 9358)
 };
 
 /// The lens focused on another distance. Throws InputError where it cannot be.

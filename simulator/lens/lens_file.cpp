@@ -26,6 +26,8 @@ Lens read_fields(Fields lens, const std::string& file, double focus_distance_m) 
   read_named(lens, "model", model, kLensModels);
   result.model = row_of(kLensModels, model).read(lens, file, focus_distance_m, result.thin);
   result.split = read_split(lens.object("split"));
+  lens.boolean("diffraction", result.diffraction);
+  lens.number("veiling_glare", result.veiling_glare, 0, 0.5);
   lens.done();
   return result;
 }

@@ -1,4 +1,6 @@
 #pragma once
+#include <cstdint>
+
 #include "simulator/sampling/packet.h"
 
 /// What passes between the lens models, the split pixel and the renderer: one packet of sixteen samples of a photosite.
@@ -19,6 +21,7 @@ struct PixelFrame {
   float pitch_m;
   float radial_x, radial_y;  ///< unit vector from the axis to it; (0, 1) on the axis
   double radius_m;           ///< distance from the axis
+  std::uint32_t draw = 0;    ///< which of the wavelengths of a filter's band; any number, by turns
 };
 
 /// What the split pixel needs to know of a model's rays, besides the rays.

@@ -1,9 +1,12 @@
 #include "simulator/lens/lens_sampler.h"
 
+#include <optional>
 #include <type_traits>
 
+#include "simulator/lens/diffraction.h"
 #include "simulator/lens/lens_packet.h"
 #include "simulator/lens/models.h"
+#include "simulator/lens/prescription/prescription.h"
 #include "simulator/lens/split/split_sampler.h"
 #include "simulator/sampling/packet.h"
 
@@ -42,12 +45,13 @@ struct LensSampler::Prepared {
   SampledThinLens ideal;
   SplitSampler split;
   LensModelSampler model;
+  std::optional<Diffraction> diffraction;
 };
 
 LensSampler::LensSampler(const Lens& lens, const SensorGrid& sensor)
-    : prepared_(std::make_shared<const Prepared>(Prepared{lens, sensor, SampledThinLens(lens.thin),
-                                                          SplitSampler(lens.split, lens.thin.rim_slope()),
-                                                          sampler_of(lens, sensor)})) {}
+    : prepared_(std::make_shared<const Prepared>(Prepared{
+          lens, sensor, SampledThinLens(lens.thin), SplitSampler(lens.split, lens.thin.rim_slope()),
+          sampler_of(lens, sensor), lens.diffraction ? std::optional<Diffraction>(lens.thin) : std::nullopt})) {}
 
 const Lens& LensSampler::lens() const { return prepared_->lens; }
 const SensorGrid& LensSampler::sensor() const { return prepared_->sensor; }
@@ -65,11 +69,21 @@ glm::dvec2 LensSampler::chief_slope(double x_m, double y_m) const {
   return at * std::visit([&](const auto& model) { return model.chief_slope_per_m(glm::length(at)); }, prepared_->model);
 }
 
-void LensSampler::sample(int x, int y, int color, const float s[4][kRays], LensPacket& out) const {
-  const PixelFrame f = pixel_frame(sensor(), x, y);
+void LensSampler::sample(int x, int y, int color, const float s[4][kRays], LensPacket& out, std::uint32_t draw) const {
+  PixelFrame f = pixel_frame(sensor(), x, y);
+  f.draw = draw;
   PupilPacket pupil;
   std::visit([&](const auto& model) { model.sample(f, color, s, out, pupil); }, prepared_->model);
   prepared_->split.weigh(f, pupil, out);
+}
+
+bool LensSampler::diffracts() const { return prepared_->diffraction.has_value(); }
+
+void LensSampler::bend(int color, const float u[kRays], const float v[kRays], LensPacket& rays) const {
+  const Prescription* prescription = prescription_of(lens());
+  const bool stated = prescription && prescription->has_color();
+  const double wavelength_m = stated ? 1e-9 * prescription->wavelengths_nm[color] : kFilterWavelengths_m[color];
+  prepared_->diffraction->bend(wavelength_m, u, v, rays);
 }
 
 void LensSampler::sample_ideal(int x, int y, const float s[4][kRays], float aperture_scale, LensPacket& out) const {

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
 
@@ -20,8 +21,14 @@ class LensSampler {
   LensSampler(const Lens& lens, const SensorGrid& sensor);
 
   /// Rays of photosite (x, y) from sixteen points s of the unit 4-cube: two coordinates on the photosite, two on the
-  /// pupil. `color`: 0 R, 1 G, 2 B; it matters where has_color().
-  void sample(int x, int y, int color, const float s[4][kRays], LensPacket& out) const;
+  /// pupil. `color`: 0 R, 1 G, 2 B; it matters where has_color(). `draw`: which wavelength of the filter's band all
+  /// sixteen have, where the lens has several: any number, by turns.
+  void sample(int x, int y, int color, const float s[4][kRays], LensPacket& out, std::uint32_t draw = 0) const;
+
+  /// Whether rays bend at the stop; bend() does it to those of a photosite under filter `color`, by two uniform numbers
+  /// each.
+  bool diffracts() const;
+  void bend(int color, const float u[kRays], const float v[kRays], LensPacket& rays) const;
 
   /// Rays of the ideal lens with the same chief rays: perfect focus, its pupil scaled (0: a pinhole), no shading.
   void sample_ideal(int x, int y, const float s[4][kRays], float aperture_scale, LensPacket& out) const;

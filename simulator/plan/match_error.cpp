@@ -99,11 +99,10 @@ DpViews expected_dp_views(const Views& views, const SensorOptions& sensor, const
   for (int y = 0; y < electrons.height; ++y) {
     for (int x = 0; x < electrons.width; ++x) {
       if (!dense && cfa_color(x, y) != 1) continue;
-      // a full photosite loses charge of both halves
-      const double left = electrons.at(x, y, 0), right = electrons.at(x, y, 1);
-      const double kept = std::min(1.0, sensor.full_well_e / std::max(left + right, 1e-30));
-      dp.left.at(x / dp_x, y / dp_y) += static_cast<float>(share * kept * left);
-      dp.right.at(x / dp_x, y / dp_y) += static_cast<float>(share * kept * right);
+      double left = electrons.at(x, y, 0), right = electrons.at(x, y, 1);
+      fill_wells(sensor, left, right);
+      dp.left.at(x / dp_x, y / dp_y) += static_cast<float>(share * left);
+      dp.right.at(x / dp_x, y / dp_y) += static_cast<float>(share * right);
     }
   }
   for (Image* view : {&dp.left, &dp.right}) {

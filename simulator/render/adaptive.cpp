@@ -20,7 +20,7 @@ using ErrorCurve = std::vector<double>;
 /// Of the photosites of one tile that are probed, at one sample count.
 double probe_tile(const RenderScene& world, const CameraView& camera, const RenderOptions& options,
                   const ErrorTarget& target, const Tile& tile, std::uint32_t samples) {
-  const PathOptions paths{options.max_bounces, options.ideal_aperture_scale, options.sampling};
+  const PathOptions paths{options.max_bounces, options.ideal_aperture_scale, options.sampling, options.color};
   double sum = 0;
   int count = 0;
   for (int y = tile.y0; y < tile.y1; y += kProbeSide) {

@@ -28,8 +28,8 @@ inline void to_world(const LensPacket& packet, const glm::mat4& world_from_camer
 /// The green chief ray of a pixel.
 inline Ray chief_ray(const CameraView& camera, int x, int y) {
   const glm::dvec2 at = camera.lens.sensor().middle_m(x, y);
-  return {glm::vec3(camera.world_from_camera[3]),
-          glm::mat3(camera.world_from_camera) * glm::vec3(camera.lens.chief_slope(at.x, at.y), 1)};
+  const glm::mat4& pose = camera.pose(y);
+  return {glm::vec3(pose[3]), glm::mat3(pose) * glm::vec3(camera.lens.chief_slope(at.x, at.y), 1)};
 }
 
 }  // namespace dualpixel::simulator

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <vector>
 
 #include "simulator/render/camera_rays.h"
 
@@ -43,19 +44,53 @@ glm::dvec4 seen_point(const RenderScene& world, const CameraView& camera, int x,
   return glm::dvec4(glm::dmat4x3(mesh.placements[hit->placement].world_from_mesh) * seen, 1);
 }
 
+/// From the world to a camera, for each of its rows; one for all where they share a pose.
+std::vector<glm::dmat4> inverse_poses(const CameraView& camera) {
+  if (!camera.row_poses) return {glm::inverse(glm::dmat4(camera.world_from_camera))};
+  std::vector<glm::dmat4> poses;
+  for (const glm::mat4& pose : *camera.row_poses) poses.push_back(glm::inverse(glm::dmat4(pose)));
+  return poses;
+}
+
+/// Where the later camera sees a point, meters on the sensor, from a position nearby. The row where it is seen says
+/// when, and thus where from: a few rounds settle it, since a row moves by far less than a row.
+std::optional<glm::dvec2> place_in(const CameraView& later, const std::vector<glm::dmat4>& poses, glm::dvec4 point,
+                                   glm::dvec2 start_m) {
+  constexpr int kRounds = 6;
+  const SensorGrid& sensor = later.lens.sensor();
+  const int last = static_cast<int>(poses.size()) - 1;
+  const auto row_at = [&](double y_m) {
+    const double row = std::floor(y_m / sensor.pixel_pitch_m + sensor.principal_point_px.y);
+    return static_cast<int>(std::clamp(row, 0.0, static_cast<double>(last)));
+  };
+  std::optional<glm::dvec2> place;
+  for (int row = row_at(start_m.y), round = 0; round < kRounds; ++round) {
+    const glm::dvec3 seen = poses[row] * point;
+    if (!(seen.z > 0)) return {};
+    place = place_of(later.lens, glm::dvec2(seen) / seen.z, start_m);
+    if (!place || row_at(place->y) == row) break;
+    row = row_at(place->y);
+  }
+  return place;
+}
+
 }  // namespace
 
 Image trace_motion(const RenderScene& first_world, const CameraView& first, const Scene& later_scene,
                    const CameraView& later) {
+  return trace_motion_rows(first_world, first, later_scene, later, 0, first.lens.sensor().height_px);
+}
+
+Image trace_motion_rows(const RenderScene& first_world, const CameraView& first, const Scene& later_scene,
+                        const CameraView& later, int first_row, int end_row) {
   const SensorGrid& sensor = first.lens.sensor();
-  const glm::dmat4 later_from_world = glm::inverse(glm::dmat4(later.world_from_camera));
+  const std::vector<glm::dmat4> poses = inverse_poses(later);
   Image motion(sensor.width_px, sensor.height_px, 2, std::numeric_limits<float>::infinity());
-  tbb::parallel_for(0, motion.height, [&](int y) {
+  tbb::parallel_for(first_row, end_row, [&](int y) {
     for (int x = 0; x < motion.width; ++x) {
-      const glm::dvec3 seen = later_from_world * seen_point(first_world, first, x, y, later_scene);
-      if (!(seen.z > 0)) continue;
       const glm::dvec2 start_m = sensor.middle_m(x, y);
-      const std::optional<glm::dvec2> end_m = place_of(later.lens, glm::dvec2(seen) / seen.z, start_m);
+      const glm::dvec4 point = seen_point(first_world, first, x, y, later_scene);
+      const std::optional<glm::dvec2> end_m = place_in(later, poses, point, start_m);
       if (!end_m) continue;
       motion.at(x, y, 0) = static_cast<float>((end_m->x - start_m.x) / sensor.pixel_pitch_m);
       motion.at(x, y, 1) = static_cast<float>((end_m->y - start_m.y) / sensor.pixel_pitch_m);

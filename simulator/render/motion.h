@@ -13,9 +13,14 @@ namespace dualpixel::simulator {
 /// photosites, to be added to the pixel's position; infinite where the point lies behind the later camera, or so far to
 /// its side that no chief ray of the lens leads there. The point moves with its triangle; what the ray misses is
 /// infinitely far. The later position may be hidden, or outside of the picture. `later_scene` has the same triangles
-/// and placements of shared meshes, which may be elsewhere.
+/// and placements of shared meshes, which may be elsewhere. Where the shutter rolls, the later position is that at the
+/// time at which its own row is exposed; beyond the picture, the last row.
 Image trace_motion(const RenderScene& first_world, const CameraView& first, const Scene& later_scene,
                    const CameraView& later);
+
+/// The same of rows [first_row, end_row) alone; elsewhere infinite.
+Image trace_motion_rows(const RenderScene& first_world, const CameraView& first, const Scene& later_scene,
+                        const CameraView& later, int first_row, int end_row);
 
 /// The first mesh whose triangles, or whose number of instances, differ; empty: none.
 std::optional<std::size_t> mesh_that_differs(const Scene& a, const Scene& b);

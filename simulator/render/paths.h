@@ -16,7 +16,8 @@ struct PathOptions {
   int max_bounces = 0;                         ///< as in RenderOptions
   std::optional<double> ideal_aperture_scale;  ///< as in RenderOptions
   Sampling sampling = Sampling::mirrored;
-  RayLog* log = nullptr;  ///< set: gets every packet that is traced, too; one log serves one thread
+  std::optional<int> color;  ///< as in RenderOptions
+  RayLog* log = nullptr;     ///< set: gets every packet that is traced, too; one log serves one thread
 };
 
 /// Which of a pixel's samples a packet holds: `first` of each half packet.

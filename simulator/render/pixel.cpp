@@ -42,9 +42,18 @@ void camera_packet(const CameraView& camera, const PathOptions& options, int x, 
   if (options.ideal_aperture_scale) {
     camera.lens.sample_ideal(x, y, samples, static_cast<float>(*options.ideal_aperture_scale), packet);
   } else {
-    camera.lens.sample(x, y, camera.lens.has_color() ? cfa_color(x, y) : 1, samples, packet);
+    const int color = options.color.value_or(cfa_color(x, y));
+    // packets take the wavelengths of the filter's band by turns, and photosites begin anywhere
+    const std::uint32_t draw = indices.first / (kPacket / 2) + static_cast<std::uint32_t>(indices.pixel_key >> 40);
+    camera.lens.sample(x, y, camera.lens.has_color() ? color : 1, samples, packet, draw);
+    if (camera.lens.diffracts()) {
+      constexpr std::uint32_t kDiffractionStream = 0x1002;
+      alignas(64) float u[kPacket], v[kPacket];
+      padded_samples(indices.first, indices.index_mask, indices.pixel_key, kDiffractionStream, u, v);
+      camera.lens.bend(color, u, v, packet);
+    }
   }
-  to_world(packet, camera.world_from_camera, rays);
+  to_world(packet, camera.pose(y), rays);
 }
 
 /// Starts a path for each of `count` samples that the lens lets pass. Half of them lie in each half of the pupil; an

@@ -38,7 +38,7 @@ std::vector<Probe> probes_of(const SensorGrid& sensor, std::uint64_t seed) {
 std::vector<HalfRadiance> render_probes(const RenderScene& world, const CameraView& camera,
                                         const RenderOptions& options, const std::vector<Probe>& probes,
                                         std::uint32_t samples, int scramble) {
-  const PathOptions paths{options.max_bounces, options.ideal_aperture_scale, options.sampling};
+  const PathOptions paths{options.max_bounces, options.ideal_aperture_scale, options.sampling, options.color};
   std::vector<HalfRadiance> out(probes.size());
   tbb::parallel_for(std::size_t{0}, probes.size(), [&](std::size_t i) {
     out[i] = render_pixel(world, camera, paths, probes[i].x, probes[i].y, samples,

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 
 #include "capture/option_ranges.h"
@@ -28,6 +29,9 @@ struct RenderOptions {
   /// pinhole.
   std::optional<double> ideal_aperture_scale;
   Sampling sampling = Sampling::mirrored;
+  /// Set: every photosite sees light as the R, G or B filter (0, 1, 2) does, instead of its own.
+  std::optional<int> color;
+  int first_row = 0, end_row = std::numeric_limits<int>::max();  ///< of the tiles that are rendered; others stay black
   TileStore* store = nullptr;  ///< set: tiles that it knows are not rendered, others are added
 };
 

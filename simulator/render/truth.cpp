@@ -11,7 +11,12 @@
 namespace dualpixel::simulator {
 
 Truth trace_truth(const RenderScene& world, const CameraView& camera) {
-  const SensorGrid& sensor = camera.lens.sensor();
+  Truth truth = empty_truth(camera.lens.sensor());
+  trace_truth_rows(world, camera, 0, truth.depth_m.height, truth);
+  return truth;
+}
+
+Truth empty_truth(const SensorGrid& sensor) {
   const int width = sensor.width_px;
   const int height = sensor.height_px;
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -23,11 +28,14 @@ Truth trace_truth(const RenderScene& world, const CameraView& camera) {
   truth.object_id = ImageU32(width, height);
   truth.person_mask = Image(width, height);
   truth.valid = Image(width, height);
+  return truth;
+}
 
+void trace_truth_rows(const RenderScene& world, const CameraView& camera, int first_row, int end_row, Truth& truth) {
   const DisparityField field(camera.lens);
-  const glm::mat3 rotation(camera.world_from_camera);
-  tbb::parallel_for(0, height, [&](int y) {
-    for (int x = 0; x < width; ++x) {
+  tbb::parallel_for(first_row, end_row, [&](int y) {
+    const glm::mat3 rotation(camera.pose(y));
+    for (int x = 0; x < truth.depth_m.width; ++x) {
       const Ray ray = chief_ray(camera, x, y);
       if (const std::optional<Hit> hit = world.intersector.intersect(ray)) {
         const Mesh& mesh = world.scene.meshes[hit->mesh];
@@ -46,7 +54,6 @@ Truth trace_truth(const RenderScene& world, const CameraView& camera) {
       truth.disparity_dp_px.at(x, y) = static_cast<float>(c.slope_dp_px_m * inverse_depth + c.intercept_dp_px);
     }
   });
-  return truth;
 }
 
 }  // namespace dualpixel::simulator

@@ -9,4 +9,10 @@ namespace dualpixel::simulator {
 /// by matching rendered views. The pictures are left empty.
 Truth trace_truth(const RenderScene& scene, const CameraView& camera);
 
+/// The same of rows [first_row, end_row) of a truth that has its size.
+void trace_truth_rows(const RenderScene& world, const CameraView& camera, int first_row, int end_row, Truth& truth);
+
+/// Nothing is seen anywhere: its size, for trace_truth_rows.
+Truth empty_truth(const SensorGrid& sensor);
+
 }  // namespace dualpixel::simulator

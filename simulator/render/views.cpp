@@ -20,11 +20,12 @@ Views render_views(const RenderScene& world, const CameraView& camera, const Ren
                    const SampleMap& map, const ProgressCallback& progress) {
   const int width = camera.lens.sensor().width_px, height = camera.lens.sensor().height_px;
   Views views{Image(width, height, 3), Image(width, height, 3)};
-  const PathOptions paths{options.max_bounces, options.ideal_aperture_scale, options.sampling};
+  const PathOptions paths{options.max_bounces, options.ideal_aperture_scale, options.sampling, options.color};
   const double all = map.total_samples();
   std::atomic<std::uint64_t> done = 0;
   std::mutex progress_mutex;
   for_tiles(map, [&](const Tile& tile) {
+    if (tile.y0 < options.first_row || tile.y0 >= options.end_row) return;
     const std::uint64_t render = hash(options.seed, tile.samples);
     const bool known = options.store && options.store->restore(render, tile, views);
     for (int y = tile.y0; y < tile.y1 && !known; ++y) {

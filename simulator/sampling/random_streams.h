@@ -11,6 +11,8 @@ enum RandomStream : std::uint64_t {
   kSensorNoiseStream = 3,   ///< of each frame
   kPoseStream = 4,          ///< rendering of each pose of each frame but the very first
   kFixedPatternStream = 5,  ///< of the sensor, under its own seed
+  kHotPixelStream = 6,      ///< likewise
+  kRowNoiseStream = 7,      ///< of each row of a frame, under the frame's seed
 };
 
 }  // namespace dualpixel::simulator

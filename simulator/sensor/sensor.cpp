@@ -62,6 +62,59 @@ struct FixedPattern {
   double whole_offset_dn = 0, left_offset_dn = 0, right_offset_dn = 0;
 };
 
+/// What the leaky half of a hot photosite adds, electrons a second at 25 C.
+struct Leak {
+  double left = 0, right = 0;
+};
+
+Leak leak_of(const SensorOptions& sensor, std::uint64_t photosite) {
+  if (sensor.hot_pixel_share == 0) return {};
+  Draws draws(hash(sensor.fixed_pattern_seed, kHotPixelStream, photosite));
+  if (draws.uniform() >= sensor.hot_pixel_share) return {};
+  const double leak = -sensor.hot_pixel_e_per_s * std::log(draws.uniform());
+  return draws.uniform() < 0.5 ? Leak{leak, 0} : Leak{0, leak};
+}
+
+/// What a row has in common in each of its read-outs, DN.
+struct RowNoise {
+  double whole = 0, left = 0, right = 0;
+};
+
+RowNoise row_noise_of(const SensorOptions& sensor, std::uint64_t seed, int y) {
+  if (sensor.row_noise_dn == 0) return {};
+  Draws draws(hash(seed, kRowNoiseStream, y));
+  const auto offset = [&] { return sensor.row_noise_dn * draws.normal(); };
+  return {offset(), offset(), offset()};
+}
+
+/// Dark current over that at 25 C.
+double warmth(const SensorOptions& sensor) {
+  return std::exp2((sensor.temperature_c - 25) / sensor.dark_current_doubling_c);
+}
+
+/// Electrons for each lx s of the scene's white, under the R, G, B filter.
+std::array<double, 3> white_electrons(const SensorOptions& sensor) {
+  std::array<double, 3> electrons{};
+  for (int c = 0; c < 3; ++c) {
+    for (int k = 0; k < 3; ++k) electrons[c] += sensor.color_matrix[3 * c + k] * sensor.illuminant[k];
+    electrons[c] *= sensor.electrons_per_lux_s[c];
+  }
+  return electrons;
+}
+
+/// From balanced camera colors to the scene's, its white at 1, 1, 1.
+Matrix3 scene_from_balanced(const SensorOptions& sensor) {
+  Matrix3 balanced_from_scene;
+  const std::array<double, 3> white = white_electrons(sensor);
+  for (int c = 0; c < 3; ++c) {
+    for (int k = 0; k < 3; ++k) {
+      balanced_from_scene[3 * c + k] =
+          sensor.electrons_per_lux_s[c] * sensor.color_matrix[3 * c + k] * sensor.illuminant[k] / white[c];
+    }
+  }
+  return inverse(balanced_from_scene);
+}
+
 FixedPattern fixed_pattern(const SensorOptions& sensor, std::uint64_t photosite) {
   if (sensor.prnu == 0 && sensor.dark_offset_dn == 0) return {};
   Draws draws(hash(sensor.fixed_pattern_seed, kFixedPatternStream, photosite));
@@ -91,6 +144,14 @@ std::optional<OptionProblem> check(const SensorOptions& s) {
   for (double value : s.electrons_per_lux_s) {
     if (!(value > 0 && value < 1e9)) {
       return OptionProblem{"electrons_per_lux_s", fmt::format("{}: must lie in (0, 1e9)", value)};
+    }
+  }
+  for (double value : s.illuminant) {
+    if (!(value > 0 && value < 1e9)) return OptionProblem{"illuminant", fmt::format("{}: must lie in (0, 1e9)", value)};
+  }
+  for (const double electrons : white_electrons(s)) {
+    if (!(electrons > 0 && electrons < 1e12 && std::abs(determinant(s.color_matrix)) > 1e-6)) {
+      return OptionProblem{"color_matrix", "must have an inverse, and see something of the illuminant in each row"};
     }
   }
   const int dp_x = s.dp_downsample_x, dp_y = s.dp_downsample_y;
@@ -128,25 +189,39 @@ double gain_dn_per_electron(const SensorOptions& sensor, double iso) {
   return (white - sensor.black_level_dn) / sensor.full_well_e * iso / 100;
 }
 
-double read_noise_dn2(const SensorOptions& sensor, double iso) {
-  const double gain = gain_dn_per_electron(sensor, iso);
-  return gain * gain * sensor.read_noise_e * sensor.read_noise_e +
-         sensor.read_noise_after_gain_dn * sensor.read_noise_after_gain_dn;
+double dark_electrons(const SensorOptions& sensor, const ExposureOptions& exposure) {
+  return sensor.dark_current_e_per_s * warmth(sensor) * exposure.time_s;
+}
+
+double read_noise_dn2(const SensorOptions& sensor, const ExposureOptions& exposure, bool whole) {
+  const double gain = gain_dn_per_electron(sensor, exposure.iso);
+  const double dark_e = (whole ? 1 : 0.5) * dark_electrons(sensor, exposure);
+  return gain * gain * (sensor.read_noise_e * sensor.read_noise_e + dark_e) +
+         sensor.read_noise_after_gain_dn * sensor.read_noise_after_gain_dn + sensor.row_noise_dn * sensor.row_noise_dn;
 }
 
 Exposure describe_exposure(const SensorOptions& sensor, const ExposureOptions& exposure) {
   const double gain = gain_dn_per_electron(sensor, exposure.iso);
-  const double read = read_noise_dn2(sensor, exposure.iso);
+  const double half_read = read_noise_dn2(sensor, exposure, false);
+  const double dark = gain * gain * 0.5 * dark_electrons(sensor, exposure);
+  const bool subtracted = sensor.readout == Readout::sum_and_left;
+  // left - right = 2 left - sum: five read-outs' variance instead of two, but no more dark current
+  const double view_read = subtracted ? 2.5 * (half_read - dark) + dark : half_read;
   Exposure e;
   e.time_s = exposure.time_s;
   e.iso = exposure.iso;
   e.bits = sensor.bits;
   e.black_level_dn = sensor.black_level_dn;
   e.white_level_dn = std::exp2(sensor.bits) - 1;
-  e.mosaic_noise = {gain, read + 1.0 / 12};
-  e.dp_noise = {gain / binned(sensor), read / binned(sensor) + 1.0 / 12};
-  for (int c = 0; c < 3; ++c) e.white_balance[c] = sensor.electrons_per_lux_s[1] / sensor.electrons_per_lux_s[c];
-  e.lux_s_per_unit = (e.white_level_dn - e.black_level_dn) / gain / sensor.electrons_per_lux_s[1];
+  // where right is what is left of the sum, it is none where the sum clips
+  const double most_dn = (subtracted ? 0.5 : 1) * (e.white_level_dn - sensor.black_level_dn);
+  e.dp_white_level_dn = sensor.black_level_dn + std::min(most_dn, gain * 0.5 * sensor.full_well_e);
+  e.mosaic_noise = {gain, read_noise_dn2(sensor, exposure, true) + 1.0 / 12};
+  e.dp_noise = {gain / binned(sensor), view_read / binned(sensor) + (subtracted ? 2.5 : 1) / 12};
+  const std::array<double, 3> white = white_electrons(sensor);
+  for (int c = 0; c < 3; ++c) e.white_balance[c] = white[1] / white[c];
+  if (sensor.color_matrix != kIdentity3) e.color_matrix = scene_from_balanced(sensor);
+  e.lux_s_per_unit = (e.white_level_dn - e.black_level_dn) / gain / white[1];
   return e;
 }
 
@@ -157,8 +232,13 @@ Image expected_electrons(const Image& left, const Image& right, const SensorOpti
     for (int x = 0; x < left.width; ++x) {
       const int c = cfa_color(x, y);
       const double per_nit = lux_per_nit * exposure.time_s * sensor.electrons_per_lux_s[c];
-      electrons.at(x, y, 0) = static_cast<float>(left.at(x, y, c) * per_nit);
-      electrons.at(x, y, 1) = static_cast<float>(right.at(x, y, c) * per_nit);
+      double seen_left = 0, seen_right = 0;
+      for (int k = 0; k < 3; ++k) {
+        seen_left += sensor.color_matrix[3 * c + k] * left.at(x, y, k);
+        seen_right += sensor.color_matrix[3 * c + k] * right.at(x, y, k);
+      }
+      electrons.at(x, y, 0) = static_cast<float>(std::max(seen_left, 0.0) * per_nit);
+      electrons.at(x, y, 1) = static_cast<float>(std::max(seen_right, 0.0) * per_nit);
     }
   });
   return electrons;
@@ -169,46 +249,51 @@ Frame expose(const Image& electrons, const SensorOptions& sensor, const Exposure
   const int height = electrons.height;
   const double gain = gain_dn_per_electron(sensor, exposure.iso);
   const double white = std::exp2(sensor.bits) - 1;
-  // Beyond the full well, charge is lost; the two halves share one well.
+  const double dark_e = dark_electrons(sensor, exposure), leak_s = exposure.time_s * warmth(sensor);
   const auto level = [&](double counted) { return sensor.black_level_dn + gain * counted; };
   const auto digitize = [&](double dn) { return static_cast<std::uint16_t>(std::clamp(std::round(dn), 0.0, white)); };
 
   const int block_width = sensor.dp_downsample_x, block_height = sensor.dp_downsample_y;
-  const bool dense = block_width * block_height == 1;
+  const bool dense = block_width * block_height == 1, subtracted = sensor.readout == Readout::sum_and_left;
   Frame frame;
   frame.seed = seed;
   frame.mosaic = ImageU16(width, height);
   frame.left = ImageU16(width / block_width, height / block_height);
   frame.right = frame.left;
   tbb::parallel_for(0, frame.left.height, [&](int block_y) {
-    std::vector<double> sums(2 * static_cast<std::size_t>(frame.left.width), 0.0);  // left, right of each DP pixel, DN
+    // of each DP pixel, DN: left, and right or the sum
+    std::vector<double> sums(2 * static_cast<std::size_t>(frame.left.width), 0.0);
     for (int y = block_height * block_y; y < block_height * (block_y + 1); ++y) {
+      const RowNoise row = row_noise_of(sensor, seed, y);
       for (int x = 0; x < width; ++x) {
         const std::uint64_t photosite = static_cast<std::uint64_t>(y) << 32 | static_cast<unsigned>(x);
         const FixedPattern fixed = fixed_pattern(sensor, photosite);
+        const Leak leak = leak_of(sensor, photosite);
         Draws draws(hash(seed, photosite));
         const auto read_out = [&](double counted, double offset_dn) {
           double dn = level(counted + sensor.read_noise_e * draws.normal()) + offset_dn;
           if (sensor.read_noise_after_gain_dn > 0) dn += sensor.read_noise_after_gain_dn * draws.normal();
           return dn;
         };
-        double left = draws.poisson(fixed.left_gain * electrons.at(x, y, 0));
-        double right = draws.poisson(fixed.right_gain * electrons.at(x, y, 1));
-        const double fill = (left + right) / sensor.full_well_e;
-        if (fill > 1) {
-          left /= fill;
-          right /= fill;
-        }
-        frame.mosaic.at(x, y) = digitize(read_out(left + right, fixed.whole_offset_dn));
+        const double left_light = fixed.left_gain * electrons.at(x, y, 0);
+        const double right_light = fixed.right_gain * electrons.at(x, y, 1);
+        double left = draws.poisson(left_light + (0.5 * dark_e + leak_s * leak.left));
+        double right = draws.poisson(right_light + (0.5 * dark_e + leak_s * leak.right));
+        fill_wells(sensor, left, right);
+        const double whole_dn = read_out(left + right - dark_e, fixed.whole_offset_dn + row.whole);
+        frame.mosaic.at(x, y) = digitize(whole_dn);
         if (dense || cfa_color(x, y) == 1) {
-          sums[2 * (x / block_width)] += read_out(left, fixed.left_offset_dn);
-          sums[2 * (x / block_width) + 1] += read_out(right, fixed.right_offset_dn);
+          double* const sum = &sums[2 * (x / block_width)];
+          sum[0] += read_out(left - 0.5 * dark_e, fixed.left_offset_dn + row.left);
+          sum[1] += subtracted ? whole_dn : read_out(right - 0.5 * dark_e, fixed.right_offset_dn + row.right);
         }
       }
     }
     for (int x = 0; x < frame.left.width; ++x) {
-      frame.left.at(x, block_y) = digitize(sums[2 * x] / binned(sensor));
-      frame.right.at(x, block_y) = digitize(sums[2 * x + 1] / binned(sensor));
+      const std::uint16_t left = digitize(sums[2 * x] / binned(sensor)),
+                          other = digitize(sums[2 * x + 1] / binned(sensor));
+      frame.left.at(x, block_y) = left;
+      frame.right.at(x, block_y) = subtracted ? digitize(other - left + sensor.black_level_dn) : other;
     }
   });
   return frame;

@@ -43,9 +43,11 @@ Capture small_capture(bool with_truth) {
                       .bits = 10,
                       .black_level_dn = 64,
                       .white_level_dn = 1023,
+                      .dp_white_level_dn = 543.5,
                       .mosaic_noise = {0.2, 1.5},
                       .dp_noise = {0.1, 0.5},
                       .white_balance = {1.9, 1, 1.6},
+                      .color_matrix = Matrix3{1.5, -0.4, -0.1, -0.2, 1.4, -0.2, 0, -0.5, 1.5},
                       .lux_s_per_unit = 0.3};
   for (unsigned i = 0; i < 3; ++i) {
     Frame& frame = capture.frames.emplace_back();
@@ -142,11 +144,13 @@ TEST(CaptureIo, EverythingSurvivesTheRoundTrip) {
   EXPECT_EQ(back.exposure.bits, 10);
   EXPECT_EQ(back.exposure.black_level_dn, 64);
   EXPECT_EQ(back.exposure.white_level_dn, 1023);
+  EXPECT_EQ(back.exposure.dp_white_level_dn, 543.5);
   EXPECT_EQ(back.exposure.mosaic_noise.shot_dn, 0.2);
   EXPECT_EQ(back.exposure.mosaic_noise.read_dn2, 1.5);
   EXPECT_EQ(back.exposure.dp_noise.shot_dn, 0.1);
   EXPECT_EQ(back.exposure.dp_noise.read_dn2, 0.5);
   EXPECT_EQ(back.exposure.white_balance, written.exposure.white_balance);
+  EXPECT_EQ(back.exposure.color_matrix, written.exposure.color_matrix);
   EXPECT_EQ(back.exposure.lux_s_per_unit, 0.3);
   EXPECT_EQ(back.face_px, written.face_px);
   EXPECT_EQ(back.provenance, written.provenance);
@@ -249,6 +253,10 @@ TEST(CaptureIo, RefusesToWriteWhatIsInconsistent) {
   EXPECT_NE(refusal([](Capture& c) { c.camera.focus_distance_m = 0.004; }).find("inside the focal length"),
             std::string::npos);
   EXPECT_NE(refusal([](Capture& c) { c.exposure.black_level_dn = 1023; }), "");
+  EXPECT_NE(refusal([](Capture& c) { c.exposure.dp_white_level_dn = 64; }).find("/exposure/dp_white_level_dn: 64"),
+            std::string::npos);
+  EXPECT_NE(refusal([](Capture& c) { c.exposure.dp_white_level_dn = 1024; }), "");
+  EXPECT_NE(refusal([](Capture& c) { c.exposure.color_matrix = Matrix3{1, 0, 0, 1, 0, 0, 0, 0, 1}; }), "");
   EXPECT_NE(refusal([](Capture& c) { c.frames[0].camera_from_world[0] = NAN; }), "");
   EXPECT_NE(refusal([](Capture& c) { c.truth->depth_m.at(1, 1) = NAN; }), "");
   EXPECT_NE(refusal([](Capture& c) { c.truth->depth_m.at(5, 5) = 3; }), "");

@@ -132,12 +132,16 @@ TEST(Dng, AMosaicKeepsItsNumbersAndSaysWhatTheyMean) {
 
 TEST(Dng, AViewIsMonochromeAndItsPixelsMayBeHigh) {
   const TemporaryFolder folder;
-  write_dng(folder / "a.dng", ramp(3, 2), capture_of("RGGB"), false, {}, 2);
+  Capture capture = capture_of("RGGB");
+  capture.exposure.dp_white_level_dn = 544;
+  write_dng(folder / "a.dng", ramp(3, 2), capture, false, {.shot_dn = 0.5}, 2);
   const Directory file(folder / "a.dng");
   EXPECT_EQ(file[kPhotometric], std::vector<double>{34892}) << "linear raw";
   EXPECT_TRUE(file[kCfaPattern].empty());
   EXPECT_TRUE(file[kColorMatrix1].empty());
   expect_near(file[kDefaultScale], {1, 2});
+  EXPECT_EQ(file[kWhiteLevel], std::vector<double>{544});
+  EXPECT_DOUBLE_EQ(file[kNoiseProfile].at(0), 0.5 / (544 - 64));
 }
 
 TEST(Dng, RefusesPlacesThatCannotBeWritten) {

@@ -68,6 +68,13 @@ TEST(SceneFile, RefusesWhatCannotBeAndNamesIt) {
       {"/sensor/prnu", -0.1, {"/sensor/prnu", "-0.1"}},
       {"/sensor/dp_downsample_y", 1, {"/sensor/dp_downsample_y", "2 x 1"}},
       {"/sensor/full_well_e", 0, {"/sensor/full_well_e"}},
+      {"/sensor/well_spill", 1.5, {"/sensor/well_spill", "1.5"}},
+      {"/sensor/readout", "both", {"/sensor/readout", "both", "sum_and_left"}},
+      {"/sensor/row_noise_dn", -1, {"/sensor/row_noise_dn", "-1"}},
+      {"/sensor/hot_pixel_share", 2, {"/sensor/hot_pixel_share", "2"}},
+      {"/sensor/dark_current_doubling_c", 0, {"/sensor/dark_current_doubling_c", "0"}},
+      {"/sensor/color_matrix", {1, 0, 0, 1, 0, 0, 0, 0, 1}, {"/sensor/color_matrix", "inverse"}},
+      {"/sensor/illuminant", {1, 0, 1}, {"/sensor/illuminant", "0"}},
       {"/burst/frames", 0, {"/burst/frames", "0"}},
       {"/burst/hand_shake", -1, {"/burst/hand_shake", "-1"}},
       {"/burst/interval_s", 0.005, {"/burst/interval_s", "0.005", "0.01"}},  // shorter than the exposure
@@ -375,6 +382,60 @@ TEST(SlowSimulate, StatesSamplesAndErrorOfAllPosesTogether) {
 
 // A mesh that shrinks to nothing at 0.2 s, after the fifth frame as float has it: refused by its file's name and before
 // the first frame is rendered.
+// Half of the view shines, half is black: the black half sees a share of the mean, which lies between.
+TEST(Simulate, GlareSpreadsAShareOfTheLightEvenly) {
+  json document = minimal();
+  document["sensor"] = {{"width_px", 64}, {"height_px", 64}, {"pixel_pitch_um", 14}};
+  document["burst"]["frames"] = 1;
+  Scene scene;
+  scene.materials = {glowing(500)};
+  scene.meshes = {make_quad({-5, -5, -1}, {5, 0, 0}, {0, 10, 0}, 0)};
+  scene.cameras = {{"camera", glm::mat4(1), {}}};
+  const Truth clear = *simulate(read_simulation(document, "s.json"), scene).truth;
+  document["lens"]["veiling_glare"] = 0.02;
+  const Truth veiled = *simulate(read_simulation(document, "s.json"), scene).truth;
+  EXPECT_EQ(clear.left.at(60, 30, 1), 0);
+  const double bright = clear.left.at(3, 30, 1);
+  EXPECT_NEAR(veiled.left.at(60, 30, 1), 0.02 * 0.5 * bright, 1e-4 * bright);
+  EXPECT_NEAR(veiled.right.at(60, 30, 1), 0.02 * 0.5 * bright, 1e-4 * bright);
+  EXPECT_NEAR(veiled.left.at(3, 30, 1), bright * (1 - 0.02 + 0.02 * 0.5), 1e-4 * bright);
+  EXPECT_EQ(veiled.photograph.data, clear.photograph.data);
+}
+
+// The thin lens opened wide is the ideal one; another file's lens has its own pupil, and the same field of view.
+TEST(Simulate, PhotographMayLookThroughALens) {
+  json document = minimal();
+  document["sensor"] = {{"width_px", 64}, {"height_px", 64}, {"pixel_pitch_um", 14}};
+  document["burst"]["frames"] = 1;
+  document["camera"]["focus_distance_m"] = 0.5;
+  document["render"] = {{"samples_per_pixel", 256}};
+  document["truth"]["photograph_aperture_scale"] = 3;
+  const Scene scene = step_under_a_sky();
+  const Truth ideal = *simulate(read_simulation(document, "s.json"), scene).truth;
+  EXPECT_EQ(ideal.photograph_lens, "ideal");
+  document["truth"]["photograph_lens"] = "own";
+  const Truth own = *simulate(read_simulation(document, "s.json"), scene).truth;
+  EXPECT_EQ(own.photograph_lens, "thin lens at f/0.6");
+  EXPECT_NEAR(own.photograph_aperture_scale, 3, 1e-9);
+  const double noise = std::hypot(ideal.noise->photograph, own.noise->photograph);
+  EXPECT_LT(std::sqrt(mean_product(own.photograph, own.photograph, ideal.photograph)), 2 * noise);
+
+  const TemporaryFolder folder;
+  write_bytes(folder / "large.json", R"({"version": 1, "name": "large", "focal_length_mm": 13.326, "f_number": 1.8})");
+  document["truth"] = {{"photograph_lens", "large.json"}};
+  const Truth large = *simulate(read_simulation(document, folder / "s.json"), scene).truth;
+  EXPECT_EQ(large.photograph_lens, "large at f/1.8");
+  EXPECT_NEAR(large.photograph_aperture_scale, 3, 1e-9);
+  EXPECT_LT(std::sqrt(mean_product(large.photograph, large.photograph, ideal.photograph)), 2 * noise);
+
+  document["truth"]["photograph_aperture_scale"] = 2;
+  EXPECT_NE(refusal(document).find("/truth/photograph_aperture_scale"), std::string::npos);
+  document["truth"] = {{"photograph_lens", "none.json"}};
+  EXPECT_NE(refusal(document).find("/truth/photograph_lens: none.json"), std::string::npos) << refusal(document);
+  document["truth"] = {{"photograph_lens", "own"}, {"photograph_aperture_scale", 0}};
+  EXPECT_NE(refusal(document).find("/truth/photograph_aperture_scale"), std::string::npos);
+}
+
 TEST(Simulate, RefusesAnAnimationThatLosesTrianglesBeforeRendering) {
   GltfBuilder gltf = one_triangle();
   gltf.root["nodes"].push_back({{"mesh", 0}, {"translation", {0, 0, -1}}});

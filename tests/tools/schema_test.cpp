@@ -108,6 +108,17 @@ json scene() {
                        {"pixel_pitch_um", 1.4},
                        {"electrons_per_lux_s", {1000, 2000, 1500}},
                        {"full_well_e", 5000},
+                       {"well_spill", 0.5},
+                       {"readout", "sum_and_left"},
+                       {"row_noise_dn", 0.5},
+                       {"row_time_us", 10},
+                       {"dark_current_e_per_s", 5},
+                       {"hot_pixel_share", 0.001},
+                       {"hot_pixel_e_per_s", 500},
+                       {"temperature_c", 30},
+                       {"dark_current_doubling_c", 8},
+                       {"color_matrix", {0.7, 0.2, 0.1, 0.2, 0.7, 0.1, 0.1, 0.2, 0.7}},
+                       {"illuminant", {1.2, 1, 0.8}},
                        {"read_noise_e", 2},
                        {"read_noise_after_gain_dn", 0.5},
                        {"prnu", 0.01},
@@ -142,7 +153,7 @@ json scene() {
           {"environment", {{"model", "none"}}},
           {"unlit_white_nits", 100},
           {"face_px", {10, 10, 5, 5}},
-          {"truth", {{"photograph_aperture_scale", 5}}},
+          {"truth", {{"photograph_aperture_scale", 5}, {"photograph_lens", "ideal"}}},
           {"render", render}};
 }
 
@@ -150,8 +161,10 @@ void read_scene(const json& document) { simulator::read_simulation(document, DUA
 
 TEST(Schema, SaysOfScenesWhatTheReaderSays) {
   const std::vector<std::string> skipped = {"/lens"};
-  const std::vector<std::string> reasons = {"/sensor/black_level_dn: ", "/burst/interval_s: ", "/camera/look_at_m: ",
-                                            "/lens/focal_length_mm: ", "this machine has"};
+  const std::vector<std::string> reasons = {"/sensor/black_level_dn: ", "/burst/interval_s: ",
+                                            "/camera/look_at_m: ",      "/sensor/color_matrix: must have an inverse",
+                                            "/truth/photograph_lens: ", "/truth/photograph_aperture_scale: is that of",
+                                            "/lens/focal_length_mm: ",  "this machine has"};
   expect_agreement("scene", scene(), skipped, read_scene, reasons);
   for (const json& environment : {json{{"model", "constant"}, {"nits", {1, 2, 3}}},
                                   json{{"model", "sky"},
@@ -194,6 +207,9 @@ TEST(Schema, SaysOfCapturesWhatTheReaderSays) {
   capture.truth->samples = capture.truth->render_sigma = Image(16, 8, 1, 1);
   capture.truth->left = capture.truth->right = Image(16, 8, 3, 1);
   capture.truth->noise = {.views = 0.1, .all_in_focus = 0.2, .photograph = 0.3};
+  capture.truth->photograph_lens = "ideal";
+  capture.exposure.dp_white_level_dn = 500;
+  capture.exposure.color_matrix = Matrix3{1.5, -0.3, -0.2, -0.3, 1.5, -0.2, -0.1, -0.3, 1.4};
   write_capture(capture, path);
   const auto read = [&](const json& document) {
     write_bytes(path + "/capture.json", document.dump());
@@ -206,6 +222,8 @@ TEST(Schema, SaysOfCapturesWhatTheReaderSays) {
                                             "is beyond",
                                             ", beyond ",
                                             "must be below the white level",
+                                            "must lie above the black level",
+                                            "must have an inverse",
                                             "either every frame",
                                             "one for each frame but the first, or none",
                                             "not listed under /files",

@@ -83,10 +83,12 @@ Image scaled(Image image, float factor) {
   return image;
 }
 
-/// Linear RGB, white balanced.
+/// Linear sRGB, white balanced.
 Image developed(const Image& mosaic, const Capture& capture) {
-  return pipeline::demosaic(pipeline::white_balanced(mosaic, capture.camera.cfa, capture.exposure.white_balance),
-                            capture.camera.cfa);
+  const Exposure& exposure = capture.exposure;
+  const std::string& cfa = capture.camera.cfa;
+  return pipeline::in_srgb(pipeline::demosaic(pipeline::white_balanced(mosaic, cfa, exposure.white_balance), cfa),
+                           exposure.color_matrix);
 }
 
 /// Rotated clockwise by a quarter turn.

@@ -22,7 +22,7 @@ TileDisparity match_by_likelihood(const Image& left, const Image& right, const L
   const ViewNoise noise = options.noise ? *options.noise : estimate_noise(left, right);
   const int range = options.range_px;
   const int margin = range / 2 + 1 + 8;  // half the range, a step of refinement, the taps
-  const PreparedViews views = prepare_views(left, right, margin, noise, options.clipped);
+  const PreparedViews views = prepare_views(left, right, margin, noise, options.clipped * options.white);
   const int columns = views.columns, rows = views.rows;
   const std::vector<FoundShift> found = search_shifts(views, options);
 

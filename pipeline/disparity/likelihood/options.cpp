@@ -10,7 +10,7 @@ namespace dualpixel::pipeline {
 
 OptionFields fields(LikelihoodMatchOptions& options) {
   return {{"range_px", &options.range_px, 2, 64, "DP px", "ours"},
-          {"clipped", &options.clipped, 0, 1e6, "normalized signal", "ours"},
+          {"clipped", &options.clipped, 0, 1e6, "of the views' white", "ours"},
           {"offset_search", &options.offset_search, 1e-6, 1, "of the signal", "ours"},
           {"offset", &options.offset, 1e-6, 1, "of the signal", "ours"},
           {"model_error", &options.model_error, 0, 1, "of the cost's contrast", "ours"},

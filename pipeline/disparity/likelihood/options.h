@@ -9,7 +9,8 @@ namespace dualpixel::pipeline {
 struct LikelihoodMatchOptions {
   int range_px = 16;               ///< shifts from -range to range are tried, DP pixels; 2..64
   std::optional<ViewNoise> noise;  ///< of one view's pixel; estimated from the views where not given
-  float clipped = 0.98f;           ///< pixels at or above it, normalized signal, are invalid
+  float white = 1;                 ///< normalized signal at which the views clip
+  float clipped = 0.98f;           ///< pixels at or above this share of it are invalid
   /// Standard deviation of the offset between the views that is left after the local gain is taken out, over the
   /// signal.
   float offset_search = 0.03f;  ///< while the disparity is unknown

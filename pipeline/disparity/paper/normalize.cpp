@@ -13,7 +13,8 @@ namespace dualpixel::pipeline {
 
 OptionFields fields(NormalizeOptions& options) {
   return {{"window_px", &options.window_px, 3, 255, "DP px, odd", "S: 9"},
-          {"std_floor", &options.std_floor, 1e-9, 1, "normalized signal", "S: 0.001"}};
+          {"std_floor", &options.std_floor, 1e-9, 1, "normalized signal", "S: 0.001"},
+          {"clipped", &options.clipped, 0, 1e6, "of the views' white", "ours"}};
 }
 
 void check(const NormalizeOptions& options) {

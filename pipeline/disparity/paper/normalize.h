@@ -9,6 +9,8 @@ namespace dualpixel::pipeline {
 struct NormalizeOptions {
   int window_px = 9;         ///< side of the square window, DP pixels, odd (supplement: 9 x 9)
   float std_floor = 0.001f;  ///< added to the standard deviation, normalized signal (supplement: 0.001)
+  /// Share of the views' white from which a pixel is clipped; ours: a tile's confidence falls by its share of them.
+  float clipped = 0.98f;
 };
 
 OptionFields fields(NormalizeOptions& options);

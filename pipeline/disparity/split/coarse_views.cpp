@@ -105,7 +105,7 @@ CoarseViews make_coarse_views(const Image& left, const Image& right, const Split
   constexpr double kShadingReach = 0.06;    // standard deviation of the window of the local ratio, of the width
   constexpr float kLeastContrast = 0.004f;  // over the local mean, that counts as contrast
   constexpr float kLeastSignal = 1e-4f;
-  Reduced views = reduce(left, right, options.clipped);
+  Reduced views = reduce(left, right, options.clipped * options.white);
   const int width = views.left.width, height = views.left.height;
   const std::size_t size = views.left.data.size();
 

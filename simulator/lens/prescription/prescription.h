@@ -28,10 +28,16 @@ struct Prescription {
   double image_radius_mm = 0;              ///< of the sensor's circle that the lens was made for
   double reference_nm = 587.5618;          ///< of paraxial figures, of focusing and of the middle (green) ray
   std::array<double, 3> wavelengths_nm{};  ///< of R, G, B; equal: no color
+  int band_samples = 1;                    ///< wavelengths that stand for each filter's band, odd
+  double band_width_nm = 80;               ///< of that band
   int focus_gap = -1;         ///< the surface whose thickness focuses; the last one, or -1: the whole lens moves
   double focus_shift_mm = 0;  ///< by how much it is longer than in the design, which is focused on infinity
 
   int stop_index() const;
+  /// Of filter `color`, the `sample`th of its band: in the middles of as many equal parts.
+  double wavelength_nm(int color, int sample) const {
+    return wavelengths_nm[color] + band_width_nm * ((sample + 0.5) / band_samples - 0.5);
+  }
   bool has_color() const { return wavelengths_nm[0] != wavelengths_nm[1] || wavelengths_nm[1] != wavelengths_nm[2]; }
 };
 

@@ -90,6 +90,17 @@ Prescription read_prescription(Fields& lens) {
   for (double nm : p.wavelengths_nm) {
     if (!(nm >= 350 && nm <= 1100)) lens.fail("wavelengths_nm", fmt::format("{}: must lie in [350, 1100]", nm));
   }
+  lens.integer("band_samples", p.band_samples, 1, 9);
+  if (p.band_samples % 2 == 0) lens.fail("band_samples", fmt::format("{}: must be odd", p.band_samples));
+  lens.number("band_width_nm", p.band_width_nm, 1, 200);
+  for (int color = 0; color < 3; ++color) {
+    for (const int i : {0, p.band_samples - 1}) {
+      const double nm = p.wavelength_nm(color, i);
+      if (!(nm >= 350 && nm <= 1100)) {
+        lens.fail("band_width_nm", fmt::format("{}: takes {:.4g} nm: must lie in [350, 1100]", p.band_width_nm, nm));
+      }
+    }
+  }
   bool disperses = false;
   std::vector<Fields> surfaces = lens.required("surfaces").objects("surfaces");
   if (surfaces.empty() || surfaces.size() > 200) lens.fail("surfaces", "must be 1 to 200 surfaces");

@@ -130,10 +130,15 @@ void block_stray(const LensPacket& packet, float weight[kPacket]) {
 
 struct PrescriptionSampler::Tables {
   bool exact_trace = false, has_color = false;
-  // for R, G, B; one where the lens has no color
+  std::uint32_t band_samples = 1;
+  // for each wavelength of R's band, G's and B's; one where the lens has no color
   std::vector<RayPolynomials> polynomials;
   std::vector<TracedLens<float>> traced;
   double entrance_pupil_z_mm = 0;
+  /// Of a packet's filter and draw; 0 is the middle of the band.
+  std::size_t index(int color, std::uint32_t draw) const {
+    return has_color ? color * band_samples + (draw + band_samples / 2) % band_samples : 0;
+  }
   double axis_area = 0;              ///< dL dM of the green pass region on the axis
   std::vector<double> chief_slopes;  ///< green, at the nodes of PupilBounds
 };
@@ -147,9 +152,12 @@ PrescriptionSampler::PrescriptionSampler(const PrescriptionModel& model, const T
   const glm::dvec2 corner =
       glm::max(sensor.principal_point_px, glm::dvec2(sensor.width_px, sensor.height_px) - sensor.principal_point_px);
   const double reach_mm = 1e3 * sensor.pixel_pitch_m * glm::length(corner) * 1.001;
-  const std::vector<double> wavelengths = t.has_color
-                                              ? std::vector<double>(p.wavelengths_nm.begin(), p.wavelengths_nm.end())
-                                              : std::vector<double>{p.wavelengths_nm[1]};
+  t.band_samples = p.band_samples;
+  std::vector<double> wavelengths;
+  for (int color = 0; color < 3 && t.has_color; ++color) {
+    for (int i = 0; i < p.band_samples; ++i) wavelengths.push_back(p.wavelength_nm(color, i));
+  }
+  if (!t.has_color) wavelengths = {p.wavelengths_nm[1]};
   for (double nm : wavelengths) {
     const PupilBounds bounds = find_pupil(p, nm, reach_mm);
     t.polynomials.push_back(fit_ray_polynomials(p, nm, bounds, t.entrance_pupil_z_mm));
@@ -171,9 +179,9 @@ double PrescriptionSampler::chief_slope_per_m(double radius_m) const {
   return interpolate_odd(tables_->chief_slopes, spacing, radius_m).value / radius_m;
 }
 
-void PrescriptionSampler::sample_polynomials(const PixelFrame& f, int color, const float s[4][kPacket], LensPacket& out,
-                                             PupilPacket& pupil) const {
-  const RayPolynomials& lens = tables_->polynomials[tables_->has_color ? color : 0];
+void PrescriptionSampler::sample_polynomials(const PixelFrame& f, std::size_t index, const float s[4][kPacket],
+                                             LensPacket& out, PupilPacket& pupil) const {
+  const RayPolynomials& lens = tables_->polynomials[index];
   const auto radius_m = static_cast<float>(f.radius_m);
   const double r_mm = radius_m * 1e3;
   const PupilEllipse ellipse = lens.bounds.at(r_mm);
@@ -227,9 +235,8 @@ void PrescriptionSampler::sample_polynomials(const PixelFrame& f, int color, con
   pupil.chief_slope = chief_at_sensor;
 }
 
-void PrescriptionSampler::sample_traced(const PixelFrame& f, int color, const float s[4][kPacket], LensPacket& out,
-                                        PupilPacket& pupil) const {
-  const int index = tables_->has_color ? color : 0;
+void PrescriptionSampler::sample_traced(const PixelFrame& f, std::size_t index, const float s[4][kPacket],
+                                        LensPacket& out, PupilPacket& pupil) const {
   const TracedLens<float>& lens = tables_->traced[index];
   const auto radius_m = static_cast<float>(f.radius_m);
   const PupilEllipse ellipse = tables_->polynomials[index].bounds.at(radius_m * 1e3);
@@ -271,7 +278,8 @@ void PrescriptionSampler::sample_traced(const PixelFrame& f, int color, const fl
 
 void PrescriptionSampler::sample(const PixelFrame& f, int color, const float s[4][kPacket], LensPacket& out,
                                  PupilPacket& pupil) const {
-  tables_->exact_trace ? sample_traced(f, color, s, out, pupil) : sample_polynomials(f, color, s, out, pupil);
+  const std::size_t index = tables_->index(color, f.draw);
+  tables_->exact_trace ? sample_traced(f, index, s, out, pupil) : sample_polynomials(f, index, s, out, pupil);
 }
 
 }  // namespace dualpixel::simulator

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <memory>
 
 #include "simulator/lens/lens_packet.h"
@@ -19,9 +20,9 @@ class PrescriptionSampler {
 
  private:
   struct Tables;
-  void sample_polynomials(const PixelFrame& f, int color, const float s[4][kPacket], LensPacket& rays,
+  void sample_polynomials(const PixelFrame& f, std::size_t index, const float s[4][kPacket], LensPacket& rays,
                           PupilPacket& pupil) const;
-  void sample_traced(const PixelFrame& f, int color, const float s[4][kPacket], LensPacket& rays,
+  void sample_traced(const PixelFrame& f, std::size_t index, const float s[4][kPacket], LensPacket& rays,
                      PupilPacket& pupil) const;
 
   std::shared_ptr<const Tables> tables_;  ///< shared by copies

@@ -62,5 +62,16 @@ TEST(WhiteBalance, ClipsWhereTheFirstColorClips) {
   EXPECT_EQ(dim.at(0, 1), 0.375f);
 }
 
+TEST(Demosaic, ColorsGoThroughTheMatrixOfTheCapture) {
+  Image rgb(2, 1, 3);
+  rgb.data = {1, 1, 1, 0.5f, 0.25f, 0};
+  EXPECT_EQ(in_srgb(rgb, std::nullopt).data, rgb.data);
+  const Image out = in_srgb(rgb, Matrix3{1.5, -0.5, 0, 0, 1, 0, -0.25, -0.25, 1.5});
+  const std::vector<float> expected = {1, 1, 1, 0.625f, 0.25f, -0.1875f};
+  EXPECT_EQ(out.data, expected);
+  const Matrix3 m = {1.5, -0.4, -0.1, -0.2, 1.4, -0.2, 0, -0.5, 1.5}, back = inverse(inverse(m));
+  for (int i = 0; i < 9; ++i) EXPECT_NEAR(back[i], m[i], 1e-12);
+}
+
 }  // namespace
 }  // namespace dualpixel::pipeline

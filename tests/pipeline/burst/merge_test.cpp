@@ -379,6 +379,26 @@ TEST(Merge, BlownOutTilesStayWhite) {
   }
 }
 
+// Views that clip at their own white, read out with noise around it: a hand-held sky stays flat, as the mosaic's does.
+TEST(Merge, ViewsClipAtTheirOwnWhite) {
+  Exposure exposure = exposure_at(100);
+  exposure.dp_white_level_dn = 544;
+  std::vector<Frame> frames = hand_held(Target(5), 128, 128, exposure, 1);
+  for (std::size_t z = 0; z < frames.size(); ++z) {
+    for (ImageU16* image : {&frames[z].left, &frames[z].right}) {
+      for (std::size_t i = 0; i < image->data.size() / 2; ++i) {
+        image->data[i] = static_cast<std::uint16_t>(543 + (i + z) % 3);
+      }
+    }
+  }
+  const MergedBurst merged = align_and_merge(frames, exposure);
+  const double white = view_white(exposure);
+  EXPECT_DOUBLE_EQ(white, 480.0 / 959);
+  for (const Image* image : {&merged.left, &merged.right}) {
+    for (int x = 0; x < image->width; ++x) EXPECT_NEAR(image->at(x, image->height / 4), white, 1.1 / 959);
+  }
+}
+
 TEST(Merge, SmallestFramesAreFinite) {
   for (const auto& [width, height] : kSmallestMosaics) {
     std::vector<Frame> frames = flat_frames(width, height);

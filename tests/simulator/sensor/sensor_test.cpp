@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 namespace dualpixel::simulator {
 namespace {
@@ -186,10 +189,194 @@ TEST(Sensor, BlackMiddleAndWhiteAtEveryBitDepth) {
     EXPECT_NEAR(mean(3000), sensor.black_level_dn + 3000 * gain, 4 * std::sqrt(3004.0) * gain / 128);
     const Frame bright = expose(Image(128, 128, 2, 1e6f), sensor, {0.01, 200}, 1);
     for (const auto v : bright.mosaic.data) ASSERT_EQ(v, white);
-    // the halves share one well: each is half full
+    // each half has half of the well
     const double half = sensor.black_level_dn + 2 * 3000 * gain;
     EXPECT_NEAR(statistics(bright.left).mean, half, 0.01 * half);
   }
+}
+
+// Charge beyond a half's own well is lost, or goes to the twin as far as that has room: counted by hand, electrons.
+TEST(Sensor, EachHalfHasAWellOfItsOwn) {
+  SensorOptions sensor = fine_sensor();
+  sensor.width_px = sensor.height_px = 64;
+  sensor.read_noise_e = 0;
+  const double gain = gain_dn_per_electron(sensor, 100);
+  struct Case {
+    double spill, left_in, right_in, left, right;
+  };
+  for (const Case& c : {Case{0, 5000, 1000, 3000, 1000},
+                        {0.5, 5000, 1000, 3000, 2000},
+                        {1, 5500, 1000, 3000, 3000},
+                        {1, 1000, 4500, 2500, 3000},
+                        {1, 9000, 8000, 3000, 3000},
+                        {1, 2500, 2900, 2500, 2900}}) {
+    sensor.well_spill = c.spill;
+    Image light(64, 64, 2);
+    for (std::size_t i = 0; i < light.data.size(); i += 2) {
+      light.data[i] = static_cast<float>(c.left_in), light.data[i + 1] = static_cast<float>(c.right_in);
+    }
+    const Frame frame = expose(light, sensor, {0.01, 100}, 1);
+    // shot noise over 2048 photosites of a color, four standard errors, where the well is not full
+    const double tolerance = gain * 4 * std::sqrt((c.left_in + c.right_in) / 2048) + 0.5;
+    EXPECT_NEAR(statistics(frame.left).mean - 256, gain * c.left, tolerance) << c.spill << ' ' << c.left_in;
+    EXPECT_NEAR(statistics(frame.right).mean - 256, gain * c.right, tolerance) << c.spill << ' ' << c.left_in;
+    EXPECT_NEAR(statistics(frame.mosaic).mean - 256, gain * (c.left + c.right), tolerance);
+  }
+}
+
+// A view's white: half of the range at ISO 100, the digital limit from ISO 200 on; and what full wells read.
+TEST(Sensor, AViewsWhiteLevelIsWhereItsWellIsFull) {
+  SensorOptions sensor;
+  sensor.width_px = sensor.height_px = 64;
+  for (const auto& [iso, white] :
+       {std::pair{50.0, 64 + 959 / 4.0}, {100.0, 64 + 959 / 2.0}, {200.0, 1023.0}, {800.0, 1023.0}}) {
+    const Exposure described = describe_exposure(sensor, {0.01, iso});
+    ASSERT_TRUE(described.dp_white_level_dn);
+    EXPECT_NEAR(*described.dp_white_level_dn, white, 1e-9);
+    const Frame frame = expose(Image(64, 64, 2, 9000.0f), sensor, {0.01, iso}, 1);
+    EXPECT_NEAR(statistics(frame.left).mean, white, 1);
+  }
+}
+
+double covariance(const ImageU16& a, const ImageU16& b) {
+  const double mean_a = statistics(a).mean, mean_b = statistics(b).mean;
+  double sum = 0;
+  for (std::size_t i = 0; i < a.data.size(); ++i) sum += (a.data[i] - mean_a) * (b.data[i] - mean_b);
+  return sum / static_cast<double>(a.data.size());
+}
+
+SensorOptions fine_dense_sensor() {
+  SensorOptions s = fine_sensor();
+  s.dp_downsample_x = s.dp_downsample_y = 1;
+  return s;
+}
+
+// Of read-outs sum + n and left + m, each rounded: right = sum - left + n - m. 524288 photosites: a variance has a
+// standard error of 0.2 %, a covariance of 0.2 % of the variances' geometric mean; 1 % is five of these.
+TEST(Sensor, RightAsSumLessLeftHasCorrelatedNoise) {
+  SensorOptions sensor = fine_dense_sensor();
+  sensor.readout = Readout::sum_and_left;
+  const ExposureOptions exposure{0.01, 100};
+  const Frame frame = expose(Image(1024, 512, 2, 0.0f), sensor, exposure, 3);
+  const double read = std::pow(gain_dn_per_electron(sensor, 100) * 2, 2) + 1.0 / 12;
+  EXPECT_NEAR(statistics(frame.left).variance, read, 0.01 * read);
+  EXPECT_NEAR(statistics(frame.right).variance, 2 * read, 0.01 * 2 * read);
+  EXPECT_NEAR(covariance(frame.left, frame.right), -read, 0.015 * read);
+  EXPECT_NEAR(covariance(frame.mosaic, frame.right), read, 0.015 * read);
+  EXPECT_NEAR(covariance(frame.mosaic, frame.left), 0, 0.01 * read);
+  for (std::size_t i = 0; i < frame.left.data.size(); ++i) {
+    ASSERT_EQ(frame.left.data[i] + frame.right.data[i], frame.mosaic.data[i] + 256);
+  }
+  // what matchers see is the difference
+  const Exposure described = describe_exposure(sensor, exposure);
+  EXPECT_NEAR(described.dp_noise.read_dn2, 2.5 * read, 1e-9);
+  // where the sum clips, right is none: both views are white together there
+  EXPECT_NEAR(*describe_exposure(sensor, {0.01, 800}).dp_white_level_dn, 256 + (16383 - 256) / 2.0, 1e-9);
+
+  sensor.readout = Readout::independent;
+  const Frame apart = expose(Image(1024, 512, 2, 0.0f), sensor, exposure, 3);
+  EXPECT_NEAR(covariance(apart.left, apart.right), 0, 0.01 * read);
+  EXPECT_EQ(apart.mosaic.data, frame.mosaic.data);
+  EXPECT_EQ(apart.left.data, frame.left.data);
+}
+
+// A row's mean varies by the row noise (and by a 1024th of the read noise's variance); 512 rows: a deviation has a
+// standard error of 3.1 %, and a correlation one of 4.4 %; four of each.
+TEST(Sensor, RowsShareTheNoiseOfTheirReadOut) {
+  SensorOptions sensor = fine_dense_sensor();
+  sensor.row_noise_dn = 3;
+  const ExposureOptions exposure{0.01, 100};
+  const Frame frame = expose(Image(1024, 512, 2, 0.0f), sensor, exposure, 3);
+  const double read = std::pow(gain_dn_per_electron(sensor, 100) * 2, 2) + 1.0 / 12;
+  std::vector<double> means[2];
+  for (int y = 0; y < 512; ++y) {
+    for (int i = 0; i < 2; ++i) {
+      const std::uint16_t* row = (i == 0 ? frame.mosaic : frame.left).row(y);
+      means[i].push_back(std::accumulate(row, row + 1024, 0.0) / 1024 - 256);
+    }
+  }
+  double squares = 0, product = 0;
+  for (int y = 0; y < 512; ++y) squares += means[0][y] * means[0][y] / 512, product += means[0][y] * means[1][y] / 512;
+  EXPECT_NEAR(std::sqrt(squares - read / 1024) / 3, 1, 4 * 0.031);
+  EXPECT_NEAR(product / 9, 0, 4 * 0.044);
+  EXPECT_NEAR(statistics(frame.mosaic).variance - squares, read, 0.01 * read);
+  EXPECT_NEAR(describe_exposure(sensor, exposure).mosaic_noise.read_dn2, read + 9, 1e-9);
+  EXPECT_NE(expose(Image(1024, 512, 2, 0.0f), sensor, exposure, 4).mosaic.at(5, 5), 0);
+}
+
+// 20 e/s at 25 C doubled every 8 degrees, half a second at 41 C: 40 electrons of a photosite, 20 of each half. Their
+// mean is taken off, their shot noise stays. 1 % as above.
+TEST(Sensor, DarkCurrentGrowsWithTimeAndTemperatureAndLeavesItsShotNoise) {
+  SensorOptions sensor = fine_dense_sensor();
+  sensor.dark_current_e_per_s = 20;
+  sensor.temperature_c = 41;
+  const ExposureOptions exposure{0.5, 100};
+  EXPECT_NEAR(dark_electrons(sensor, exposure), 40, 1e-12);
+  const Frame frame = expose(Image(1024, 512, 2, 0.0f), sensor, exposure, 3);
+  const double gain2 = std::pow(gain_dn_per_electron(sensor, 100), 2), photosites = 1024 * 512;
+  const double whole = gain2 * (40 + 4) + 1.0 / 12, half = gain2 * (20 + 4) + 1.0 / 12;
+  EXPECT_NEAR(statistics(frame.mosaic).mean, 256, 4 * std::sqrt(whole / photosites));
+  EXPECT_NEAR(statistics(frame.left).mean, 256, 4 * std::sqrt(half / photosites));
+  EXPECT_NEAR(statistics(frame.mosaic).variance, whole, 0.01 * whole);
+  EXPECT_NEAR(statistics(frame.right).variance, half, 0.01 * half);
+  EXPECT_NEAR(describe_exposure(sensor, exposure).mosaic_noise.read_dn2, whole, 1e-9);
+  EXPECT_NEAR(describe_exposure(sensor, exposure).dp_noise.read_dn2, half, 1e-9);
+}
+
+// 1 % of the photosites leak 2000 e/s on the average, exponentially: after 0.1 s the share beyond 400 electrons is
+// exp(-2) of them. 709 are expected, give or take 27; the mean of all, 2 electrons, has a standard error of 2 %.
+TEST(Sensor, HotPixelsLeakInTheSamePlacesOfEveryFrame) {
+  SensorOptions sensor = fine_dense_sensor();
+  sensor.hot_pixel_share = 0.01;
+  sensor.hot_pixel_e_per_s = 2000;
+  const Image dark(1024, 512, 2, 0.0f);
+  const Frame first = expose(dark, sensor, {0.1, 100}, 3), second = expose(dark, sensor, {0.1, 100}, 4);
+  const double gain = gain_dn_per_electron(sensor, 100), photosites = 1024 * 512;
+  EXPECT_NEAR((statistics(first.mosaic).mean - 256) / gain / 2, 1, 0.08);
+  int hot = 0, left_hot = 0, stayed = 0;
+  for (std::size_t i = 0; i < first.mosaic.data.size(); ++i) {
+    if (first.mosaic.data[i] < 256 + 400 * gain) continue;
+    ++hot;
+    left_hot += first.left.data[i] > 256 + 200 * gain;
+    EXPECT_NE(first.left.data[i] > 256 + 200 * gain, first.right.data[i] > 256 + 200 * gain);
+    stayed += second.mosaic.data[i] > 256 + 250 * gain;
+  }
+  EXPECT_NEAR(hot, photosites * 0.01 * std::exp(-2), 4 * 27);
+  EXPECT_NEAR(left_hot, hot / 2, 4 * std::sqrt(hot) / 2);
+  EXPECT_EQ(stayed, hot);
+}
+
+// What a filter sees is its row of the matrix; the capture's white balance and matrix lead back to the scene's colors,
+// with what the illuminant makes white at 1, 1, 1.
+TEST(Sensor, StatesHowToUndoItsColors) {
+  SensorOptions sensor;
+  sensor.width_px = sensor.height_px = 4;
+  sensor.color_matrix = {0.7, 0.25, 0.05, 0.2, 0.7, 0.1, 0.02, 0.28, 0.7};
+  sensor.illuminant = {1.3, 1, 0.6};
+  const double reflectance[3] = {0.5, 0.2, 0.8};
+  Image half(4, 4, 3);
+  for (int i = 0; i < 16; ++i) {
+    for (int c = 0; c < 3; ++c) half.data[3 * i + c] = static_cast<float>(reflectance[c] * sensor.illuminant[c]);
+  }
+  const Image electrons = expected_electrons(half, half, sensor, {0.01, 100}, 1);
+  const Exposure described = describe_exposure(sensor, {0.01, 100});
+  double balanced[3];
+  const std::pair<int, int> photosites[3] = {{0, 0}, {1, 0}, {1, 1}};
+  for (int c = 0; c < 3; ++c) {
+    const auto [x, y] = photosites[c];
+    double seen = 0;
+    for (int k = 0; k < 3; ++k) seen += sensor.color_matrix[3 * c + k] * half.data[k];
+    EXPECT_NEAR(electrons.at(x, y, 0), 0.01 * sensor.electrons_per_lux_s[c] * seen, 1e-4);
+    balanced[c] = 2 * electrons.at(x, y, 0) * described.white_balance[c];
+  }
+  ASSERT_TRUE(described.color_matrix);
+  // one electron of green is 1 / 6000 of full scale, which stands for lux_s_per_unit of the scene's white
+  for (int c = 0; c < 3; ++c) {
+    double rgb = 0;
+    for (int k = 0; k < 3; ++k) rgb += (*described.color_matrix)[3 * c + k] * balanced[k];
+    EXPECT_NEAR(rgb / 6000 * described.lux_s_per_unit, 2 * 0.01 * reflectance[c], 1e-6) << c;
+  }
+  EXPECT_FALSE(describe_exposure(fine_sensor(), {0.01, 100}).color_matrix);
 }
 
 // Dense DP: every half-photosite on its own; and what is binned is the mean of the same read-outs.
