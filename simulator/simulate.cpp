@@ -353,7 +353,7 @@ TruthPicture render_through_lens(const Job& job, const char* name) {
   options.samples_per_pixel = s.photograph_samples_per_pixel.value_or(s.render.samples_per_pixel);
   options.seed = hash(s.render.seed, kPhotographStream);
   const PictureSampling sampling = sample_picture(s, job.world, view, options, job.goal, {});
-  const int colors = view.lens.has_color() ? 3 : 1;
+  const int colors = view.lens.has_color() || view.lens.diffracts() ? 3 : 1;
   Image picture, halves;
   for (int color = 0; color < colors; ++color) {
     if (colors > 1) options.color = color, options.seed = hash(s.render.seed, kPhotographStream, color);
@@ -363,6 +363,7 @@ TruthPicture render_through_lens(const Job& job, const char* name) {
     if (color == 0) picture = all;
     for (std::size_t i = color; i < all.data.size() && color > 0; i += 3) picture.data[i] = all.data[i];
   }
+  options.color.reset();
   const double unit_per_half_nit = 2 * job.unit_per_nit;  // as if the halves' errors were the same
   TruthPicture truth{in_units(std::move(picture), job.unit_per_nit),
                      in_units(standard_error(sampling, 1, halves), unit_per_half_nit), 0};

@@ -86,9 +86,9 @@ void Diffraction::bend(double wavelength_m, const float u[kPacket], const float 
   concentric_disc(u, v, px, py);
   for (int i = 0; i < kPacket; ++i) {
     const float x = rays.origin_x[i], y = rays.origin_y[i], r = std::sqrt(x * x + y * y) + 1e-12f;
-    const float rho = std::min(r / radius, 1 - kNearestEdge);
+    const float rho = 1 - std::max(std::abs(1 - r / radius), kNearestEdge);
     // two normal numbers from a point of the disc (Marsaglia 1962)
-    const float s = std::max(px[i] * px[i] + py[i] * py[i], 1e-12f);
+    const float s = std::clamp(px[i] * px[i] + py[i] * py[i], 1e-12f, 1.0f);
     const float normal = std::sqrt(-2 * kLn2 * log2_of(s) / s);
     const float across = px[i] * normal / (kTurn * (1 - rho));
     const float along = py[i] * normal / (kTurn * std::sqrt(1 - rho * rho));

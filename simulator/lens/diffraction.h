@@ -15,6 +15,8 @@ namespace dualpixel::simulator {
 /// one distribution to that of the other: a ray near the edge still bends most, and of the whole pupil, in focus, the
 /// Airy pattern remains (share of light within r, in lambda times the f-number: 1 - J0(pi r)^2 - J1(pi r)^2).
 ///
+/// The edge is that of the paraxial pupil: rays of a prescription that pass beyond it bend as those as far within.
+///
 /// Not modeled: interference between rays, which rings out of focus and at the rim of a half pupil.
 class Diffraction {
  public:

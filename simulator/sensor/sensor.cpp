@@ -213,9 +213,10 @@ Exposure describe_exposure(const SensorOptions& sensor, const ExposureOptions& e
   e.bits = sensor.bits;
   e.black_level_dn = sensor.black_level_dn;
   e.white_level_dn = std::exp2(sensor.bits) - 1;
-  // where right is what is left of the sum, it is none where the sum clips
+  // where right is what is left of the sum, it is none where the sum clips; dark current fills wells, too
   const double most_dn = (subtracted ? 0.5 : 1) * (e.white_level_dn - sensor.black_level_dn);
-  e.dp_white_level_dn = sensor.black_level_dn + std::min(most_dn, gain * 0.5 * sensor.full_well_e);
+  const double room_e = std::max(sensor.full_well_e - dark_electrons(sensor, exposure), 0.02 * sensor.full_well_e);
+  e.dp_white_level_dn = sensor.black_level_dn + std::min(most_dn, gain * 0.5 * room_e);
   e.mosaic_noise = {gain, read_noise_dn2(sensor, exposure, true) + 1.0 / 12};
   e.dp_noise = {gain / binned(sensor), view_read / binned(sensor) + (subtracted ? 2.5 : 1) / 12};
   const std::array<double, 3> white = white_electrons(sensor);
@@ -293,7 +294,9 @@ Frame expose(const Image& electrons, const SensorOptions& sensor, const Exposure
       const std::uint16_t left = digitize(sums[2 * x] / binned(sensor)),
                           other = digitize(sums[2 * x + 1] / binned(sensor));
       frame.left.at(x, block_y) = left;
-      frame.right.at(x, block_y) = subtracted ? digitize(other - left + sensor.black_level_dn) : other;
+      // where the sum clips, nothing is known of right
+      const bool known = subtracted && other < white;
+      frame.right.at(x, block_y) = known ? digitize(other - left + sensor.black_level_dn) : other;
     }
   });
   return frame;
