@@ -20,6 +20,7 @@
 #include "simulator/sampling/mosaic.h"
 #include "simulator/sampling/random_streams.h"
 #include "simulator/scene/gltf/gltf.h"
+#include "simulator/scene/scale.h"
 #include "simulator/sensor/hand_shake.h"
 #include "simulator/sensor_noise.h"
 
@@ -202,16 +203,22 @@ TruthPicture render_picture(const Job& job, double aperture_scale, std::optional
 /// color response is divided out, as white balance does.
 void add_truth_pictures(const Job& job, Truth& truth) {
   const Simulation& s = job.simulation;
-  TruthPicture sharp =
-      render_picture(job, 0, s.all_in_focus_samples_per_pixel, kAllInFocusStream, "all-in-focus image");
-  TruthPicture wide = render_picture(job, s.photograph_aperture_scale, s.photograph_samples_per_pixel,
-                                     kPhotographStream, "wide-aperture photograph");
-  truth.all_in_focus = std::move(sharp.picture);
-  truth.all_in_focus_sigma = std::move(sharp.sigma);
-  truth.photograph = std::move(wide.picture);
-  truth.photograph_sigma = std::move(wide.sigma);
+  truth.noise.emplace();
   truth.photograph_aperture_scale = s.photograph_aperture_scale;
-  truth.noise = {.all_in_focus = sharp.noise, .photograph = wide.noise};
+  if (s.with_all_in_focus) {
+    TruthPicture sharp =
+        render_picture(job, 0, s.all_in_focus_samples_per_pixel, kAllInFocusStream, "all-in-focus image");
+    truth.all_in_focus = std::move(sharp.picture);
+    truth.all_in_focus_sigma = std::move(sharp.sigma);
+    truth.noise->all_in_focus = sharp.noise;
+  }
+  if (s.with_photograph) {
+    TruthPicture wide = render_picture(job, s.photograph_aperture_scale, s.photograph_samples_per_pixel,
+                                       kPhotographStream, "wide-aperture photograph");
+    truth.photograph = std::move(wide.picture);
+    truth.photograph_sigma = std::move(wide.sigma);
+    truth.noise->photograph = wide.noise;
+  }
 }
 
 /// The first frame's views, before the sensor adds its noise.
@@ -250,6 +257,7 @@ void describe_sampling(const Job& job, const PictureSampling& sampling, Truth& t
 
 Scene load_scene(const Simulation& s, double time_s) {
   Scene scene = read_gltf(s.gltf_path, s.animation ? std::optional(time_s) : std::nullopt);
+  if (s.model_size_m) scale_to(scene, *s.model_size_m);
   scene.unlit_white_nits = static_cast<float>(s.unlit_white_nits);
   if (s.environment_model == EnvironmentModel::constant) {
     const glm::vec3 nits(s.environment_nits[0], s.environment_nits[1], s.environment_nits[2]);
