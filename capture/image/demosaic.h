@@ -5,7 +5,7 @@
 #include "capture/image/image.h"
 
 /// From a Bayer mosaic to linear RGB of the same size.
-namespace dualpixel::pipeline {
+namespace dualpixel {
 
 /// The mosaic with each photosite multiplied by its color's gain, then clipped at the smallest gain (at most), where
 /// the first of the three colors reaches its white level: beyond it a neutral highlight would turn pink.
@@ -17,4 +17,4 @@ Image white_balanced(Image mosaic, const std::string& cfa, const std::array<doub
 /// outermost photosites, which keeps the phase of the pattern. Values may overshoot the mosaic's range at edges.
 Image demosaic(const Image& mosaic, const std::string& cfa);
 
-}  // namespace dualpixel::pipeline
+}  // namespace dualpixel

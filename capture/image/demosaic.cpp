@@ -1,11 +1,11 @@
-#include "pipeline/burst/demosaic.h"
+#include "capture/image/demosaic.h"
 
 #include <algorithm>
 #include <vector>
 
 #include "capture/image/rows.h"
 
-namespace dualpixel::pipeline {
+namespace dualpixel {
 namespace {
 
 enum Color { kRed, kGreen, kBlue };
@@ -93,4 +93,4 @@ Image demosaic(const Image& mosaic, const std::string& cfa) {
   return rgb;
 }
 
-}  // namespace dualpixel::pipeline
+}  // namespace dualpixel
