@@ -22,7 +22,7 @@ void each_probe(const Image& image, const Visit& visit) {
 }
 
 /// Six digits are enough.
-double short_number(double value) {
+double six_digit_number(double value) {
   if (value == 0) return 0;
   const double unit = std::pow(10.0, 5 - std::floor(std::log10(std::abs(value))));
   return std::round(value * unit) / unit;
@@ -34,7 +34,7 @@ nlohmann::ordered_json quantiles(std::vector<float> values) {
   std::sort(values.begin(), values.end());
   for (int i = 0; i < kQuantiles; ++i) {
     const double at = static_cast<double>(values.size() - 1) * i / (kQuantiles - 1);
-    out.push_back(short_number(values[static_cast<std::size_t>(std::lround(at))]));
+    out.push_back(six_digit_number(values[static_cast<std::size_t>(std::lround(at))]));
   }
   return out;
 }
@@ -62,8 +62,8 @@ nlohmann::ordered_json statistics_of(const Capture& capture) {
   }
   const double valid_share = static_cast<double>(depth.size()) / count;
   return {{"disparity_dp_px", quantiles(std::move(disparity))}, {"depth_m", quantiles(std::move(depth))},
-          {"valid_share", short_number(valid_share)},           {"person_share", short_number(people / count)},
-          {"mean_signal", short_number(sum / pixels)},          {"clipped_share", short_number(clipped / pixels)}};
+          {"valid_share", six_digit_number(valid_share)},       {"person_share", six_digit_number(people / count)},
+          {"mean_signal", six_digit_number(sum / pixels)},      {"clipped_share", six_digit_number(clipped / pixels)}};
 }
 
 Image preview_of(const Capture& capture) {

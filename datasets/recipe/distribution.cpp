@@ -24,6 +24,7 @@ constexpr Named<Kind> kKinds[] = {{"constant", Kind::constant, "always this valu
                                   {"normal", Kind::normal, "mean and deviation, between bounds"},
                                   {"grid", Kind::grid, "each of these values in turn"}};
 
+constexpr std::size_t kMostWeights = 1'000'000;
 constexpr double kLargest = 1e15;  // up to which doubles tell whole numbers apart
 
 /// Two numbers, the first not above the second.
@@ -45,7 +46,7 @@ void read_values(Fields& fields, const std::string& key, Distribution& d) {
 }
 
 void read_weights(Fields& fields, Distribution& d) {
-  fields.list("weights", d.weights, 0, kLargest, d.values.size());
+  fields.list("weights", d.weights, 0, kLargest, kMostWeights);
   if (d.weights.empty()) d.weights.assign(d.values.size(), 1);
   const double sum = std::accumulate(d.weights.begin(), d.weights.end(), 0.0);
   if (d.weights.size() != d.values.size() || !(sum > 0)) {

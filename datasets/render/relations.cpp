@@ -24,6 +24,8 @@ using nlohmann::json;
 
 constexpr int kDigits = 4;  // of what follows from rays
 
+double short_number(double value) { return std::stod(fmt::format("{:.{}g}", value, kDigits)); }
+
 void set_pose(json& scene_file, glm::vec3 position, glm::vec3 look_at) {
   json& camera = scene_file["camera"];
   if (camera.is_object()) camera.erase("node");
@@ -154,7 +156,7 @@ void resolve_geometry(const SampleLine& line, const simulator::ReadyScene& ready
   if (!r.contains("focus_at")) return;
   constexpr double kNearest_m = 0.08, kFarthest_m = 1000;
   const double depth = depth_at(r.at("focus_at"), simulator::read_simulation(scene_file, path), ready);
-  scene_file["camera"]["focus_distance_m"] = scenes::rounded(std::clamp(depth, kNearest_m, kFarthest_m), kDigits);
+  scene_file["camera"]["focus_distance_m"] = short_number(std::clamp(depth, kNearest_m, kFarthest_m));
 }
 
 void resolve_exposure(double mean, const json& set, const simulator::Simulation& s, simulator::ReadyScene& ready,
@@ -168,9 +170,9 @@ void resolve_exposure(double mean, const json& set, const simulator::Simulation&
   if (seconds > 1e11) throw InputError(printable(s.path) + ": exposure_mean: the camera sees no light");
   json& exposure = scene_file["exposure"];
   if (set.contains("exposure.iso")) {
-    exposure["time_s"] = scenes::rounded(seconds * 100 / s.exposure.iso, kDigits);
+    exposure["time_s"] = short_number(seconds * 100 / s.exposure.iso);
   } else if (set.contains("exposure.time_s")) {
-    exposure["iso"] = scenes::rounded(seconds * 100 / s.exposure.time_s, kDigits);
+    exposure["iso"] = short_number(seconds * 100 / s.exposure.time_s);
   } else {
     scenes::set_exposure(scene_file, seconds, kDigits);
   }

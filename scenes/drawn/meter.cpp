@@ -15,6 +15,12 @@ using nlohmann::json;
 
 constexpr int kDigits = 2;
 
+/// To so many digits, so that the last bits of a rendering do not show.
+double rounded(double value, int digits) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - (digits - 1));
+  return std::round(value / unit) * unit;
+}
+
 /// A small sensor of the same field of view behind a thin lens, which is prepared at once.
 json small_picture(const json& scene) {
   constexpr int kWidth = 128, kHeight = 96;
@@ -59,11 +65,6 @@ double focus_on_something(const Truth& truth, std::uint64_t seed) {
 }
 
 }  // namespace
-
-double rounded(double value, int digits) {
-  const double unit = std::pow(10.0, std::floor(std::log10(value)) - (digits - 1));
-  return std::round(value / unit) * unit;
-}
 
 void set_exposure(json& scene, double seconds, int digits) {
   const double time_s = seconds <= 1.0 / 60 ? seconds : std::min(std::sqrt(seconds / 60), 1.0 / 12);

@@ -16,7 +16,4 @@ void meter(nlohmann::json& scene, const std::string& scene_path, const Shooting&
 /// between time and gain: up to 1/60 s at ISO 100, then both grow, to 1/12 s.
 void set_exposure(nlohmann::json& scene, double seconds, int digits);
 
-/// To so many digits, so that the last bits of a rendering do not show.
-double rounded(double value, int digits);
-
 }  // namespace dualpixel::scenes

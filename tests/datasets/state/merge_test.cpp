@@ -70,7 +70,7 @@ TEST(Merge, LaysDpddOut) {
 
 /// OpenCV reads channels of other names as zeros, without a word.
 TEST(Exr, IsReadByOpenCv) {
-  if (std::system("python3 -c 'import cv2' 2>/dev/null") != 0) GTEST_SKIP() << "python3-opencv is not installed";
+  if (std::system("/usr/bin/python3 -c 'import cv2' 2>/dev/null") != 0) GTEST_SKIP() << "python3-opencv is not installed";
   const TemporaryFolder folder;
   const std::string set = folder / "set";
   json recipe = small_recipe(1);
@@ -90,7 +90,7 @@ TEST(Exr, IsReadByOpenCv) {
       "normal.exr', cv2.IMREAD_UNCHANGED)\n"
       "print(repr(float(d.reshape(48, 64, -1)[30, 40, 0])), *[repr(float(v)) for v in n[30, 40]])\n";
   write_bytes(folder / "read.py", script);
-  ASSERT_EQ(std::system(("python3 '" + (folder / "read.py") + "' > '" + (folder / "out") + "'").c_str()), 0);
+  ASSERT_EQ(std::system(("/usr/bin/python3 '" + (folder / "read.py") + "' > '" + (folder / "out") + "'").c_str()), 0);
   double d = 0, bgr[3] = {};
   std::ifstream(folder / "out") >> d >> bgr[0] >> bgr[1] >> bgr[2];
   EXPECT_EQ(static_cast<float>(d), depth.at(40, 30));
