@@ -9,6 +9,7 @@
 #include "capture/image/image_io.h"
 #include "datasets/plan/plan.h"
 #include "datasets/render/render.h"
+#include "datasets/state/webdataset.h"
 #include "tests/datasets/small_recipe.h"
 
 namespace dualpixel::datasets {
@@ -68,9 +69,49 @@ TEST(Merge, LaysDpddOut) {
   EXPECT_NEAR(linear_mean(c + file) / views, 1, 0.01);
 }
 
+/// Names and bytes of a tar file's entries, in order, as GNU tar reads them.
+std::vector<std::pair<std::string, std::string>> untar(const std::string& tar, const TemporaryFolder& folder) {
+  const std::string to = folder / "untarred";
+  std::filesystem::remove_all(to);
+  std::filesystem::create_directories(to);
+  EXPECT_EQ(std::system(("tar -xf '" + tar + "' -C '" + to + "' && tar -tf '" + tar + "' > '" + to + ".txt'").c_str()),
+            0);
+  std::vector<std::pair<std::string, std::string>> entries;
+  std::ifstream names(to + ".txt");
+  for (std::string name; std::getline(names, name);) entries.emplace_back(name, read_bytes(to + "/" + name));
+  return entries;
+}
+
+TEST(Merge, PacksWebDatasets) {
+  const TemporaryFolder folder;
+  const std::string set = folder / "set";
+  json recipe = small_recipe(3);
+  recipe["split"] = {{"train", 0.5}, {"test", 0.5}};
+  make(set, recipe);
+  const std::vector<json> index = merge_samples(set);
+  write_webdataset(index, set);
+  EXPECT_EQ(write_webdataset(index, set, 1), 3);  // each of the three is more than a byte: a file each
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(set + "/webdataset")) {
+    if (entry.path().extension() != ".tar") continue;
+    const auto files = untar(entry.path(), folder);
+    ASSERT_EQ(files.size(), 6U);
+    const std::string name = files[0].first.substr(0, 6), sample = set + "/samples/" + name + "/";
+    EXPECT_EQ(files[0].first, name + ".left.npy");
+    EXPECT_TRUE(files[0].second == read_bytes(sample + "left.npy"));
+    EXPECT_EQ(files[5].first, name + ".json");
+    EXPECT_TRUE(files[5].second == read_bytes(sample + "sample.json"));
+    const std::string split = json::parse(files[5].second)["line"]["split"];
+    EXPECT_TRUE(entry.path().filename().string().starts_with(split + "-")) << entry.path();
+    ++count;
+  }
+  EXPECT_EQ(count, 3);
+}
+
 /// OpenCV reads channels of other names as zeros, without a word.
 TEST(Exr, IsReadByOpenCv) {
-  if (std::system("/usr/bin/python3 -c 'import cv2' 2>/dev/null") != 0) GTEST_SKIP() << "python3-opencv is not installed";
+  if (std::system("/usr/bin/python3 -c 'import cv2' 2>/dev/null") != 0)
+    GTEST_SKIP() << "python3-opencv is not installed";
   const TemporaryFolder folder;
   const std::string set = folder / "set";
   json recipe = small_recipe(1);

@@ -14,6 +14,7 @@
 #include "datasets/render/render.h"
 #include "datasets/state/merge.h"
 #include "datasets/state/state.h"
+#include "datasets/state/webdataset.h"
 #include "evaluation/report/dataset_page.h"
 #include "tools/cli/signals.h"
 #include "tools/commands/commands.h"
@@ -31,7 +32,7 @@ struct DatasetArguments {
   std::optional<int> count;
   std::optional<std::uint64_t> seed;
   int jobs = 1;
-  bool json = false;
+  bool json = false, webdataset = false;
 };
 
 double seconds_now() {
@@ -133,6 +134,9 @@ void run_merge(const DatasetArguments& arguments) {
   const std::string page = arguments.folder + "/statistics.html";
   replace_file(page, evaluation::dataset_page(index, arguments.folder));
   std::cout << fmt::format("{} samples: {}/{}, {}\n", index.size(), arguments.folder, datasets::kIndexFile, page);
+  if (!arguments.webdataset) return;
+  std::cout << fmt::format("{} tar files in {}/webdataset\n", datasets::write_webdataset(index, arguments.folder),
+                           arguments.folder);
 }
 
 void run_gc(const DatasetArguments& arguments) {
@@ -178,6 +182,7 @@ void add_dataset(CLI::App& program) {
   for (CLI::App* step : {render, status, verify, merge, gc}) {
     step->add_option("folder", arguments->folder, "Data set")->required()->type_name("DIR");
   }
+  merge->add_flag("--webdataset", arguments->webdataset, "Also pack the samples into tar files of about 1 GB");
   for (CLI::App* step : {plan, status}) step->add_flag("--json", arguments->json, "Print JSON");
   for (CLI::App* step : {plan, render, verify, gc}) add_threads_option(*step);
   dataset->footer(
