@@ -145,7 +145,7 @@ TEST(Relations, FocusLiesOnWhatTheCameraSeesThere) {
 
 TEST(Relations, ExposureGivesTheMean) {
   json recipe = small_recipe(6);
-  recipe["relations"]["exposure_mean"] = {{"grid", {0.05, 0.18, 0.5}}};
+  recipe["relations"]["exposure_mean"] = {{"grid", {0.05, 0.18, 0.85}}};
   recipe["set"]["exposure.iso"] = 200;
   for (const SampleLine& line : make_plan(read_recipe(recipe, "r.json")).lines) {
     const Capture capture = capture_of(line);
