@@ -61,6 +61,7 @@ constexpr TruthSamples kTruthSamples[] = {
 constexpr int kMostSamples = 65536;
 constexpr OptionRange<Simulation> kSceneRanges[] = {{"unlit_white_nits", &Simulation::unlit_white_nits, 0, 1e9}};
 constexpr double kLongestInterval_s = 1e5;
+constexpr double kSmallestModel_m = 1e-3, kLargestModel_m = 1e6;
 
 void read_sensor(Fields sensor, SensorOptions& s) {
   read_ranges(sensor, s, kSensorRanges);
@@ -160,6 +161,12 @@ std::optional<OptionProblem> check_burst(const Simulation& s) {
   if (const auto why = out_of_range(s.frame_interval_s, s.exposure.time_s, kLongestInterval_s)) {
     return OptionProblem{"interval_s", *why};
   }
+  const double rolls_s = 1e-6 * s.sensor.row_time_us * s.sensor.height_px;
+  if (s.burst_frames > 1 && rolls_s > s.frame_interval_s) {
+    return OptionProblem{"interval_s", fmt::format("{}: is shorter than all rows of a frame take, {:.4g} s by "
+                                                   "sensor.row_time_us",
+                                                   s.frame_interval_s, rolls_s)};
+  }
   return std::nullopt;
 }
 
@@ -187,6 +194,13 @@ std::optional<OptionProblem> check_render(const Simulation& s) {
     if (const auto why = out_of_range(*(s.*samples), 1, kMostSamples)) return OptionProblem{name, *why};
   }
   return std::nullopt;
+}
+
+std::optional<OptionProblem> check_model_size(const Simulation& s) {
+  if (!s.model_size_m) return std::nullopt;
+  if (s.animation) return OptionProblem{"model_size_m", "cannot be given where burst.animation moves the scene"};
+  const auto why = out_of_range(*s.model_size_m, kSmallestModel_m, kLargestModel_m);
+  return why ? std::optional(OptionProblem{"model_size_m", *why}) : std::nullopt;
 }
 
 std::optional<OptionProblem> check_face(const Simulation& s) {
@@ -219,6 +233,8 @@ Simulation read_simulation(const nlohmann::json& json, const std::string& path) 
   read_burst(root.object("burst"), s);
   read_environment_fields(root.object("environment"), s, path);
   read_ranges(root, s, kSceneRanges);
+  if (root.has("model_size_m"))
+    root.number("model_size_m", s.model_size_m.emplace(), kSmallestModel_m, kLargestModel_m);
   if (root.has("face_px")) root.numbers("face_px", s.face_px.emplace().data(), 4);
   read_truth_fields(root.object("truth"), lens, focus_distance_m, s);
   read_render(root.object("render"), s);
@@ -234,6 +250,7 @@ std::optional<OptionProblem> check(const Simulation& s) {
   if (auto problem = within("burst", check_burst(s))) return problem;
   if (auto problem = within("environment", check_environment(s))) return problem;
   if (auto problem = check_ranges(s, kSceneRanges)) return problem;
+  if (auto problem = check_model_size(s)) return problem;
   if (auto problem = check_face(s)) return problem;
   if (auto problem = within("truth", check_ranges(s, kTruthRanges))) return problem;
   return within("render", check_render(s));

@@ -42,6 +42,7 @@ struct Simulation {
   std::string environment_path;
   double environment_nits_per_unit = 1;
   double unlit_white_nits = 100;
+  std::optional<double> model_size_m;  ///< longest side of the scene's box, scaled; empty: as the glTF file has it
   std::optional<std::array<double, 4>> face_px;
   double photograph_aperture_scale = 5;
   std::optional<Lens> photograph;  ///< focused; empty: the photograph looks through the ideal lens
@@ -55,9 +56,10 @@ struct Simulation {
   /// share of the sensor's noise everywhere. How many depends on the machine: provenance names the share that was
   /// reached. Truth's pictures keep their numbers of samples.
   std::optional<double> time_budget_s;
-  std::optional<int> photograph_samples_per_pixel;    ///< empty: render.samples_per_pixel
-  std::optional<int> all_in_focus_samples_per_pixel;  ///< likewise
-  nlohmann::json json;                                ///< the document as it was read, overrides applied
+  std::optional<int> photograph_samples_per_pixel;        ///< empty: render.samples_per_pixel
+  std::optional<int> all_in_focus_samples_per_pixel;      ///< likewise
+  bool with_all_in_focus = true, with_photograph = true;  ///< no fields of the file: whether truth gets these pictures
+  nlohmann::json json;                                    ///< the document as it was read, overrides applied
 };
 
 /// Whether all numbers lie in their ranges and the fields agree with each other.

@@ -23,6 +23,7 @@
 #include "simulator/sampling/mosaic.h"
 #include "simulator/sampling/random_streams.h"
 #include "simulator/scene/gltf/gltf.h"
+#include "simulator/scene/scale.h"
 #include "simulator/sensor/hand_shake.h"
 #include "simulator/sensor_noise.h"
 
@@ -375,21 +376,27 @@ TruthPicture render_through_lens(const Job& job, const char* name) {
 /// color response is divided out, as white balance does.
 void add_truth_pictures(const Job& job, Truth& truth) {
   const Simulation& s = job.simulation;
-  TruthPicture sharp =
-      render_picture(job, 0, s.all_in_focus_samples_per_pixel, kAllInFocusStream, "all-in-focus image");
-  constexpr const char* kWide = "wide-aperture photograph";
-  TruthPicture wide = s.photograph ? render_through_lens(job, kWide)
-                                   : render_picture(job, s.photograph_aperture_scale, s.photograph_samples_per_pixel,
-                                                    kPhotographStream, kWide);
   const std::array<double, 3>& white = s.sensor.illuminant;
-  truth.all_in_focus = with_neutral_white(std::move(sharp.picture), white);
-  truth.all_in_focus_sigma = with_neutral_white(std::move(sharp.sigma), white);
-  truth.photograph = with_neutral_white(std::move(wide.picture), white);
-  truth.photograph_sigma = with_neutral_white(std::move(wide.sigma), white);
+  truth.noise.emplace();
   truth.photograph_aperture_scale = s.photograph_aperture_scale;
   truth.photograph_lens =
       s.photograph ? fmt::format("{} at f/{:.3g}", s.photograph->name, s.photograph->thin.f_number) : "ideal";
-  truth.noise = {.all_in_focus = sharp.noise, .photograph = wide.noise};
+  if (s.with_all_in_focus) {
+    TruthPicture sharp =
+        render_picture(job, 0, s.all_in_focus_samples_per_pixel, kAllInFocusStream, "all-in-focus image");
+    truth.all_in_focus = with_neutral_white(std::move(sharp.picture), white);
+    truth.all_in_focus_sigma = with_neutral_white(std::move(sharp.sigma), white);
+    truth.noise->all_in_focus = sharp.noise;
+  }
+  if (s.with_photograph) {
+    constexpr const char* kWide = "wide-aperture photograph";
+    TruthPicture wide = s.photograph ? render_through_lens(job, kWide)
+                                     : render_picture(job, s.photograph_aperture_scale, s.photograph_samples_per_pixel,
+                                                      kPhotographStream, kWide);
+    truth.photograph = with_neutral_white(std::move(wide.picture), white);
+    truth.photograph_sigma = with_neutral_white(std::move(wide.sigma), white);
+    truth.noise->photograph = wide.noise;
+  }
 }
 
 /// The first frame's views, before the sensor adds its noise.
@@ -433,6 +440,7 @@ void describe_sampling(const Job& job, const PictureSampling& sampling, Truth& t
 
 Scene load_scene(const Simulation& s, double time_s) {
   Scene scene = read_gltf(s.gltf_path, s.animation ? std::optional(time_s) : std::nullopt);
+  if (s.model_size_m) scale_to(scene, *s.model_size_m);
   scene.unlit_white_nits = static_cast<float>(s.unlit_white_nits);
   if (s.environment_model == EnvironmentModel::constant) {
     const glm::vec3 nits(s.environment_nits[0], s.environment_nits[1], s.environment_nits[2]);

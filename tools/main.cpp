@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -8,11 +7,10 @@
 #include <iostream>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "capture/error.h"
-#include "capture/files.h"
+#include "tools/cli/signals.h"
 #include "tools/commands/commands.h"
 
 namespace {
@@ -29,24 +27,6 @@ constexpr int kBadInput = 2;
   _exit(kInternalError);
 }
 #endif
-
-/// A thread waits for SIGINT and SIGTERM, removes unfinished output and ends the process.
-/// A file that exceeds the shell's size limit is a failed write (EFBIG) like any other, instead of SIGXFSZ.
-/// Call before any other thread starts: threads inherit the signal mask.
-void end_cleanly_on_signals() {
-  signal(SIGXFSZ, SIG_IGN);
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  std::thread([signals] {
-    int signal_number = 0;
-    sigwait(&signals, &signal_number);
-    dualpixel::remove_unfinished_outputs();
-    _exit(128 + signal_number);
-  }).detach();
-}
 
 int report(int status, const std::string& message) {
   std::cout.flush();
@@ -76,7 +56,7 @@ std::optional<std::string> unknown_command(const CLI::App& program, int argc, ch
 }  // namespace
 
 int main(int argc, char** argv) {
-  end_cleanly_on_signals();
+  dualpixel::tools::end_cleanly_on_signals();
 
   CLI::App program("Dual-pixel camera simulator and portrait pipeline.", "dualpixel");
   program.set_version_flag("--version", "dualpixel " DUALPIXEL_VERSION);
@@ -97,6 +77,7 @@ int main(int argc, char** argv) {
   dualpixel::tools::add_export(program);
   dualpixel::tools::add_people(program);
   dualpixel::tools::add_scene(program);
+  dualpixel::tools::add_dataset(program);
 
   try {
     program.parse(argc, argv);

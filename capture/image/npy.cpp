@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "capture/files.h"
+
 namespace dualpixel {
 
 std::string npy_bytes(const std::string& type, const std::vector<std::size_t>& shape, std::string_view bytes) {
@@ -18,6 +20,13 @@ std::string npy_bytes(const std::string& type, const std::vector<std::size_t>& s
   out += header;
   out.append(bytes);
   return out;
+}
+
+void write_npy(const std::string& path, const Image& image) {
+  std::vector<std::size_t> shape = {static_cast<std::size_t>(image.height), static_cast<std::size_t>(image.width)};
+  if (image.channels > 1) shape.push_back(static_cast<std::size_t>(image.channels));
+  const auto* values = reinterpret_cast<const char*>(image.data.data());
+  write_file(path, npy_bytes("<f4", shape, {values, image.data.size() * sizeof(float)}));
 }
 
 }  // namespace dualpixel

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "capture/image/rows.h"
-#include "pipeline/burst/demosaic.h"
+#include "capture/image/demosaic.h"
 #include "pipeline/burst/merge.h"
 #include "pipeline/edge_aware/filter_mask.h"
 

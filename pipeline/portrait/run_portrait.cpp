@@ -11,7 +11,7 @@
 
 #include "capture/error.h"
 #include "capture/image/resample.h"
-#include "pipeline/burst/demosaic.h"
+#include "capture/image/demosaic.h"
 #include "pipeline/burst/merge.h"
 #include "pipeline/calibration/correction.h"
 #include "pipeline/defocus/aperture.h"

@@ -30,6 +30,33 @@ void set_camera(json& scene, const Parameters& p) {
   scene["lens"] = phone_lens(p.choice("lens"));
 }
 
+bool is_field(const std::string& assignment) {
+  return assignment.substr(0, assignment.find('=')).find('.') != std::string::npos;
+}
+
+Parameters parameters_for(const SceneKind& kind, const SceneOrder& order) {
+  std::vector<std::string> own;
+  std::copy_if(order.assignments.begin(), order.assignments.end(), std::back_inserter(own), std::not_fn(is_field));
+  return draw_parameters(kind.name, parameters_of(kind), own, order.seed);
+}
+
+void set_start(json& scene, const Parameters& parameters, std::uint64_t seed) {
+  set_camera(scene, parameters);
+  RandomStream shake = RandomStream(seed, false).substream(1);
+  scene["burst"] = {{"frames", 9}, {"hand_shake", 1}, {"hand_shake_seed", shake.seed()}};
+  scene["render"] = {{"samples_per_pixel", 64},
+                     {"photograph_samples_per_pixel", 256},
+                     {"all_in_focus_samples_per_pixel", 32},
+                     {"max_bounces", 0},
+                     {"seed", seed}};
+}
+
+void set_fields(json& scene, const SceneOrder& order) {
+  for (const std::string& assignment : order.assignments) {
+    if (is_field(assignment)) apply_override(scene, assignment);
+  }
+}
+
 }  // namespace
 
 std::vector<Parameter> parameters_of(const SceneKind& kind) {
@@ -54,33 +81,24 @@ std::vector<Parameter> parameters_of(const SceneKind& kind) {
 }
 
 void draw_scene(const SceneKind& kind, const SceneOrder& order, const std::string& folder) {
-  const auto is_field = [](const std::string& assignment) {
-    return assignment.substr(0, assignment.find('=')).find('.') != std::string::npos;
-  };
-  std::vector<std::string> own;
-  std::copy_if(order.assignments.begin(), order.assignments.end(), std::back_inserter(own), std::not_fn(is_field));
-  const Parameters parameters = draw_parameters(kind.name, parameters_of(kind), own, order.seed);
-  const RandomStream rng(order.seed, false);
-
+  const Parameters parameters = parameters_for(kind, order);
   SceneBuilder builder;
-  set_camera(builder.scene, parameters);
-  RandomStream shake = rng.substream(1);
-  builder.scene["burst"] = {{"frames", 9}, {"hand_shake", 1}, {"hand_shake_seed", shake.seed()}};
-  builder.scene["render"] = {{"samples_per_pixel", 64},
-                             {"photograph_samples_per_pixel", 256},
-                             {"all_in_focus_samples_per_pixel", 32},
-                             {"max_bounces", 0},
-                             {"seed", order.seed}};
-  kind.build(builder, parameters, rng.substream(2));
+  set_start(builder.scene, parameters, order.seed);
+  kind.build(builder, parameters, RandomStream(order.seed, false).substream(2));
 
   const std::string path = folder + "/scene.json";
   builder.glb.write(folder + "/scene.glb");
   meter(builder.scene, path, builder.shooting, order.seed, parameters.number("stops"));
-  for (const std::string& assignment : order.assignments) {
-    if (is_field(assignment)) apply_override(builder.scene, assignment);
-  }
+  set_fields(builder.scene, order);
   simulator::read_simulation(builder.scene, path);  // refuses fields that do not fit
   write_file(path, builder.scene.dump(2) + "\n");
+}
+
+json scene_file_start(const SceneKind& kind, const SceneOrder& order) {
+  SceneBuilder builder;
+  set_start(builder.scene, parameters_for(kind, order), order.seed);
+  set_fields(builder.scene, order);
+  return builder.scene;
 }
 
 SceneOrder read_scene_order(const std::string& path) {
@@ -94,10 +112,16 @@ SceneOrder read_scene_order(const std::string& path) {
   const json set = fields.raw("set");
   fields.done();
   if (!set.is_null() && !set.is_object()) fields.fail("set", "must be an object of names and values");
-  for (const auto& [name, value] : set.items()) {
-    order.assignments.push_back(name + "=" + (value.is_string() ? value.get<std::string>() : value.dump()));
-  }
+  order.assignments = assignments_of(set);
   return order;
+}
+
+std::vector<std::string> assignments_of(const json& set) {
+  std::vector<std::string> assignments;
+  for (const auto& [name, value] : set.items()) {
+    assignments.push_back(name + "=" + (value.is_string() ? value.get<std::string>() : value.dump()));
+  }
+  return assignments;
 }
 
 }  // namespace dualpixel::scenes

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -34,8 +35,15 @@ std::vector<Parameter> parameters_of(const SceneKind& kind);
 /// threads. Throws InputError.
 void draw_scene(const SceneKind& kind, const SceneOrder& order, const std::string& folder);
 
+/// What draw_scene() writes into scene.json before anything is drawn: sensor, lens, burst and render, with those of the
+/// order's fields. Throws InputError where a parameter cannot be used.
+nlohmann::json scene_file_start(const SceneKind& kind, const SceneOrder& order);
+
 /// A definition: {"kind": "still_life", "seed": 3, "set": {"objects": 12, "lens.f_number": 2.4}}, with a "title" that
 /// says what it tests. Throws InputError.
 SceneOrder read_scene_order(const std::string& path);
+
+/// The assignments that an object of names and values stands for.
+std::vector<std::string> assignments_of(const nlohmann::json& set);
 
 }  // namespace dualpixel::scenes

@@ -13,9 +13,11 @@ namespace {
 
 using nlohmann::json;
 
-/// Rounded to two digits, so that the last bits of a rendering do not show.
-double rounded(double value) {
-  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1);
+constexpr int kDigits = 2;
+
+/// To so many digits, so that the last bits of a rendering do not show.
+double rounded(double value, int digits) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - (digits - 1));
   return std::round(value / unit) * unit;
 }
 
@@ -50,13 +52,6 @@ double seconds_at_iso_100(const Image& picture, double signal_per_nit_s, const S
   return std::min(by_key, 0.95 / *clipped);
 }
 
-/// As a phone's camera shares light between time and gain: up to 1/60 s at ISO 100, then both grow, to 1/12 s.
-void set_exposure(json& scene, double seconds) {
-  const double time_s = seconds <= 1.0 / 60 ? seconds : std::min(std::sqrt(seconds / 60), 1.0 / 12);
-  scene["exposure"]["time_s"] = rounded(std::clamp(time_s, 1e-6, 1.0 / 12));
-  scene["exposure"]["iso"] = rounded(std::clamp(100 * seconds / time_s, 100.0, 12800.0));
-}
-
 /// Depth of a pixel of the middle half of the picture.
 double focus_on_something(const Truth& truth, std::uint64_t seed) {
   RandomStream rng(seed, false);
@@ -70,6 +65,12 @@ double focus_on_something(const Truth& truth, std::uint64_t seed) {
 }
 
 }  // namespace
+
+void set_exposure(json& scene, double seconds, int digits) {
+  const double time_s = seconds <= 1.0 / 60 ? seconds : std::min(std::sqrt(seconds / 60), 1.0 / 12);
+  scene["exposure"]["time_s"] = rounded(std::clamp(time_s, 1e-6, 1.0 / 12), digits);
+  scene["exposure"]["iso"] = rounded(std::clamp(100 * seconds / time_s, 100.0, 12800.0), digits);
+}
 
 void meter(json& scene, const std::string& scene_path, const Shooting& shooting, std::uint64_t seed, double stops) {
   constexpr double kFullWell_e = 6000, kElectrons = 4000, kDiaphragm = 1.8;  // of scene files' defaults; signal 1
@@ -85,10 +86,10 @@ void meter(json& scene, const std::string& scene_path, const Shooting& shooting,
   const Image picture = simulator::undivided(simulator::render_views(world, camera, options));
   const double lux_per_nit = kPi / 4 / (kDiaphragm * kDiaphragm);
   const double seconds = seconds_at_iso_100(picture, lux_per_nit * kElectrons / kFullWell_e, shooting);
-  set_exposure(scene, std::exp2(stops) * seconds);
+  set_exposure(scene, std::exp2(stops) * seconds, kDigits);
   const double focus_m =
       shooting.focus_m ? *shooting.focus_m : focus_on_something(simulator::trace_truth(world, camera), seed);
-  scene["camera"]["focus_distance_m"] = rounded(focus_m);
+  scene["camera"]["focus_distance_m"] = rounded(focus_m, kDigits);
 }
 
 }  // namespace dualpixel::scenes

@@ -18,9 +18,10 @@ const std::map<std::string, Names> kLibraries = {
     {"simulator", {"capture"}},
     {"pipeline", {"capture"}},
     {"scenes", {"simulator", "capture"}},
-    {"evaluation", {"simulator", "pipeline", "scenes", "capture"}},
-    {"tools", {"evaluation", "simulator", "pipeline", "scenes", "capture"}},
-    {"tests", {"tools", "evaluation", "simulator", "pipeline", "scenes", "capture"}},
+    {"datasets", {"simulator", "scenes", "capture"}},
+    {"evaluation", {"simulator", "pipeline", "scenes", "datasets", "capture"}},
+    {"tools", {"evaluation", "simulator", "pipeline", "scenes", "datasets", "capture"}},
+    {"tests", {"tools", "evaluation", "simulator", "pipeline", "scenes", "datasets", "capture"}},
 };
 
 /// Folders of the two libraries that have an order inside. "simulator" is the files that lie in simulator/ itself,
@@ -60,7 +61,7 @@ const Names kExceptions = {
 
 const std::vector<SourceFile>& tree() {
   static const std::vector<SourceFile> files = read_source_tree(
-      DUALPIXEL_SOURCE_DIR, {"capture", "simulator", "pipeline", "scenes", "evaluation", "tools", "tests"});
+      DUALPIXEL_SOURCE_DIR, {"capture", "simulator", "pipeline", "scenes", "datasets", "evaluation", "tools", "tests"});
   return files;
 }
 

@@ -16,6 +16,7 @@
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
+#include "datasets/recipe/recipe.h"
 #include "simulator/scene_file.h"
 #include "tests/pipeline/portrait/synthetic.h"
 #include "tests/temporary_folder.h"
@@ -152,6 +153,7 @@ json scene() {
             {"animation", false}}},
           {"environment", {{"model", "none"}}},
           {"unlit_white_nits", 100},
+          {"model_size_m", 2},
           {"face_px", {10, 10, 5, 5}},
           {"truth", {{"photograph_aperture_scale", 5}, {"photograph_lens", "ideal"}}},
           {"render", render}};
@@ -164,7 +166,8 @@ TEST(Schema, SaysOfScenesWhatTheReaderSays) {
   const std::vector<std::string> reasons = {"/sensor/black_level_dn: ", "/burst/interval_s: ",
                                             "/camera/look_at_m: ",      "/sensor/color_matrix: must have an inverse",
                                             "/truth/photograph_lens: ", "/truth/photograph_aperture_scale: is that of",
-                                            "/lens/focal_length_mm: ",  "this machine has"};
+                                            "/lens/focal_length_mm: ",  "/model_size_m: cannot be given",
+                                            "this machine has"};
   expect_agreement("scene", scene(), skipped, read_scene, reasons);
   for (const json& environment : {json{{"model", "constant"}, {"nits", {1, 2, 3}}},
                                   json{{"model", "sky"},
@@ -195,6 +198,55 @@ TEST(Schema, AcceptsTheShippedScenes) {
     ++count;
   }
   EXPECT_GE(count, 4);
+}
+
+json recipe() {
+  return {{"version", 1},
+          {"title", "t"},
+          {"count", 10},
+          {"seed", 2},
+          {"scenes", {{{"kind", "chart"}, {"seeds", {1, 2}}, {"set", {{"width_px", 128}}}, {"weight", 2}}}},
+          {"set",
+           {{"exposure.iso", {{"choice", {1, 2}}, {"weights", {1, 2}}}},
+            {"lens.f_number", {{"log_uniform", {1, 2}}}},
+            {"sensor.prnu", {{"normal", {0.01, 0.001}}, {"bounds", {0.005, 0.02}}}},
+            {"sensor.bits", {{"integer", {10, 12}}}},
+            {"sensor.read_noise_e", {{"uniform", {1, 2}}}},
+            {"truth.photograph_aperture_scale", {{"grid", {3, 5}}}},
+            {"burst.frames", 1},
+            {"lens.split", {{"constant", {{"model", "hard"}}}}}}},
+          {"relations",
+           {{"focus", "surface"},
+            {"exposure_mean", {{"uniform", {0.1, 0.2}}}},
+            {"camera_shell", {{"distance", 2}, {"elevation_deg", 10}, {"azimuth_deg", 5}}},
+            {"model_size_m", 2},
+            {"environments", "skies"}}},
+          {"split", {{"train", 0.8}, {"validation", 0.1}, {"test", 0.1}}},
+          {"layout", "exr"},
+          {"keep", {"left", "right"}}};
+}
+
+TEST(Schema, SaysOfRecipesWhatTheReaderSays) {
+  const std::vector<std::string> reasons = {"must be [low, high]", "must be numbers in", "must be [first, last]",
+                                            "one for each value",  "must reach within",  "deviation above 0",
+                                            "add up to",           "follows from",       "is there twice"};
+  const auto read = [](const json& document) { datasets::read_recipe(document, "recipe.json"); };
+  expect_agreement("recipe", recipe(), {"/set/burst.frames"}, read, reasons);
+  json dpdd = recipe();
+  dpdd["layout"] = "dpdd";
+  EXPECT_FALSE(Schema("recipe").accepts(dpdd));
+  dpdd.erase("keep");
+  EXPECT_TRUE(Schema("recipe").accepts(dpdd));
+}
+
+TEST(Schema, AcceptsTheShippedRecipes) {
+  const Schema schema("recipe");
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(DUALPIXEL_SOURCE_DIR "/datasets/recipes")) {
+    EXPECT_TRUE(schema.accepts(read_json_file(entry.path()))) << entry.path();
+    ++count;
+  }
+  EXPECT_EQ(count, 3);
 }
 
 TEST(Schema, SaysOfCapturesWhatTheReaderSays) {

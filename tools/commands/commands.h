@@ -38,6 +38,8 @@ void add_experiment_segmentation(CLI::App& experiment);
 void add_export(CLI::App& program);
 void add_people(CLI::App& program);
 void add_scene(CLI::App& program);
+/// `dataset`, whose subcommands plan, render and check a data set.
+void add_dataset(CLI::App& program);
 /// Subcommands of `bench`.
 void add_bench_defocus(CLI::App& bench);
 void add_bench_disparity(CLI::App& bench);

@@ -15,15 +15,15 @@
 #include "capture/folder/capture_json.h"
 #include "capture/image/image_io.h"
 #include "capture/image/npy.h"
-#include "capture/image/resample.h"
+#include "datasets/pictures/developed.h"
 #include "evaluation/report/report_images.h"
-#include "pipeline/burst/demosaic.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
 namespace {
 
 namespace fs = std::filesystem;
+using datasets::developed, datasets::levels, datasets::scaled, datasets::srgb;
 
 struct ExportOptions {
   std::string capture;
@@ -57,40 +57,6 @@ struct Export {
   }
 };
 
-/// 0..1 as 0..65535, clipped.
-ImageU16 levels(const Image& image) {
-  ImageU16 result(image.width, image.height, image.channels);
-  for (std::size_t i = 0; i < image.data.size(); ++i) {
-    result.data[i] = static_cast<std::uint16_t>(std::lround(65535 * std::clamp(image.data[i], 0.0f, 1.0f)));
-  }
-  return result;
-}
-
-Image srgb(Image image) {
-  for (float& value : image.data) value = srgb_from_linear(value);
-  return image;
-}
-
-/// `image`'s channel `c` in all three color channels.
-Image gray(const Image& image, int c = 0) {
-  Image result(image.width, image.height, 3);
-  for (std::size_t i = 0; i < result.data.size(); ++i) result.data[i] = image.data[i / 3 * image.channels + c];
-  return result;
-}
-
-Image scaled(Image image, float factor) {
-  for (float& value : image.data) value *= factor;
-  return image;
-}
-
-/// Linear sRGB, white balanced.
-Image developed(const Image& mosaic, const Capture& capture) {
-  const Exposure& exposure = capture.exposure;
-  const std::string& cfa = capture.camera.cfa;
-  return pipeline::in_srgb(pipeline::demosaic(pipeline::white_balanced(mosaic, cfa, exposure.white_balance), cfa),
-                           exposure.color_matrix);
-}
-
 /// Rotated clockwise by a quarter turn.
 template <typename T>
 ImageOf<T> rotated(const ImageOf<T>& image) {
@@ -101,14 +67,6 @@ ImageOf<T> rotated(const ImageOf<T>& image) {
     }
   }
   return result;
-}
-
-/// Of shape (height, width), or (height, width, channels).
-void write_npy(const std::string& path, const Image& image) {
-  std::vector<std::size_t> shape = {static_cast<std::size_t>(image.height), static_cast<std::size_t>(image.width)};
-  if (image.channels > 1) shape.push_back(static_cast<std::size_t>(image.channels));
-  const auto* values = reinterpret_cast<const char*>(image.data.data());
-  write_file(path, npy_bytes("<f4", shape, {values, image.data.size() * sizeof(float)}));
 }
 
 /// visit(file name without its ending, raw, whether raw is a mosaic) for the images of every frame.
@@ -161,26 +119,16 @@ void export_npy(const Export& e) {
   }
 }
 
-/// Dense views are demosaicked to full size. Others are green alone: gray, at the Bayer planes' size, where their
-/// pixels are square.
 void export_dpdd(const Export& e) {
-  const Capture& capture = e.capture;
-  const Image left = normalized(capture.frames[0].left, capture.exposure);
-  const Image right = normalized(capture.frames[0].right, capture.exposure);
-  const int width = capture.camera.bayer_plane_width(), height = capture.camera.bayer_plane_height();
-  const auto picture = [&](const Image& signal) {
-    return e.dense() ? developed(signal, capture) : gray(resize_bilinear(signal, width, height));
-  };
+  e.truth();  // must be there
+  const datasets::DpddPictures pictures = datasets::dpdd_pictures(e.capture);
   const auto write = [&](const char* kind, const Image& linear) {
     write_png16(e.file(fmt::format("{}/{}.png", kind, e.name)), levels(srgb(linear)), true);
   };
-  Image sum = left;
-  for (std::size_t i = 0; i < sum.data.size(); ++i) sum.data[i] += right.data[i];
-  const Image& sharp = e.truth().all_in_focus;
-  write("inputL", picture(scaled(left, 2)));
-  write("inputR", picture(scaled(right, 2)));
-  write("inputC", picture(sum));
-  write("target", e.dense() ? sharp : gray(resize_area(sharp, width, height), 1));
+  write("inputL", pictures.left);
+  write("inputR", pictures.right);
+  write("inputC", pictures.combined);
+  write("target", pictures.target);
 }
 
 /// Depth as the data set stores it: 0..255 for 0.2 .. 100 m, 100 * 0.2 / (100 - (100 - 0.2) d).

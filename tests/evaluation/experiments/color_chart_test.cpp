@@ -7,8 +7,8 @@
 #include <cstdlib>
 
 #include "capture/dng.h"
+#include "capture/image/demosaic.h"
 #include "capture/image/image_io.h"
-#include "pipeline/burst/demosaic.h"
 #include "simulator/sensor/sensor.h"
 #include "tests/temporary_folder.h"
 
@@ -106,10 +106,10 @@ TEST(ColorChart, ThePipelineUndoesTheSensorsColors) {
     simulator::SensorOptions sensor = tinted_sensor();
     sensor.illuminant = {white[0], white[1], white[2]};
     const Capture capture = chart_capture(sensor);
-    const Image balanced = pipeline::white_balanced(normalized(capture.frames[0].mosaic, capture.exposure),
-                                                    capture.camera.cfa, capture.exposure.white_balance);
-    const Image rgb = pipeline::demosaic(balanced, capture.camera.cfa);
-    EXPECT_LT(worst_difference(pipeline::in_srgb(rgb, capture.exposure.color_matrix)), 1);
+    const Image balanced = white_balanced(normalized(capture.frames[0].mosaic, capture.exposure), capture.camera.cfa,
+                                          capture.exposure.white_balance);
+    const Image rgb = demosaic(balanced, capture.camera.cfa);
+    EXPECT_LT(worst_difference(in_srgb(rgb, capture.exposure.color_matrix)), 1);
     EXPECT_GT(worst_difference(rgb), 10);
   }
 }

@@ -8,7 +8,7 @@
 
 #include "capture/error.h"
 #include "capture/image/display.h"
-#include "pipeline/burst/demosaic.h"
+#include "capture/image/demosaic.h"
 #include "pipeline/defocus/defocused.h"
 #include "pipeline/defocus/mask_blur.h"
 #include "pipeline/defocus/noise.h"

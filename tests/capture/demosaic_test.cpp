@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "pipeline/burst/demosaic.h"
+#include "capture/image/demosaic.h"
 
-namespace dualpixel::pipeline {
+namespace dualpixel {
 namespace {
 
 /// A mosaic whose photosites see color(x, y, channel).
@@ -74,4 +74,4 @@ TEST(Demosaic, ColorsGoThroughTheMatrixOfTheCapture) {
 }
 
 }  // namespace
-}  // namespace dualpixel::pipeline
+}  // namespace dualpixel

@@ -1,11 +1,11 @@
-#include "pipeline/burst/demosaic.h"
+#include "capture/image/demosaic.h"
 
 #include <algorithm>
 #include <vector>
 
 #include "capture/image/rows.h"
 
-namespace dualpixel::pipeline {
+namespace dualpixel {
 namespace {
 
 enum Color { kRed, kGreen, kBlue };
@@ -107,4 +107,4 @@ Image in_srgb(Image rgb, const std::optional<Matrix3>& color_matrix) {
   return rgb;
 }
 
-}  // namespace dualpixel::pipeline
+}  // namespace dualpixel

@@ -7,7 +7,7 @@
 #include "capture/matrix3.h"
 
 /// From a Bayer mosaic to linear RGB of the same size.
-namespace dualpixel::pipeline {
+namespace dualpixel {
 
 /// The mosaic with each photosite multiplied by its color's gain, then clipped at the smallest gain (at most), where
 /// the first of the three colors reaches its white level: beyond it a neutral highlight would turn pink.
@@ -22,4 +22,4 @@ Image demosaic(const Image& mosaic, const std::string& cfa);
 /// Balanced camera colors as linear sRGB, by the matrix that their capture states; saturated colors may get negative.
 Image in_srgb(Image rgb, const std::optional<Matrix3>& color_matrix);
 
-}  // namespace dualpixel::pipeline
+}  // namespace dualpixel

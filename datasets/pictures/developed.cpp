@@ -1,0 +1,57 @@
+#include "datasets/pictures/developed.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "capture/image/demosaic.h"
+#include "capture/image/image_io.h"
+#include "capture/image/resample.h"
+
+namespace dualpixel::datasets {
+
+Image developed(const Image& mosaic, const Capture& capture) {
+  const Exposure& exposure = capture.exposure;
+  const std::string& cfa = capture.camera.cfa;
+  return in_srgb(demosaic(white_balanced(mosaic, cfa, exposure.white_balance), cfa), exposure.color_matrix);
+}
+
+ImageU16 levels(const Image& image) {
+  ImageU16 result(image.width, image.height, image.channels);
+  for (std::size_t i = 0; i < image.data.size(); ++i) {
+    result.data[i] = static_cast<std::uint16_t>(std::lround(65535 * std::clamp(image.data[i], 0.0f, 1.0f)));
+  }
+  return result;
+}
+
+Image srgb(Image image) {
+  for (float& value : image.data) value = srgb_from_linear(value);
+  return image;
+}
+
+Image gray(const Image& image, int c) {
+  Image result(image.width, image.height, 3);
+  for (std::size_t i = 0; i < result.data.size(); ++i) result.data[i] = image.data[i / 3 * image.channels + c];
+  return result;
+}
+
+Image scaled(Image image, float factor) {
+  for (float& value : image.data) value *= factor;
+  return image;
+}
+
+DpddPictures dpdd_pictures(const Capture& capture) {
+  const bool dense = capture.camera.dp_downsample_x * capture.camera.dp_downsample_y == 1;
+  const int width = capture.camera.bayer_plane_width(), height = capture.camera.bayer_plane_height();
+  const auto picture = [&](const Image& signal) {
+    return dense ? developed(signal, capture) : gray(resize_bilinear(signal, width, height));
+  };
+  const Image left = normalized(capture.frames.front().left, capture.exposure);
+  const Image right = normalized(capture.frames.front().right, capture.exposure);
+  Image sum = left;
+  for (std::size_t i = 0; i < sum.data.size(); ++i) sum.data[i] += right.data[i];
+  const Image& sharp = capture.truth->all_in_focus;
+  return {picture(scaled(left, 2)), picture(scaled(right, 2)), picture(sum),
+          dense ? sharp : gray(resize_area(sharp, width, height), 1)};
+}
+
+}  // namespace dualpixel::datasets

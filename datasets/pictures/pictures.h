@@ -1,0 +1,39 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "capture/capture.h"
+#include "capture/names.h"
+
+/// What may be kept of a capture, picture by picture.
+namespace dualpixel::datasets {
+
+enum class Layout { exr, npy, dpdd };
+inline constexpr Named<Layout> kLayouts[] = {
+    {"exr", Layout::exr, "a file for each picture: one channel Y, or R, G, B"},
+    {"npy", Layout::npy, "a NumPy file for each picture: height x width, or height x width x 3"},
+    {"dpdd", Layout::dpdd, "16-bit sRGB PNG: source_c, source_l, source_r and target, as the DPDD data set has them"}};
+
+/// Which pixels a picture has: the sensor's photosites, or the views' DP pixels.
+enum class Grid { sensor, views };
+
+struct PictureKind {
+  const char* name;
+  Grid grid;
+  int channels;
+  Image (*make)(const Capture& capture);  ///< of the first frame and its truth
+  const char* description;
+};
+
+/// All of them. A capture that is dense (DP pixels of 1 x 1) has one grid.
+const std::vector<PictureKind>& pictures();
+
+/// Bytes of a sample's pictures before compression.
+std::uint64_t picture_bytes(const Camera& camera, Layout layout, const std::vector<std::string>& keep);
+
+/// Writes the pictures into a folder; returns the files' names in order.
+std::vector<std::string> write_pictures(const Capture& capture, Layout layout, const std::vector<std::string>& keep,
+                                        const std::string& folder);
+
+}  // namespace dualpixel::datasets

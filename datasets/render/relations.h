@@ -1,0 +1,26 @@
+#pragma once
+#include <nlohmann/json.hpp>
+
+#include "datasets/plan/sample_line.h"
+#include "simulator/ready_scene.h"
+#include "simulator/render/camera_view.h"
+
+/// What depends on the scene as the camera sees it: a line holds the numbers that were drawn, rays say what they mean.
+namespace dualpixel::datasets {
+
+/// For checking a line before its scene is loaded: puts some camera where the line's is not known yet.
+void stand_in_for_relations(const SampleLine& line, nlohmann::json& scene_file);
+
+/// Places the camera and focuses it, as the line's camera_shell and focus_at say. Throws InputError where there is no
+/// free place, or nothing to focus on.
+void resolve_geometry(const SampleLine& line, const simulator::ReadyScene& ready, const std::string& path,
+                      nlohmann::json& scene_file);
+
+/// Sets time and gain so that the mean of the picture's signal, clipped at white, is `mean`: of the green photosites,
+/// in each of a grid of them, through the lens with its shading. The field that `set` has stays (exposure.time_s or
+/// exposure.iso); where it has neither, both follow as a phone shares light between them (scenes/drawn/meter.h).
+/// Throws InputError where the scene is black.
+void resolve_exposure(double mean, const nlohmann::json& set, const simulator::Simulation& simulation,
+                      simulator::ReadyScene& ready, const simulator::CameraView& camera, nlohmann::json& scene_file);
+
+}  // namespace dualpixel::datasets

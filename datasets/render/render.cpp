@@ -1,0 +1,157 @@
+#include "datasets/render/render.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <mutex>
+#include <thread>
+
+#include "capture/error.h"
+#include "capture/files.h"
+#include "datasets/plan/plan.h"
+#include "datasets/render/relations.h"
+#include "datasets/render/sample_folder.h"
+#include "scenes/kinds/kinds.h"
+#include "simulator/simulate.h"
+
+namespace dualpixel::datasets {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// Draws the scene unless it is there. Two processes that do so at once write the same bytes.
+std::string drawn_scene(const json& scene, const std::string& dataset) {
+  const auto kind = scene.at("kind").get<std::string>();
+  const scenes::SceneKind& known = scenes::scene_kind(kind);  // refuses others before a folder of their name is made
+  const auto seed = scene.at("seed").get<std::uint64_t>();
+  const std::string folder = fmt::format("{}/scenes/{}_{}_{}", dataset, kind, seed, hash_of(scene.dump()).substr(0, 8));
+  const std::string path = folder + "/scene.json";
+  std::error_code error;
+  if (fs::exists(path, error)) return path;
+  NewFolder out(folder, "scene.json");
+  const std::vector<std::string> set = scenes::assignments_of(scene.value("set", json::object()));
+  scenes::draw_scene(known, {kind, seed, set}, out.path());
+  try {
+    out.commit();
+  } catch (const InputError&) {  // another process was first
+    if (!fs::exists(path, error)) throw;
+  }
+  return path;
+}
+
+bool keeps(const SampleLine& line, const char* picture) {
+  return std::find(line.keep.begin(), line.keep.end(), picture) != line.keep.end();
+}
+
+void require_planned_scene(const SampleLine& line, const std::string& path, const json& scene_file) {
+  if (!line.scene.contains("xxh64") || line.scene.at("xxh64") == scene_hash(path, scene_file)) return;
+  throw InputError(printable(path) + ": it or its glTF file was changed since the plan was made");
+}
+
+/// One write of a short line to a file opened for appending is not mixed with another process's.
+void append_failure(const std::string& dataset, const SampleLine& line, const std::string& reason) {
+  const nlohmann::ordered_json entry = {
+      {"name", line.name}, {"index", line.index}, {"reason", printable(reason, 2000)}};
+  const std::string text = entry.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
+  const std::string path = dataset + "/" + kFailuresFile;
+  const int file = open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
+  const bool written = file >= 0 && write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+  if (file >= 0) close(file);
+  if (!written) throw InputError(printable(path) + ": cannot be written");
+}
+
+/// Why the sample could not be rendered; empty where it was.
+std::string try_sample(const SampleLine& line, const std::string& dataset,
+                       std::unique_ptr<simulator::ReadyScene>& ready) {
+  try {
+    write_sample(line, render_line(line, dataset, ready), dataset);
+    return "";
+  } catch (const std::exception& error) {
+    ready.reset();
+    return error.what();
+  }
+}
+
+/// Workers' counts and what they report to.
+struct Board {
+  const RenderTask& task;
+  RenderCounts counts;
+  std::mutex mutex = {};
+  std::exception_ptr fault = nullptr;
+
+  bool stopped() const { return fault != nullptr || (task.stopped != nullptr && *task.stopped != 0); }
+
+  void add(const SampleLine& line, const std::string& reason) {
+    const std::lock_guard lock(mutex);
+    if (!reason.empty()) append_failure(task.dataset, line, reason);
+    ++(reason.empty() ? counts.rendered : counts.failed);
+    if (task.progress) task.progress(counts);
+  }
+};
+
+void work(Board& board, const std::vector<SampleLine>& lines) {
+  try {
+    std::unique_ptr<simulator::ReadyScene> ready;
+    for (const SampleLine& line : lines) {
+      if (const std::lock_guard lock(board.mutex); board.stopped()) return;
+      board.add(line, try_sample(line, board.task.dataset, ready));
+    }
+  } catch (...) {
+    const std::lock_guard lock(board.mutex);
+    board.fault = std::current_exception();
+  }
+}
+
+}  // namespace
+
+Capture render_line(const SampleLine& line, const std::string& dataset, std::unique_ptr<simulator::ReadyScene>& ready) {
+  const bool drawn = line.scene.contains("kind");
+  const std::string path = drawn ? drawn_scene(line.scene, dataset) : line.scene.at("file").get<std::string>();
+  const json as_read = read_scene_file(path);
+  json scene_file = with_set(as_read, line);
+  stand_in_for_relations(line, scene_file);
+  if (simulator::make_ready(simulator::read_simulation(scene_file, path), ready)) {
+    require_planned_scene(line, path, as_read);
+  }
+  resolve_geometry(line, *ready, path, scene_file);
+  simulator::Simulation simulation = simulator::read_simulation(scene_file, path);
+  const simulator::CameraView camera = simulator::place_camera(simulation, ready->scene);
+  if (line.relations.contains("exposure_mean")) {
+    resolve_exposure(line.relations.at("exposure_mean"), line.set, simulation, *ready, camera, scene_file);
+    simulation = simulator::read_simulation(scene_file, path);
+  }
+  // each picture has random numbers of its own: what is left out changes nothing in the others
+  simulation.with_all_in_focus = keeps(line, "all_in_focus") || line.layout == Layout::dpdd;
+  simulation.with_photograph = keeps(line, "photograph");
+  Capture capture = simulator::simulate(simulation, ready->world, camera);
+  capture.provenance.program = "dualpixel " DUALPIXEL_VERSION;
+  capture.provenance.scene_file = fs::path(path).filename().string();
+  capture.provenance.gltf_xxh64 = file_hash(simulation.gltf_path);
+  return capture;
+}
+
+RenderCounts render_shard(const RenderTask& task) {
+  std::vector<SampleLine> lines = lines_of(read_plan(task.dataset), task.shard);
+  require_writable(task.dataset + "/" + kSamplesFolder + "/" + kSampleFile);
+  Board board{task, {.planned = static_cast<int>(lines.size())}};
+  std::erase_if(lines, [&](const SampleLine& line) { return is_there(task.dataset, line); });
+  board.counts.there = board.counts.planned - static_cast<int>(lines.size());
+
+  const int jobs = std::clamp(task.jobs, 1, std::max(1, static_cast<int>(lines.size())));
+  const int threads = std::max(1, tbb::this_task_arena::max_concurrency() / jobs);
+  std::vector<std::thread> workers;
+  for (int i = 0; i < jobs; ++i) {
+    workers.emplace_back(
+        [&, mine = lines_of(lines, {i, jobs})] { tbb::task_arena(threads).execute([&] { work(board, mine); }); });
+  }
+  for (std::thread& worker : workers) worker.join();
+  if (board.fault) std::rethrow_exception(board.fault);
+  return board.counts;
+}
+
+}  // namespace dualpixel::datasets

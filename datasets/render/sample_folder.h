@@ -1,0 +1,26 @@
+#pragma once
+#include <string>
+
+#include "capture/capture.h"
+#include "datasets/plan/sample_line.h"
+
+/// A sample on the disk: DATASET/samples/NAME with its pictures and sample.json.
+namespace dualpixel::datasets {
+
+inline constexpr const char* kSampleFile = "sample.json";
+inline constexpr const char* kPreviewFile = "preview.png";
+inline constexpr const char* kSamplesFolder = "samples";
+
+std::string sample_folder(const std::string& dataset, const SampleLine& line);
+
+/// Whether the sample is there. Its folder appears in one step, so that it is whole.
+bool is_there(const std::string& dataset, const SampleLine& line);
+
+/// Writes the line's pictures of `capture` and sample.json: the line, the scene file that `capture` was made of,
+/// camera, exposure and a manifest of sizes and hashes. Throws InputError where it cannot be written.
+void write_sample(const SampleLine& line, const Capture& capture, const std::string& dataset);
+
+/// Why the sample is not as it was written from this line; empty where it is.
+std::string fault_of_sample(const std::string& dataset, const SampleLine& line);
+
+}  // namespace dualpixel::datasets

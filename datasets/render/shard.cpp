@@ -1,0 +1,88 @@
+#include "datasets/render/shard.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+
+#include "capture/error.h"
+
+namespace dualpixel::datasets {
+namespace {
+
+constexpr int kMostShards = 1'000'000;
+
+bool read_whole(const std::string& text, int& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() && !text.empty();
+}
+
+/// The variable's number, -1 where it is not set.
+int number_in(const char* variable) {
+  const char* text = std::getenv(variable);
+  if (text == nullptr) return -1;
+  int value = 0;
+  if (!read_whole(text, value) || value < 0) {
+    throw InputError(fmt::format("{}: '{}': must be a whole number", variable, printable(text)));
+  }
+  return value;
+}
+
+/// What a batch system calls index and count, and its first index.
+struct BatchVariables {
+  const char *index, *count, *first;
+};
+constexpr BatchVariables kBatchSystems[] = {{"SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_MIN"},
+                                            {"JOB_COMPLETION_INDEX", "JOB_COMPLETION_COUNT", nullptr},
+                                            {"AWS_BATCH_JOB_ARRAY_INDEX", "AWS_BATCH_JOB_ARRAY_SIZE", nullptr}};
+
+/// Samples that share a scene share what simulator::same_scene() goes by.
+std::string scene_key(const SampleLine& line) {
+  std::string key = line.scene.dump();
+  for (const auto& [field, value] : line.set.items()) {
+    const bool of_scene = field.starts_with("environment") || field == "model_size_m" || field == "unlit_white_nits" ||
+                          field == "gltf" || field == "burst.animation";
+    if (of_scene) key += " " + field + "=" + value.dump();
+  }
+  return key;
+}
+
+}  // namespace
+
+Shard parse_shard(const std::string& text) {
+  Shard shard;
+  const std::size_t slash = text.find('/');
+  const bool read = slash != std::string::npos && read_whole(text.substr(0, slash), shard.index) &&
+                    read_whole(text.substr(slash + 1), shard.count);
+  if (!read || shard.count < 1 || shard.count > kMostShards || shard.index < 0 || shard.index >= shard.count) {
+    throw InputError(fmt::format("--shard: '{}': must be I/N with I from 0 to N - 1", printable(text)));
+  }
+  return shard;
+}
+
+Shard shard_of_environment() {
+  for (const auto& [index, count, first] : kBatchSystems) {
+    if (number_in(index) < 0) continue;
+    if (number_in(count) < 0) {
+      throw InputError(fmt::format("{} is set without {}: give --shard I/N", index, count));
+    }
+    const int begin = first == nullptr ? 0 : std::max(number_in(first), 0);
+    return parse_shard(fmt::format("{}/{}", number_in(index) - begin, number_in(count)));
+  }
+  return {};
+}
+
+std::vector<SampleLine> lines_of(std::vector<SampleLine> lines, const Shard& shard) {
+  std::vector<std::pair<std::string, std::size_t>> order;
+  for (std::size_t i = 0; i < lines.size(); ++i) order.emplace_back(scene_key(lines[i]), i);
+  std::sort(order.begin(), order.end());
+  std::vector<SampleLine> mine;
+  const auto at = [&](int index) { return order.size() * static_cast<std::size_t>(index) / shard.count; };
+  for (std::size_t i = at(shard.index); i < at(shard.index + 1); ++i) {
+    mine.push_back(std::move(lines[order[i].second]));
+  }
+  return mine;
+}
+
+}  // namespace dualpixel::datasets

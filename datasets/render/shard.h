@@ -1,0 +1,27 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "datasets/plan/sample_line.h"
+
+namespace dualpixel::datasets {
+
+/// One of `count` parts of a data set.
+struct Shard {
+  int index = 0;  ///< 0 .. count - 1
+  int count = 1;
+};
+
+/// "I/N", I from 0 to N - 1. Throws InputError.
+Shard parse_shard(const std::string& text);
+
+/// What a batch system says of this process: SLURM_ARRAY_TASK_ID and SLURM_ARRAY_TASK_COUNT (and _MIN), Kubernetes'
+/// JOB_COMPLETION_INDEX with JOB_COMPLETION_COUNT, AWS Batch's AWS_BATCH_JOB_ARRAY_INDEX with AWS_BATCH_JOB_ARRAY_SIZE;
+/// otherwise the whole. Throws InputError where an index comes without its count.
+Shard shard_of_environment();
+
+/// The shard's lines, samples of one scene side by side: each is in one shard, and scenes are spread over as few shards
+/// as equal sizes allow.
+std::vector<SampleLine> lines_of(std::vector<SampleLine> lines, const Shard& shard);
+
+}  // namespace dualpixel::datasets

@@ -1,0 +1,141 @@
+#include "evaluation/report/dataset_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "capture/image/image_io.h"
+#include "datasets/render/sample_folder.h"
+#include "evaluation/report/page.h"
+#include "evaluation/report/plot.h"
+#include "evaluation/report/report_images.h"
+#include "evaluation/report/table.h"
+
+namespace dualpixel::evaluation {
+namespace {
+
+using nlohmann::json;
+
+/// Values and how much each counts.
+using Weighted = std::vector<std::pair<double, double>>;
+
+/// Shares of the weight in bins of equal width, by the middle of each.
+Series histogram(const std::string& name, const Weighted& values, double low, double high) {
+  constexpr int kBins = 48;
+  std::vector<double> bins(kBins);
+  double sum = 0;
+  for (const auto& [value, weight] : values) {
+    const int bin = static_cast<int>(std::floor((value - low) / (high - low) * kBins));
+    bins[static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1))] += weight;
+    sum += weight;
+  }
+  Series series{name, {}};
+  for (int i = 0; i < kBins; ++i) {
+    series.points.emplace_back(low + (i + 0.5) / kBins * (high - low), 100 * bins[static_cast<std::size_t>(i)] / sum);
+  }
+  return series;
+}
+
+/// The value below which `share` of the weight lies.
+double weighted_quantile(Weighted values, double share) {
+  std::sort(values.begin(), values.end());
+  double sum = 0, below = 0;
+  for (const auto& [value, weight] : values) sum += weight;
+  for (const auto& [value, weight] : values) {
+    below += weight;
+    if (below >= share * sum) return value;
+  }
+  return values.empty() ? 0 : values.back().first;
+}
+
+/// Pixels of all samples, as each sample's quantiles tell of them.
+Weighted pixels_of(const std::vector<json>& index, const char* statistic) {
+  Weighted values;
+  for (const json& sample : index) {
+    for (const json& value : sample.at("statistics").at(statistic)) {
+      if (value.is_number()) values.emplace_back(value.get<double>(), 1);
+    }
+  }
+  return values;
+}
+
+Weighted samples_of(const std::vector<json>& index, const std::function<json(const json&)>& field) {
+  Weighted values;
+  for (const json& sample : index) {
+    const json value = field(sample);
+    if (value.is_number()) values.emplace_back(value.get<double>(), 1);
+  }
+  return values;
+}
+
+Plot plot_of(const char* title, const char* x_label, const char* y_label, const Weighted& values) {
+  constexpr double kTail = 0.002;
+  double low = weighted_quantile(values, kTail), high = weighted_quantile(values, 1 - kTail);
+  if (!(high > low)) low -= 0.5, high += 0.5;
+  return {title, x_label, y_label, {histogram("", values, low, high)}};
+}
+
+Weighted in_octaves(Weighted values) {
+  for (auto& [value, weight] : values) value = std::log2(value);
+  return values;
+}
+
+std::string plots_of(const std::vector<json>& index) {
+  constexpr const char* kPixels = "% of pixels";
+  constexpr const char* kSamples = "% of samples";
+  const auto statistic = [](const char* name) {
+    return [name](const json& sample) { return sample.at("statistics").at(name); };
+  };
+  const auto field = [](const char* name) { return [name](const json& sample) { return sample.at(name); }; };
+  return html_plots(
+      {plot_of("Disparity", "disparity, DP px", kPixels, pixels_of(index, "disparity_dp_px")),
+       plot_of("Depth", "depth, log2 of m", kPixels, in_octaves(pixels_of(index, "depth_m"))),
+       plot_of("Focus", "focus distance, log2 of m", kSamples,
+               in_octaves(samples_of(index, field("focus_distance_m")))),
+       plot_of("Light", "mean signal over white", kSamples, samples_of(index, statistic("mean_signal"))),
+       plot_of("Clipped", "share of clipped pixels", kSamples, samples_of(index, statistic("clipped_share"))),
+       plot_of("Rendering noise", "of the sensor's noise", kSamples, samples_of(index, field("noise_fraction")))});
+}
+
+Table splits_table(const std::vector<json>& index) {
+  std::map<std::string, std::pair<int, std::map<json, int>>> splits;
+  for (const json& sample : index) {
+    auto& [count, scenes] = splits[sample.at("split")];
+    ++count;
+    ++scenes[sample.at("scene")];
+  }
+  Table table{{"split", "samples", "scenes"}, {}};
+  for (const auto& [name, split] : splits) {
+    table.rows.push_back({name, std::to_string(split.first), std::to_string(split.second.size())});
+  }
+  return table;
+}
+
+/// Evenly over the data set, in order.
+std::string contact_sheet_of(const std::vector<json>& index, const std::string& folder) {
+  constexpr std::size_t kMost = 120;
+  const std::size_t count = std::min(kMost, index.size());
+  std::string html = "<div class=\"sheet\">";
+  for (std::size_t i = 0; i < count; ++i) {
+    const json& sample = index[i * index.size() / count];
+    const std::string path = folder + "/" + sample.at("folder").get<std::string>() + "/" + datasets::kPreviewFile;
+    html += html_figure(
+        {.title = sample.at("name"), .caption = sample.at("split"), .data_uri = jpeg_data_uri(read_image(path))});
+  }
+  return html + "</div>";
+}
+
+}  // namespace
+
+std::string dataset_page(const std::vector<json>& index, const std::string& folder) {
+  const std::string title = fmt::format("{} samples", index.size());
+  return html_page(title,
+                   "<h1>" + title + "</h1>" + html_table(splits_table(index)) + plots_of(index) +
+                       "<h2>Contact sheet</h2>" + contact_sheet_of(index, folder),
+                   ".sheet{display:grid;grid-template-columns:repeat(auto-fill,minmax(160px,1fr));gap:8px}"
+                   ".sheet figure{margin:0}");
+}
+
+}  // namespace dualpixel::evaluation

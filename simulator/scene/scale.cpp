@@ -1,0 +1,49 @@
+#include "simulator/scene/scale.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace dualpixel::simulator {
+namespace {
+
+/// Of the box of all vertices in the world.
+float longest_side(const Scene& scene) {
+  constexpr float kFar = std::numeric_limits<float>::max();
+  glm::vec3 low(kFar), high(-kFar);
+  const auto add = [&](const glm::vec3& p) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  };
+  for (const Mesh& mesh : scene.meshes) {
+    if (mesh.placements.empty()) std::for_each(mesh.positions.begin(), mesh.positions.end(), add);
+    for (const Placement& placement : mesh.placements) {
+      for (const glm::vec3& p : mesh.positions) add(placement.world_from_mesh * glm::vec4(p, 1));
+    }
+  }
+  const glm::vec3 sides = high - low;
+  return std::max({sides.x, sides.y, sides.z, 0.0f});
+}
+
+}  // namespace
+
+void scale_to(Scene& scene, double longest_m) {
+  const float longest = longest_side(scene);
+  if (longest <= 0) return;
+  const auto factor = static_cast<float>(longest_m / longest);
+  for (Mesh& mesh : scene.meshes) {
+    if (mesh.placements.empty()) {
+      for (glm::vec3& p : mesh.positions) p *= factor;
+    }
+    for (Placement& placement : mesh.placements) placement.world_from_mesh *= factor;
+  }
+  for (PunctualLight& light : scene.lights) {
+    light.position *= factor;
+    light.range_m *= factor;
+    if (light.kind != PunctualLight::Kind::directional) light.intensity *= factor * factor;
+  }
+  for (CameraNode& camera : scene.cameras) {
+    for (int i = 0; i < 3; ++i) camera.world_from_node[3][i] *= factor;
+  }
+}
+
+}  // namespace dualpixel::simulator

@@ -1,0 +1,169 @@
+#include "datasets/render/render.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "capture/error.h"
+#include "datasets/plan/plan.h"
+#include "datasets/render/sample_folder.h"
+#include "datasets/state/state.h"
+#include "tests/datasets/small_recipe.h"
+
+namespace dualpixel::datasets {
+namespace {
+
+using nlohmann::json;
+using testing::bytes_under;
+using testing::small_recipe;
+
+void plan_into(const std::string& folder, const json& recipe) {
+  const Recipe read = read_recipe(recipe, "r.json");
+  write_plan(make_plan(read), read, folder);
+}
+
+Capture capture_of(const SampleLine& line) {
+  static std::unique_ptr<simulator::ReadyScene> ready;
+  return render_line(line, "", ready);
+}
+
+SampleLine first_line(const json& recipe) { return make_plan(read_recipe(recipe, "r.json")).lines.front(); }
+
+TEST(Render, ShardsGiveTheBytesOfTheWhole) {
+  const TemporaryFolder folder;
+  for (const char* set : {"whole", "shards"}) plan_into(folder / set, small_recipe());
+  const RenderCounts counts = render_shard({.dataset = folder / "whole"});
+  EXPECT_EQ(counts.rendered, 6);
+  EXPECT_EQ(counts.left(), 0);
+  int rendered = 0;
+  for (int i : {2, 0, 3, 1}) {
+    rendered += render_shard({.dataset = folder / "shards", .shard = {i, 4}, .jobs = 1 + i % 2}).rendered;
+  }
+  EXPECT_EQ(rendered, 6);
+  const auto whole = bytes_under(folder / "whole");
+  EXPECT_EQ(whole.size(), 2U + 6 * 6);
+  EXPECT_TRUE(whole == bytes_under(folder / "shards"));
+}
+
+TEST(Render, RendersOnlyWhatIsMissing) {
+  const TemporaryFolder folder;
+  const std::string set = folder / "set";
+  plan_into(set, small_recipe(4));
+  render_shard({.dataset = set});
+  const auto before = bytes_under(set);
+  std::filesystem::remove_all(set + "/samples/000002");
+  // as a killed program leaves it
+  std::filesystem::create_directories(set + "/samples/.dualpixel-1-0.tmp");
+  const RenderCounts counts = render_shard({.dataset = set});
+  EXPECT_EQ(counts.there, 3);
+  EXPECT_EQ(counts.rendered, 1);
+  EXPECT_EQ(clear(set).leftovers, 1);
+  EXPECT_TRUE(before == bytes_under(set));
+}
+
+TEST(Render, GoesOnWhereASampleCannotBeRendered) {
+  const TemporaryFolder folder;
+  const std::string set = folder / "set", glb = read_bytes(DUALPIXEL_SCENES_DIR "/slanted_planes.glb");
+  json recipe = small_recipe(4);
+  folder.write("mine.glb", glb);
+  folder.write("mine.json",
+               R"({"version": 1, "gltf": "mine.glb", "environment": {"model": "constant", "nits": [9, 9, 9]}})");
+  recipe["scenes"][0]["file"] = folder / "mine.json";
+  plan_into(set, recipe);
+  folder.write("mine.glb", glb + "x");  // no valid file any more
+  RenderCounts counts = render_shard({.dataset = set});
+  EXPECT_GT(counts.failed, 0);
+  EXPECT_EQ(counts.failed + counts.rendered, 4);
+  const DatasetState state = state_of(set);
+  EXPECT_EQ(state.total().failed, counts.failed);
+  EXPECT_EQ(state.total().there, counts.rendered);
+  for (const auto& [name, reason] : state.reasons) EXPECT_NE(reason.find("mine"), std::string::npos) << reason;
+  folder.write("mine.glb", glb);
+  counts = render_shard({.dataset = set});
+  EXPECT_EQ(counts.failed, 0);
+  EXPECT_EQ(state_of(set).total().there, 4);
+  EXPECT_TRUE(state_of(set).reasons.empty());
+}
+
+TEST(Render, EndsAfterTheSampleInWhichItIsStopped) {
+  const TemporaryFolder folder;
+  plan_into(folder / "set", small_recipe(3));
+  std::atomic<int> stopped = 0;
+  const RenderCounts counts = render_shard(
+      {.dataset = folder / "set", .stopped = &stopped, .progress = [&](const RenderCounts&) { stopped = 15; }});
+  EXPECT_EQ(counts.rendered, 1);
+  EXPECT_EQ(counts.left(), 2);
+  EXPECT_EQ(state_of(folder / "set").total().there, 1);
+}
+
+TEST(Render, VerifyFindsWhatWasChanged) {
+  const TemporaryFolder folder;
+  const std::string set = folder / "set";
+  plan_into(set, small_recipe(3));
+  render_shard({.dataset = set});
+  EXPECT_TRUE(faults_of(set).empty());
+  const std::string file = set + "/samples/000001/depth_m.npy";
+  std::string bytes = read_bytes(file);
+  bytes.back() = static_cast<char>(bytes.back() ^ 1);
+  write_bytes(file, bytes);
+  EXPECT_EQ(faults_of(set), std::vector<std::string>{file + ": the file was changed"});
+  EXPECT_EQ(clear(set).damaged, 1);
+  EXPECT_EQ(render_shard({.dataset = set}).rendered, 1);
+  EXPECT_TRUE(faults_of(set).empty());
+}
+
+TEST(Render, WhatIsKeptChangesNoOtherPicture) {
+  json recipe = small_recipe(1);
+  const Capture few = capture_of(first_line(recipe));
+  recipe["keep"] = {"all_in_focus", "photograph"};
+  const Capture all = capture_of(first_line(recipe));
+  EXPECT_TRUE(few.truth->photograph.empty() && few.truth->all_in_focus.empty());
+  EXPECT_EQ(all.truth->photograph.width, 64);
+  EXPECT_EQ(few.frames[0].left.data, all.frames[0].left.data);
+  EXPECT_EQ(few.truth->left.data, all.truth->left.data);
+}
+
+TEST(Relations, FocusLiesOnWhatTheCameraSeesThere) {
+  for (const SampleLine& line : make_plan(read_recipe(small_recipe(6), "r.json")).lines) {
+    const Capture capture = capture_of(line);
+    const Image& depth = capture.truth->depth_m;
+    const int x = static_cast<int>(line.relations["focus_at"][0].get<double>() * depth.width);
+    const int y = static_cast<int>(line.relations["focus_at"][1].get<double>() * depth.height);
+    // the relation looks through a pinhole at 64 pixels a row: within one of them, and rounded to four digits
+    float low = 1e9f, high = 0;
+    for (int py = std::max(y - 1, 0); py <= std::min(y + 1, depth.height - 1); ++py) {
+      for (int px = std::max(x - 1, 0); px <= std::min(x + 1, depth.width - 1); ++px) {
+        low = std::min(low, depth.at(px, py));
+        high = std::max(high, depth.at(px, py));
+      }
+    }
+    EXPECT_GE(capture.camera.focus_distance_m, low * (1 - 1e-3)) << line.name;
+    EXPECT_LE(capture.camera.focus_distance_m, high * (1 + 1e-3)) << line.name;
+  }
+}
+
+TEST(Relations, ExposureGivesTheMean) {
+  json recipe = small_recipe(6);
+  recipe["relations"]["exposure_mean"] = {{"grid", {0.05, 0.18, 0.85}}};
+  recipe["set"]["exposure.iso"] = 200;
+  for (const SampleLine& line : make_plan(read_recipe(recipe, "r.json")).lines) {
+    const Capture capture = capture_of(line);
+    EXPECT_EQ(capture.exposure.iso, 200);
+    const Truth& truth = *capture.truth;
+    double sum = 0, square = 0;
+    const auto n = static_cast<double>(truth.left.pixel_count());
+    for (std::size_t i = 0; i < truth.left.pixel_count(); ++i) {
+      const double signal = std::min(1.0f, truth.left.data[3 * i + 1] + truth.right.data[3 * i + 1]);
+      sum += signal / n;
+      square += signal * signal / n;
+    }
+    // the meter reads 48 x 36 of the photosites: five standard errors of their mean
+    const double error = 5 * std::sqrt((square - sum * sum) / (48 * 36));
+    EXPECT_NEAR(sum, line.relations["exposure_mean"].get<double>(), error) << line.name;
+    EXPECT_LT(error, 0.1);
+  }
+}
+
+}  // namespace
+}  // namespace dualpixel::datasets

@@ -1,0 +1,143 @@
+#include "datasets/state/merge.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "capture/error.h"
+#include "capture/image/image_io.h"
+#include "datasets/plan/plan.h"
+#include "datasets/render/render.h"
+#include "datasets/state/webdataset.h"
+#include "tests/datasets/small_recipe.h"
+
+namespace dualpixel::datasets {
+namespace {
+
+using nlohmann::json;
+using testing::small_recipe;
+
+void make(const std::string& folder, const json& recipe) {
+  const Recipe read = read_recipe(recipe, "r.json");
+  write_plan(make_plan(read), read, folder);
+  EXPECT_EQ(render_shard({.dataset = folder}).failed, 0);
+}
+
+TEST(Merge, IndexesWhatIsThere) {
+  const TemporaryFolder folder;
+  const std::string set = folder / "set";
+  make(set, small_recipe(3));
+  std::filesystem::remove_all(set + "/samples/000001");
+  const std::vector<json> index = merge_samples(set);
+  ASSERT_EQ(index.size(), 2U);
+  EXPECT_EQ(index[1]["name"], "000002");
+  EXPECT_EQ(index[1]["files"].size(), 5U);
+  const json& disparity = index[1]["statistics"]["disparity_dp_px"];
+  ASSERT_EQ(disparity.size(), 21U);
+  EXPECT_TRUE(std::is_sorted(disparity.begin(), disparity.end()));
+  const std::string text = read_bytes(set + "/index.jsonl");
+  EXPECT_EQ(text, index[0].dump() + "\n" + index[1].dump() + "\n");
+  std::filesystem::remove_all(set + "/samples");
+  EXPECT_EQ(message_of<InputError>([&] { merge_samples(set); }), set + ": nothing is rendered yet");
+}
+
+double linear_mean(const std::string& path) {
+  const ImageU16 picture = read_image_u16(path, 3);
+  double sum = 0;
+  for (const std::uint16_t value : picture.data) sum += linear_from_srgb(static_cast<float>(value) / 65535);
+  return sum / static_cast<double>(picture.data.size());
+}
+
+TEST(Merge, LaysDpddOut) {
+  const TemporaryFolder folder;
+  const std::string set = folder / "set";
+  json recipe = small_recipe(2);
+  recipe.erase("keep");
+  recipe["layout"] = "dpdd";
+  recipe["set"]["sensor.dp_downsample_x"] = recipe["set"]["sensor.dp_downsample_y"] = 1;
+  recipe["set"]["exposure.time_s"] = 0.001;
+  make(set, recipe);
+  merge_samples(set);
+  merge_samples(set);  // again
+  const std::string file = "/source/000001.png", c = set + "/dpdd/train_c";
+  EXPECT_EQ(read_image_u16(c + file, 3).width, 64);
+  EXPECT_EQ(read_image_u16(c + "/target/000001.png", 3).height, 48);
+  // nothing is clipped: the undivided picture is the mean of the views, which are twice as bright as half of it;
+  // of 64 * 48 * 3 values, each rounded by 1 / 65535 of the sRGB curve, and clipped below at black's noise
+  const double views = 0.5 * (linear_mean(set + "/dpdd/train_l" + file) + linear_mean(set + "/dpdd/train_r" + file));
+  EXPECT_NEAR(linear_mean(c + file) / views, 1, 0.01);
+}
+
+/// Names and bytes of a tar file's entries, in order, as GNU tar reads them.
+std::vector<std::pair<std::string, std::string>> untar(const std::string& tar, const TemporaryFolder& folder) {
+  const std::string to = folder / "untarred";
+  std::filesystem::remove_all(to);
+  std::filesystem::create_directories(to);
+  EXPECT_EQ(std::system(("tar -xf '" + tar + "' -C '" + to + "' && tar -tf '" + tar + "' > '" + to + ".txt'").c_str()),
+            0);
+  std::vector<std::pair<std::string, std::string>> entries;
+  std::ifstream names(to + ".txt");
+  for (std::string name; std::getline(names, name);) entries.emplace_back(name, read_bytes(to + "/" + name));
+  return entries;
+}
+
+TEST(Merge, PacksWebDatasets) {
+  const TemporaryFolder folder;
+  const std::string set = folder / "set";
+  json recipe = small_recipe(3);
+  recipe["split"] = {{"train", 0.5}, {"test", 0.5}};
+  make(set, recipe);
+  const std::vector<json> index = merge_samples(set);
+  write_webdataset(index, set);
+  EXPECT_EQ(write_webdataset(index, set, 1), 3);  // each of the three is more than a byte: a file each
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(set + "/webdataset")) {
+    if (entry.path().extension() != ".tar") continue;
+    const auto files = untar(entry.path(), folder);
+    ASSERT_EQ(files.size(), 6U);
+    const std::string name = files[0].first.substr(0, 6), sample = set + "/samples/" + name + "/";
+    EXPECT_EQ(files[0].first, name + ".left.npy");
+    EXPECT_TRUE(files[0].second == read_bytes(sample + "left.npy"));
+    EXPECT_EQ(files[5].first, name + ".json");
+    EXPECT_TRUE(files[5].second == read_bytes(sample + "sample.json"));
+    const std::string split = json::parse(files[5].second)["line"]["split"];
+    EXPECT_TRUE(entry.path().filename().string().starts_with(split + "-")) << entry.path();
+    ++count;
+  }
+  EXPECT_EQ(count, 3);
+}
+
+/// OpenCV reads channels of other names as zeros, without a word.
+TEST(Exr, IsReadByOpenCv) {
+  if (std::system("/usr/bin/python3 -c 'import cv2' 2>/dev/null") != 0)
+    GTEST_SKIP() << "python3-opencv is not installed";
+  const TemporaryFolder folder;
+  const std::string set = folder / "set";
+  json recipe = small_recipe(1);
+  recipe["layout"] = "exr";
+  recipe["keep"] = {"depth_m", "normal"};
+  make(set, recipe);
+  const std::string sample = set + "/samples/000000/";
+  const Image depth = read_exr(sample + "depth_m.exr", {"Y"})[0];
+  const std::vector<Image> normal = read_exr(sample + "normal.exr", {"R", "G", "B"});
+  std::string script =
+      "import os\nos.environ['OPENCV_IO_ENABLE_OPENEXR'] = '1'\nimport cv2\n"
+      "d = cv2.imread('" +
+      sample +
+      "depth_m.exr', cv2.IMREAD_UNCHANGED)\n"
+      "n = cv2.imread('" +
+      sample +
+      "normal.exr', cv2.IMREAD_UNCHANGED)\n"
+      "print(repr(float(d.reshape(48, 64, -1)[30, 40, 0])), *[repr(float(v)) for v in n[30, 40]])\n";
+  write_bytes(folder / "read.py", script);
+  ASSERT_EQ(std::system(("/usr/bin/python3 '" + (folder / "read.py") + "' > '" + (folder / "out") + "'").c_str()), 0);
+  double d = 0, bgr[3] = {};
+  std::ifstream(folder / "out") >> d >> bgr[0] >> bgr[1] >> bgr[2];
+  EXPECT_EQ(static_cast<float>(d), depth.at(40, 30));
+  for (int c = 0; c < 3; ++c) EXPECT_EQ(static_cast<float>(bgr[2 - c]), normal[static_cast<std::size_t>(c)].at(40, 30));
+  EXPECT_GT(depth.at(40, 30), 0);
+}
+
+}  // namespace
+}  // namespace dualpixel::datasets

@@ -1,0 +1,41 @@
+#include "tools/cli/signals.h"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <thread>
+
+#include "capture/files.h"
+
+namespace dualpixel::tools {
+namespace {
+
+std::atomic<bool> first_is_noted = false;
+std::atomic<int> noted_signal = 0;
+
+}  // namespace
+
+void end_cleanly_on_signals() {
+  signal(SIGXFSZ, SIG_IGN);
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int each : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&signals, each);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::thread([signals] {
+    int signal_number = 0;
+    sigwait(&signals, &signal_number);
+    if (first_is_noted) {
+      noted_signal = signal_number;
+      sigwait(&signals, &signal_number);
+    }
+    remove_unfinished_outputs();
+    _exit(128 + signal_number);
+  }).detach();
+}
+
+const std::atomic<int>& note_first_signal() {
+  first_is_noted = true;
+  return noted_signal;
+}
+
+}  // namespace dualpixel::tools
