@@ -375,9 +375,9 @@ constexpr int kMostBounces = 32;  ///< that are told apart on the way to a surfa
 
 void add_known_light(const RenderScene& world, const PathOptions& options, unsigned mesh_id, const int lanes[kPacket],
                      const RayPacket& rays, const Hits& hits, int bounces_left, Paths& paths, KnownLight& known) {
-  // Over that of direct light, as it has no sharp shadows. Points of light that rays from other points find are far
-  // enough apart as it is: a wall with points in its corners alone would lose what is reflected to its middle.
-  const float indirect_spacing = paths.kinds == LightKinds::all ? 4 : 1;
+  // Over that of direct light, as it has no sharp shadows. Points that rays from other points find are far enough apart
+  // as it is: a wall with points in its corners alone would lose what is reflected to its middle.
+  const float indirect_spacing = paths.kinds == LightKinds::all ? 4 : 2;
   const Material& material = world.scene.materials[world.scene.meshes[mesh_id].material];
   const bool possible = world.light_cache && material.normal_texture.texture < 0;  // else normals vary between points
   const bool placed = !world.scene.meshes[mesh_id].placements.empty();
