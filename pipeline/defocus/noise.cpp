@@ -5,8 +5,8 @@
 #include <numbers>
 #include <string>
 
-#include "capture/image/rows.h"
 #include "capture/image/demosaic.h"
+#include "capture/image/rows.h"
 #include "pipeline/burst/merge.h"
 #include "pipeline/edge_aware/filter_mask.h"
 
