@@ -9,8 +9,9 @@ ReadyScene::ReadyScene(const Simulation& simulation)
 
 bool same_scene(const Simulation& a, const Simulation& b) {
   return a.gltf_path == b.gltf_path && a.animation == b.animation && a.unlit_white_nits == b.unlit_white_nits &&
-         a.model_size_m == b.model_size_m && a.environment_model == b.environment_model && a.environment_nits == b.environment_nits && a.sky == b.sky &&
-         a.environment_path == b.environment_path && a.environment_nits_per_unit == b.environment_nits_per_unit;
+         a.model_size_m == b.model_size_m && a.environment_model == b.environment_model &&
+         a.environment_nits == b.environment_nits && a.sky == b.sky && a.environment_path == b.environment_path &&
+         a.environment_nits_per_unit == b.environment_nits_per_unit;
 }
 
 bool make_ready(const Simulation& simulation, std::unique_ptr<ReadyScene>& ready) {

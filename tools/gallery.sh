@@ -7,7 +7,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 dualpixel=build/release/tools/dualpixel work=build/gallery
 names=("$@")
-[ $# -gt 0 ] || names=($(basename -s .json scenes/gallery/*.json))
+[ $# -gt 0 ] || mapfile -t names < <(basename -s .json scenes/gallery/*.json)
 mkdir -p docs/gallery
 
 # Linear light to a display's sRGB, exposed to the brightness of a scene metered for a mean of .18.

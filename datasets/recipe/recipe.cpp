@@ -98,9 +98,8 @@ void resolve_files(const std::string& field, const std::string& recipe, Distribu
 void refuse_conflicts(const Fields& set, const Recipe& recipe) {
   const Relations& r = recipe.relations;
   const auto refuse = [&](bool relation, const char* name, const char* field) {
-    const std::string whole(
-        std::string_view(field).substr(0, std::string_view(field).find('.')));  // the object it is in
-    for (const std::string& given : {std::string(field), whole}) {
+    const std::string own = field, whole = own.substr(0, own.find('.'));  // the object that it is in
+    for (const std::string& given : {own, whole}) {
       if (!relation || !recipe.set.contains(given)) continue;
       set.fail(given, fmt::format("follows from /relations/{}: give one of them", name));
     }

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "capture/error.h"
-#include "capture/image/resample.h"
 #include "capture/image/demosaic.h"
+#include "capture/image/resample.h"
 #include "pipeline/burst/merge.h"
 #include "pipeline/calibration/correction.h"
 #include "pipeline/defocus/aperture.h"

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "capture/error.h"
-#include "capture/image/display.h"
 #include "capture/image/demosaic.h"
+#include "capture/image/display.h"
 #include "pipeline/defocus/defocused.h"
 #include "pipeline/defocus/mask_blur.h"
 #include "pipeline/defocus/noise.h"

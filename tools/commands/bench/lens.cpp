@@ -45,7 +45,9 @@ void add_bench_lens(CLI::App& bench) {
   CLI::App* command = bench.add_subcommand("lens", "Time and disparity error of each model of a lens");
   command->add_option("lens", options->lenses, "Lens files (default: two phones' and a full-frame 50 mm)")
       ->type_name("LENS.json");
-  command->add_option("--scene-file", options->scene, "Scene JSON file")->type_name("SCENE.json")->capture_default_str();
+  command->add_option("--scene-file", options->scene, "Scene JSON file")
+      ->type_name("SCENE.json")
+      ->capture_default_str();
   command->add_option("-o,--output", options->page, "Write a page with the chart")->type_name("PAGE.html");
   command->add_flag("--json", options->json, "Print JSON");
   command->footer("Example:\n  dualpixel bench lens lens_models/phone_6p_4.2mm_f1.8.json -o bench-lens.html");
