@@ -306,11 +306,12 @@ TEST(SlowPortraitPeople, MasksHaveTheShapeOfThePictureAndAreNotEmpty) {
   };
   const int width = picture.width, height = picture.height;
   expect_one_line_refusal(with_mask(width, height * 3 / 2, 1));
-  EXPECT_EQ(with_mask(width / 2, height / 2, 1).err, "");
+  EXPECT_EQ(with_mask(width / 2, height / 2, 1).err.find("mask"), std::string::npos);
   const Outcome empty = with_mask(width, height, 0.9f);
   EXPECT_EQ(empty.status, 0);
   EXPECT_NE(empty.err.find("the person mask has no pixel above 0.94"), std::string::npos) << empty.err;
-  EXPECT_EQ(pipeline::read_result(folder / "out").json["provenance"]["warnings"].size(), 1u);
+  EXPECT_NE(empty.err.find("nothing is blurred"), std::string::npos) << empty.err;  // in a picture so small
+  EXPECT_EQ(pipeline::read_result(folder / "out").json["provenance"]["warnings"].size(), 2u);
 
   const auto of_views = [&](int view_width, int view_height, const std::string& options) {
     for (const char* view : {"l.png", "r.png"}) write_png8(folder / view, Image(view_width, view_height, 3, 0.5f));
