@@ -28,8 +28,8 @@ SampleLine read_sample_line(const std::string& text, const std::string& where) {
   SampleLine line;
   fields.required("index").integer("index", line.index, 0, kMostSamples - 1);
   fields.required("name").text("name", line.name);
-  const std::string name = sample_name(line.index);  // a folder's: no other may be written to, or removed
-  if (line.name != name) fields.fail("name", fmt::format("'{}': must be {}", printable(line.name), name));
+  const std::string folder = sample_name(line.index);  // no other may be written to, or removed
+  if (line.name != folder) fields.fail("name", fmt::format("'{}': must be {}", printable(line.name), folder));
   fields.required("seed").integer("seed", line.seed, 0, std::numeric_limits<std::uint64_t>::max());
   read_named(fields.required("split"), "split", line.split, kSplits);
   read_named(fields.required("layout"), "layout", line.layout, kLayouts);

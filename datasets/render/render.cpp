@@ -30,7 +30,7 @@ std::string drawn_scene(const json& scene, const std::string& dataset) {
   const scenes::SceneKind& known = scenes::scene_kind(kind);  // refuses others before a folder of their name is made
   const auto seed = scene.at("seed").get<std::uint64_t>();
   const std::string folder = fmt::format("{}/scenes/{}_{}_{}", dataset, kind, seed, hash_of(scene.dump()).substr(0, 8));
-  const std::string path = folder + "/scene.json";
+  std::string path = folder + "/scene.json";
   std::error_code error;
   if (fs::exists(path, error)) return path;
   NewFolder out(folder, "scene.json");
