@@ -123,8 +123,9 @@ Mesh lashes() {
   constexpr int kLashes = 75, kSegments = 4;
   Mesh mesh;
   for (int i = 0; i < 2 * kLashes; ++i) {
+    const int along = i / 2;
     const float side = i % 2 ? 1.0f : -1.0f;
-    const float x = 0.0118f * (2 * (static_cast<float>(i / 2) + scene_hash01(221, i)) / kLashes - 1);
+    const float x = 0.0118f * (2 * (static_cast<float>(along) + scene_hash01(221, i)) / kLashes - 1);
     const float y = upper_lid_m(x);
     const float z = std::sqrt(std::max(kLidRadius_m * kLidRadius_m - x * x - y * y, 0.0f));
     vec3 p = vec3(side * (kEye.x + x), kEye.y + y, kEye.z + z);
