@@ -7,7 +7,11 @@ set --
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" clang-format clang-tidy libraw-bin
 
 sources() { git ls-files '*.h' '*.cpp'; }
-sources | xargs clang-format --dry-run --Werror
+if [[ $(clang-format --version) == *" 14."* ]]; then  # Debian 12's; later ones break other lines
+  sources | xargs clang-format --dry-run --Werror
+else
+  echo "format: skipped, needs clang-format 14" >&2
+fi
 
 cmake --preset release -DDUALPIXEL_TESTS=ON -DDUALPIXEL_WERROR=ON -DDUALPIXEL_TRAINER=OFF -DDUALPIXEL_ONNX=OFF >/dev/null
 cmake --build --preset release
