@@ -286,6 +286,14 @@ Fields& Fields::list(const std::string& key, std::vector<double>& values, double
   return *this;
 }
 
+Fields& Fields::laid_over(const json& own, std::string file, std::string pointer) {
+  if (!own.is_object()) return *this;
+  own_ = &own;
+  own_file_ = std::move(file);
+  own_pointer_ = std::move(pointer);
+  return *this;
+}
+
 std::vector<Fields> Fields::objects(const std::string& key) {
   std::vector<Fields> result;
   if (const json* found = find(key)) {
@@ -299,7 +307,9 @@ std::vector<Fields> Fields::objects(const std::string& key) {
 
 Fields Fields::object(const std::string& key) {
   const json* found = find(key);
-  return Fields(found ? *found : kEmptyObject, file_, pointer_ + pointer_step(key));
+  Fields fields(found ? *found : kEmptyObject, file_, pointer_ + pointer_step(key));
+  if (own_ && own_->contains(key)) fields.laid_over((*own_)[key], own_file_, own_pointer_ + pointer_step(key));
+  return fields;
 }
 
 const json& Fields::raw(const std::string& key) {
@@ -316,7 +326,9 @@ void Fields::done() {
 }
 
 void Fields::fail(const std::string& key, const std::string& message) const {
-  throw InputError(fmt::format("{}: {}: {}", printable(file_), printable(pointer_ + pointer_step(key)), message));
+  const bool own = own_ && own_->contains(key);
+  throw InputError(fmt::format("{}: {}: {}", printable(own ? own_file_ : file_),
+                               printable((own ? own_pointer_ : pointer_) + pointer_step(key)), message));
 }
 
 }  // namespace dualpixel

@@ -26,6 +26,10 @@ class Fields {
  public:
   Fields(const nlohmann::json& object, std::string file, std::string pointer = "");
 
+  /// For an object that is another with the fields of `own` laid over it: faults in what `own` has are told of under
+  /// that one's file and pointer. `own` must outlive the reading.
+  Fields& laid_over(const nlohmann::json& own, std::string file, std::string pointer);
+
   bool has(const std::string& key);
   Fields& required(const std::string& key);
 
@@ -61,6 +65,8 @@ class Fields {
   const nlohmann::json& object_;
   std::string file_;
   std::string pointer_;
+  const nlohmann::json* own_ = nullptr;  ///< see laid_over
+  std::string own_file_, own_pointer_;
   std::vector<std::string> known_;
 };
 

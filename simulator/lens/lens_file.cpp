@@ -32,6 +32,11 @@ Lens read_fields(Fields lens, const std::string& file, double focus_distance_m) 
   return result;
 }
 
+struct Origin {
+  const nlohmann::json& json;
+  std::string file, pointer;
+};
+
 /// The lens that the field `file` names, with its own fields replaced by the other fields of `json`.
 nlohmann::json merged_over_file(const nlohmann::json& json, const std::string& name, const std::string& path,
                                 Fields& fields) {
@@ -52,9 +57,11 @@ nlohmann::json merged_over_file(const nlohmann::json& json, const std::string& n
   return merged;
 }
 
+/// `outermost` is the lens that named the first file, if one did: faults in its own fields are told of as its own.
 Lens read_lens(const nlohmann::json& json, const std::string& file, const std::string& pointer, double focus_distance_m,
-               int depth) {
+               int depth, const Origin* outermost) {
   Fields fields(json, file, pointer);
+  if (outermost) fields.laid_over(outermost->json, outermost->file, outermost->pointer);
   if (!fields.has("file")) return read_fields(std::move(fields), file, focus_distance_m);
   if (depth == kDeepestChain) {
     fields.fail("file", fmt::format("the {}th that names another: do they go round?", kDeepestChain));
@@ -62,14 +69,16 @@ Lens read_lens(const nlohmann::json& json, const std::string& file, const std::s
   std::string name;
   fields.text("file", name);
   const std::string path = path_beside(file, name);
-  return read_lens(merged_over_file(json, name, path, fields), path, "", focus_distance_m, depth + 1);
+  const Origin here{json, file, pointer};
+  return read_lens(merged_over_file(json, name, path, fields), path, "", focus_distance_m, depth + 1,
+                   outermost ? outermost : &here);
 }
 
 }  // namespace
 
 Lens read_lens(const nlohmann::json& json, const std::string& file, const std::string& pointer,
                double focus_distance_m) {
-  return read_lens(json, file, pointer, focus_distance_m, 0);
+  return read_lens(json, file, pointer, focus_distance_m, 0, nullptr);
 }
 
 Lens read_lens_file(const std::string& path, double focus_distance_m) {

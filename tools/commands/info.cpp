@@ -167,15 +167,37 @@ json describe(const std::string& path) {
   return describe_picture(path);
 }
 
+std::string text_of(const json& value) {
+  return printable(value.is_string() ? value.get<std::string>() : value.dump());
+}
+
+bool holds_objects(const json& value) { return value.is_array() && !value.empty() && value.front().is_object(); }
+
+/// One line for each object of an array, its name first: "blur: ms 12, peak_rss_mb 540".
+void print_rows(const json& rows, const std::string& indent) {
+  for (const json& row : rows) {
+    std::string line = row.contains("name") ? text_of(row["name"]) + ":" : "";
+    const char* separator = line.empty() ? "" : " ";
+    for (const auto& [key, entry] : row.items()) {
+      if (key == "name") continue;
+      line += fmt::format("{}{} {}", separator, printable(key), text_of(entry));
+      separator = ", ";
+    }
+    fmt::print("{}{}\n", indent, line);
+  }
+}
+
 void print(const json& value, const std::string& indent) {
   for (const auto& [key, entry] : value.items()) {
     const std::string name = printable(key);
     if (entry.is_object() && !entry.empty()) {
       fmt::print("{}{}\n", indent, name);
       print(entry, indent + "  ");
+    } else if (holds_objects(entry)) {
+      fmt::print("{}{}\n", indent, name);
+      print_rows(entry, indent + "  ");
     } else {
-      const std::string text = entry.is_string() ? entry.get<std::string>() : entry.dump();
-      fmt::print("{}{:<{}} {}\n", indent, name, 26 - static_cast<int>(indent.size()), printable(text));
+      fmt::print("{}{:<{}} {}\n", indent, name, 26 - static_cast<int>(indent.size()), text_of(entry));
     }
   }
 }

@@ -102,7 +102,7 @@ void add_scene(CLI::App& program) {
   command->add_flag("--json", *json, "List as JSON");
   add_threads_option(*command);
   command->footer(
-      "Examples:\n  dualpixel scene still_life --seed 7 -o out/still_life\n"
+      "Example:\n  dualpixel scene still_life --seed 7 -o out/still_life\n"
       "  dualpixel scene still_life --seed 7 --set objects=20 --set lens.f_number=2.4 -o out/stopped_down\n"
       "  dualpixel scene --options");
   command->callback([arguments, list, json] {

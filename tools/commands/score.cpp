@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -29,6 +30,11 @@ void warn_of_truth_noise(const std::string& capture, const evaluation::Score& sc
 }
 
 void run(const ScoreOptions& options) {
+  if (std::filesystem::exists(options.result + "/capture.json") &&
+      std::filesystem::exists(options.capture + "/result.json")) {
+    throw InputError(fmt::format("{}: is a capture, and {} a result: give the capture first", printable(options.result),
+                                 printable(options.capture)));
+  }
   const pipeline::StoredResult stored = pipeline::read_result(options.result);
   const Capture capture = read_capture(options.capture, true);
   pipeline::require_own_capture(stored, options.capture, options.result);

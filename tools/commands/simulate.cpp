@@ -187,7 +187,7 @@ void add_simulate(CLI::App& program) {
   command->add_flag("--dry-run", options->dry_run, "Check scene and options, render nothing");
   add_threads_option(*command);
   command->footer(
-      "Examples:\n  dualpixel simulate build/release/scenes/portrait.json -o out/capture --set "
+      "Example:\n  dualpixel simulate build/release/scenes/portrait.json -o out/capture --set "
       "camera.focus_distance_m=0.9 --seed 7\n"
       "  dualpixel simulate build/release/scenes/occlusion_edges.json -o out/edges --auto --tolerance-px 0.05\n"
       "  dualpixel simulate build/release/scenes/portrait.json --jobs jobs.jsonl -o out/captures");

@@ -58,6 +58,22 @@ TEST(LensModels, AnUnknownModelOverALensFileIsRefusedWithTheTable) {
   EXPECT_TRUE(other.starts_with("a.json: /lens/model: differs from that of " + file)) << other;
 }
 
+TEST(LensModels, AFaultNamesTheFileThatHoldsIt) {
+  const std::string file = DUALPIXEL_SOURCE_DIR "/lens_models/phone_thin_4.4mm_f1.8.json";
+  EXPECT_EQ(message_of<InputError>([&] {
+              read_lens({{"file", file}, {"f_number", -2}}, "a.json", "/lens", 1);
+            }),
+            "a.json: /lens/f_number: -2: must be a number in [0.1, 1000]");
+  EXPECT_EQ(message_of<InputError>([&] {
+              read_lens({{"file", file}, {"split", {{"k", 0}}}}, "a.json", "/lens", 1);
+            }),
+            "a.json: /lens/split/k: 0: must be a number in [1, 1e+06]");
+  // what the scene leaves to the lens file is that file's fault
+  EXPECT_TRUE(message_of<InputError>([&] {
+                read_lens({{"file", file}}, "a.json", "/lens", 0.001);
+              }).starts_with(file + ": "));
+}
+
 TEST(LensModels, AFocusOutOfReachIsRefused) {
   for (const LensModelRow& row : kLensModels) {
     const Lens lens = shipped_lens(row.name);

@@ -33,7 +33,7 @@ void run(const BenchOptions& options) {
 void add_bench(CLI::App& program) {
   auto options = std::make_shared<BenchOptions>();
   CLI::App* command = program.add_subcommand(
-      "bench", "Time the pipeline against a copy of its input; see the subcommands for the rest");
+      "bench", "Time the pipeline against a copy of its input, or one of its parts against accuracy");
   command->add_option("scene", options->scene, "Scene JSON file (default: build/release/scenes/portrait.json)")
       ->type_name("SCENE.json");
   command->add_flag("--json", options->json, "Print JSON");

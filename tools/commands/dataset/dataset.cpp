@@ -186,7 +186,7 @@ void add_dataset(CLI::App& program) {
   for (CLI::App* step : {plan, status}) step->add_flag("--json", arguments->json, "Print JSON");
   for (CLI::App* step : {plan, render, verify, gc}) add_threads_option(*step);
   dataset->footer(
-      "Examples:\n  dualpixel dataset plan datasets/recipes/phone_matching.json -o out/set\n"
+      "Example:\n  dualpixel dataset plan datasets/recipes/phone_matching.json -o out/set\n"
       "  dualpixel dataset render out/set --jobs 2\n  dualpixel dataset status out/set");
 }
 
