@@ -57,11 +57,11 @@ TileDisparity match_knowing_split(const Image& left, const Image& right, const V
 
 constexpr Matcher kMatchers[] = {
     {"paper", "normalized views, sums of squared differences, a parabola, as in Wadhwa et al. 2018",
-     [](const MatcherOptions& options) { return options.match.range_px; }, match_as_in_paper},
+     [](const MatcherOptions& options) { return options.match.range_px; }, match_as_in_paper, false},
     {"likelihood", "linear views and their noise, maximum likelihood, a predicted error",
-     [](const MatcherOptions& options) { return options.likelihood_match.range_px; }, match_likeliest},
+     [](const MatcherOptions& options) { return options.likelihood_match.range_px; }, match_likeliest, false},
     {"split", "low frequencies through the kernels of a soft split, maximum likelihood near the focus",
-     [](const MatcherOptions& options) { return options.split_match.range_px; }, match_knowing_split},
+     [](const MatcherOptions& options) { return options.split_match.range_px; }, match_knowing_split, true},
 };
 
 }  // namespace

@@ -40,6 +40,8 @@ struct Matcher {
   /// be used.
   TileDisparity (*match)(const Image& left, const Image& right, const ViewSensor& sensor,
                          const MatcherOptions& options);
+  /// Windows of tens of pixels reach over depth edges and answer for the wrong side there, with confidence.
+  bool wide_windows;
 };
 
 /// In the order in which tables list them; the first is the paper's, the default.

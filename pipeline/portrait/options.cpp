@@ -13,6 +13,19 @@
 
 namespace dualpixel::pipeline {
 
+PortraitOptions default_options(std::string_view matcher) {
+  PortraitOptions options;
+  options.matcher = matcher;
+  if (matcher_named(matcher).wide_windows) {
+    // chosen on six pairs of a phone: docs/disparity.md
+    options.smooth.solver.lambda = 32;
+    options.smooth.solver.robust_rounds = 4;
+    options.smooth.solver.robust_scale = 1.2f;  // DP px
+    options.smooth.grid.cell_luma = options.smooth.grid.cell_chroma = 4;
+  }
+  return options;
+}
+
 OptionFields fields(PortraitOptions& options) {
   OptionFields all;
   const auto add = [&](const std::string& group, OptionFields fields) {
@@ -46,7 +59,7 @@ void check(const PortraitOptions& options) {
 }
 
 nlohmann::ordered_json changed_fields(const PortraitOptions& options) {
-  PortraitOptions defaults;
+  PortraitOptions defaults = default_options(options.matcher);
   const OptionFields usual = fields(defaults), own = fields(const_cast<PortraitOptions&>(options));  // only read
   nlohmann::ordered_json changed = nlohmann::ordered_json::object();
   for (std::size_t i = 0; i < own.size(); ++i) {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "capture/image/display.h"
@@ -76,6 +77,11 @@ struct PortraitOptions {
   DisplayOptions display;
 };
 
+/// The defaults for one matcher, by its name in matchers.h: options that name it, and smoothing that suits it. Where
+/// its windows are wide, smoothing is robust (BilateralSolverOptions): on each side of an edge most answers outvote
+/// those from across. Throws InputError for a name that the table lacks.
+PortraitOptions default_options(std::string_view matcher);
+
 /// Every number that a stage takes, by the name that `portrait --set` knows: "match.range_px", "layers.bands", ...
 /// What has an option of its own on the command line (mode, matcher, seed, aperture, ...) is not among them.
 OptionFields fields(PortraitOptions& options);
@@ -83,7 +89,7 @@ OptionFields fields(PortraitOptions& options);
 /// Throws InputError, with field, value and what is allowed, where a stage's option is out of its range.
 void check(const PortraitOptions& options);
 
-/// The fields that differ from their defaults, {name: value}; for a result's provenance.
+/// The fields that differ from the defaults for their matcher, {name: value}; for a result's provenance.
 nlohmann::ordered_json changed_fields(const PortraitOptions& options);
 
 /// A table of all fields for people: name, default, range, unit and source.

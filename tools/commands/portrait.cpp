@@ -83,10 +83,9 @@ struct PortraitCommand {
 
 /// What the command line says by itself, before any file is read.
 PortraitOptions options_of(const PortraitCommand& command) {
-  PortraitOptions options;
+  PortraitOptions options = pipeline::default_options(command.matcher);
   for (const std::string& assignment : command.assignments) set_field(pipeline::fields(options), assignment);
   options.mode = value_named(pipeline::kModes, command.mode, "--mode");
-  options.matcher = command.matcher;
   options.seed = command.seed;
   options.synthetic_noise = !command.no_noise;
   options.transposed = command.pair.vertical_split;

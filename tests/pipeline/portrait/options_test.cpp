@@ -36,6 +36,28 @@ TEST(PortraitFields, AreSetByName) {
             R"({"match.range_px":5,"smooth.solver.lambda":12.5,"noise.periods_px.1":43})");
 }
 
+// A wide window answers for the foreground (1 px) up to 12 px beyond its edge, where the background (5 px) is.
+TEST(DefaultOptions, SmoothingOverrulesWideWindowsAtEdges) {
+  const int size = 96, edge = 40, fooled = 12;
+  Image picture(size, size, 3);
+  ConfidentMap map{Image(size, size), Image(size, size)};
+  for (int y = 0; y < size; ++y) {
+    for (int x = 0; x < size; ++x) {
+      for (int c = 0; c < 3; ++c) picture.at(x, y, c) = x < edge ? 0.1f : 0.6f;
+      map.value.at(x, y) = x < edge + fooled ? 1 : 5;
+      map.confidence.at(x, y) = 0.9f;
+    }
+  }
+  const auto at_edge = [&](std::string_view matcher) {
+    SmoothOptions options = default_options(matcher).smooth;
+    options.divisor = 1;
+    return smooth_disparity(map, picture, options).at(edge + 4, size / 2);
+  };
+  EXPECT_NEAR(at_edge("split"), 5, 0.1);
+  EXPECT_LT(at_edge("likelihood"), 4);
+  EXPECT_EQ(changed_fields(default_options("split")).dump(), "{}");
+}
+
 TEST(PortraitFields, RefusalsNameFieldValueAndWhatIsAllowed) {
   EXPECT_EQ(refusal("match.range_px=5"), "");
   EXPECT_EQ(refusal("match.range_px=65"), "--set match.range_px: 65: must be an integer in [1, 64]");
