@@ -16,16 +16,30 @@ constexpr double kContrast = 0.2;                 // root mean square over mean
 constexpr double kPi = std::numbers::pi;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-/// Points of one half of the pupil, the unit disc, that a view sees through, each with the same weight.
+/// A point of the pupil, the unit disc, and its share of what a view sees; the shares of a view's points add up to 1.
+struct PupilPoint {
+  double x, y, share;
+};
+
+/// What one view sees through.
 struct Kernel {
-  std::vector<std::array<double, 2>> points;
+  std::vector<PupilPoint> points;
 
   double centroid() const {
     double sum = 0;
-    for (const auto& point : points) sum += point[0];
-    return sum / static_cast<double>(points.size());
+    for (const PupilPoint& point : points) sum += point.share * point.x;
+    return sum;
   }
 };
+
+Kernel pinhole() { return {{{0, 0, 1}}}; }
+
+Kernel normalized(Kernel kernel) {
+  double sum = 0;
+  for (const PupilPoint& point : kernel.points) sum += point.share;
+  for (PupilPoint& point : kernel.points) point.share /= sum;
+  return kernel;
+}
 
 /// The half with side * (x - split) > 0 of the disc, cut by a second disc of the same size, `cut` further right.
 Kernel half_disc(int side, double split = 0, double cut = 0, int steps = 24) {
@@ -34,10 +48,17 @@ Kernel half_disc(int side, double split = 0, double cut = 0, int steps = 24) {
     for (int i = 0; i < steps; ++i) {
       const double x = (2 * i + 1.0) / steps - 1, y = (2 * j + 1.0) / steps - 1;
       if (x * x + y * y > 1 || (x - cut) * (x - cut) + y * y > 1 || side * (x - split) <= 0) continue;
-      kernel.points.push_back({x, y});
+      kernel.points.push_back({x, y, 1});
     }
   }
-  return kernel;
+  return normalized(std::move(kernel));
+}
+
+/// The whole disc through a soft split: weight 1 + side x / k with k = 1 / (4 alpha), whose centroid is alpha.
+Kernel soft_half(int side, double alpha, int steps = 24) {
+  Kernel kernel = half_disc(1, -2, 0, steps);
+  for (PupilPoint& point : kernel.points) point.share *= 1 + side * 4 * alpha * point.x;
+  return normalized(std::move(kernel));
 }
 
 /// A sum of cosines, mean 0, variance 1: any of its frequencies can be blurred and shifted exactly.
@@ -66,10 +87,10 @@ class Waves {
     std::vector<std::complex<double>> across(kFailureWidth);
     for (const Wave& wave : waves_) {
       std::complex<double> gain = 0;
-      for (const auto& p : kernel.points) {
-        gain += std::polar(1.0, -0.5 * blur_px * (wave.x * p[0] + wave.y * p[1]));
+      for (const PupilPoint& p : kernel.points) {
+        gain += std::polar(p.share, -0.5 * blur_px * (wave.x * p.x + wave.y * p.y));
       }
-      gain *= std::polar(1 / static_cast<double>(kernel.points.size()), wave.phase - wave.x * shift_px);
+      gain *= std::polar(1.0, wave.phase - wave.x * shift_px);
       for (int x = 0; x < kFailureWidth; ++x) across[x] = std::polar(1.0, wave.x * x) * gain;
       for (int y = 0; y < kFailureHeight; ++y) {
         const std::complex<double> down = std::polar(1.0, wave.y * y);
@@ -122,17 +143,26 @@ Image uniform_image(double value) { return Image(kFailureWidth, kFailureHeight, 
 
 /// In focus, shifted by d.
 FailureCase shifted(const Waves& waves, double d, double contrast = kContrast, double lux = 100) {
-  const Kernel pinhole{{{0, 0}}};
-  return with_noise(exposed(waves.seen(pinhole, 0, 0), contrast), exposed(waves.seen(pinhole, 0, d), contrast),
+  return with_noise(exposed(waves.seen(pinhole(), 0, 0), contrast), exposed(waves.seen(pinhole(), 0, d), contrast),
                     uniform_image(d), lux);
 }
 
 /// Out of focus. A point of the pupil at x moves the picture by b x / 2 to the right; the right view looks through the
 /// half that moves it by d / 2 and thus right(x + d) = left(x).
-FailureCase defocused(const Waves& waves, double blur_px, double split = 0, double cut = 0) {
-  const Kernel left = half_disc(-1, split, cut), right = half_disc(1, split, cut);
+FailureCase defocused(const Waves& waves, double blur_px, const Kernel& left, const Kernel& right) {
   return with_noise(exposed(waves.seen(left, blur_px, 0)), exposed(waves.seen(right, blur_px, 0)),
                     uniform_image(0.5 * blur_px * (right.centroid() - left.centroid())));
+}
+
+/// Through a hard split `split` beside the middle, and a pupil that vignetting cuts.
+FailureCase defocused(const Waves& waves, double blur_px, double split = 0, double cut = 0) {
+  return defocused(waves, blur_px, half_disc(-1, split, cut), half_disc(1, split, cut));
+}
+
+/// Through the soft split of a phone: alpha = .21, as measured on a Pixel 4 (docs/disparity.md).
+FailureCase softly_defocused(const Waves& waves, double blur_px) {
+  constexpr double kPhoneAlpha = 0.21;
+  return defocused(waves, blur_px, soft_half(-1, kPhoneAlpha), soft_half(1, kPhoneAlpha));
 }
 
 /// Opaque bars of one blur in front of a background of another: each point of the pupil sees both, shifted, with the
@@ -147,14 +177,14 @@ FailureCase layered(double front_blur_px, double back_blur_px, double bar_px, do
     const Kernel kernel = half_disc(2 * side - 1, 0, 0, 10);
     centroids[side] = kernel.centroid();
     Image& view = views[side] = Image(kFailureWidth, kFailureHeight);
-    for (const auto& point : kernel.points) {
-      const Kernel one{{point}};
+    for (const PupilPoint& point : kernel.points) {
+      const Kernel one{{{point.x, point.y, 1}}};
       const Image f = exposed(front.seen(one, front_blur_px, 0)), b = exposed(back.seen(one, back_blur_px, 0));
       for (int x = 0; x < kFailureWidth; ++x) {
-        const double at = std::fmod(x + 0.5 - 0.5 * front_blur_px * point[0] + 16 * period_px, period_px);
+        const double at = std::fmod(x + 0.5 - 0.5 * front_blur_px * point.x + 16 * period_px, period_px);
         const bool covered = at < bar_px;
         for (int y = 0; y < kFailureHeight; ++y) {
-          view.at(x, y) += (covered ? f : b).at(x, y) / static_cast<float>(kernel.points.size());
+          view.at(x, y) += (covered ? f : b).at(x, y) * static_cast<float>(point.share);
           front_count.at(x, y) += covered;
         }
       }
@@ -171,9 +201,8 @@ FailureCase layered(double front_blur_px, double back_blur_px, double bar_px, do
 }
 
 FailureCase saturated(double clipped_share) {
-  const Kernel pinhole{{{0, 0}}};
   const Waves waves(5);
-  Image left = waves.seen(pinhole, 0, 0), right = waves.seen(pinhole, 0, 0.4);
+  Image left = waves.seen(pinhole(), 0, 0), right = waves.seen(pinhole(), 0, 0.4);
   std::vector<float> sorted = left.data;
   const auto rank = sorted.begin() + static_cast<std::ptrdiff_t>((1 - clipped_share) * (sorted.size() - 1));
   std::nth_element(sorted.begin(), rank, sorted.end());
@@ -185,9 +214,8 @@ FailureCase saturated(double clipped_share) {
 }
 
 FailureCase shaded(double ramp) {
-  const Kernel pinhole{{{0, 0}}};
   const Waves waves(6);
-  Image left = exposed(waves.seen(pinhole, 0, 0)), right = exposed(waves.seen(pinhole, 0, 0.4));
+  Image left = exposed(waves.seen(pinhole(), 0, 0)), right = exposed(waves.seen(pinhole(), 0, 0.4));
   for (int y = 0; y < kFailureHeight; ++y) {
     for (int x = 0; x < kFailureWidth; ++x) {
       const double t = 2 * (x + 0.5) / kFailureWidth - 1;
@@ -212,10 +240,10 @@ FailureCase highlights(double brightness) {
     const Kernel kernel = half_disc(2 * side - 1);
     centroids[side] = kernel.centroid();
     views[side] = exposed(waves.seen(kernel, kBlur, 0));
-    const double each = brightness * kMean / static_cast<double>(kernel.points.size());
     for (const auto& source : sources) {
-      for (const auto& p : kernel.points) {
-        const double cx = source[0] + kBlur * p[0], cy = source[1] + kBlur * p[1];
+      for (const PupilPoint& p : kernel.points) {
+        const double cx = source[0] + kBlur * p.x, cy = source[1] + kBlur * p.y;
+        const double each = brightness * kMean * p.share;
         for (int y = static_cast<int>(cy) - 4; y <= cy + 4; ++y) {
           for (int x = static_cast<int>(cx) - 4; x <= cx + 4; ++x) {
             if (x < 0 || y < 0 || x >= kFailureWidth || y >= kFailureHeight) continue;
@@ -326,6 +354,18 @@ std::vector<FailureRow> pupil_rows() {
        "blur_dp_px",
        {0, -2, -4, -8, -16, -24, -40},
        [](double blur) { return defocused(Waves(11), blur); }},
+      {"soft_defocus",
+       "Defocus through a soft split",
+       "blur diameter, DP px",
+       "blur_dp_px",
+       {0, 2, 4, 6, 8, 12, 16, 20, 30, 45, 60},
+       [](double blur) { return softly_defocused(Waves(14), blur); }},
+      {"near_soft_defocus",
+       "Defocus in front of the focus, through a soft split",
+       "blur diameter, DP px",
+       "blur_dp_px",
+       {0, -2, -4, -6, -8, -12, -16, -20, -30, -45, -60},
+       [](double blur) { return softly_defocused(Waves(15), blur); }},
       {"split_offset",
        "Split beside the middle of the pixel",
        "offset, pupil radii",

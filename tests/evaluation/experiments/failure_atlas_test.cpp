@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "tests/run_program.h"
 
@@ -24,6 +25,13 @@ TEST(FailureAtlas, TruthIsTheCentroidOfHalfDiscs) {
     // 4 r / 3 pi on either side; the disc is made of squares, 24 across
     EXPECT_NEAR(row_of(rows, name).make(blur).truth_dp_px.at(5, 5), 4 * blur / (3 * M_PI), 0.01 * std::abs(blur));
   }
+}
+
+TEST(FailureAtlas, TruthOfASoftSplitIsAlphaTimesTheBlur) {
+  // the second moment of squares, 24 across, is the disc's within a percent
+  const std::vector<FailureRow> rows = failure_rows();
+  EXPECT_NEAR(row_of(rows, "soft_defocus").make(20).truth_dp_px.at(5, 5), 4.2, 0.042);
+  EXPECT_NEAR(row_of(rows, "near_soft_defocus").make(-45).truth_dp_px.at(5, 5), -9.45, 0.095);
 }
 
 TEST(FailureAtlas, BarsAndBackgroundHaveTheirOwnDisparity) {
@@ -81,14 +89,31 @@ TEST(FailureAtlas, ThePapersMatcherHoldsAndBreaksWhereItShould) {
   EXPECT_NEAR(figures_of("range", 3.25, paper()).rmse_dp_px, 0.25, 0.02);
 }
 
-// Confidence falls before error rises, in every row and at every step.
+/// Where a matcher is wrong with confidence, and why.
+bool known_to_be_overconfident(std::string_view matcher, std::string_view row) {
+  // It takes both views for shifts of each other, which a soft split's are not.
+  if (matcher == "likelihood") return row == "soft_defocus" || row == "near_soft_defocus";
+  // It expects a soft split's blur at such disparities, and there is none.
+  return matcher == "split" && row == "range";
+}
+
+// Confidence falls before error rises, in every row, but for the exceptions above, which must be real.
 TEST(SlowFailureAtlas, AtMostOnePercentAreOverconfidentErrors) {
   for (const FailureSweep& sweep : measure_failures()) {
-    for (const FailureStep& step : sweep.steps) {
-      const FailureFigures& figures = step.matchers[1];
-      ASSERT_TRUE(figures.sigma);
-      EXPECT_LE(figures.sigma->overconfident_errors, 0.01) << sweep.row.name << " " << step.value;
-      EXPECT_TRUE(std::isfinite(figures.rmse_dp_px)) << sweep.row.name << " " << step.value;
+    for (std::size_t m = 0; m < pipeline::matchers().size(); ++m) {
+      double worst = 0;
+      bool predicts = false;
+      for (const FailureStep& step : sweep.steps) {
+        const FailureFigures& figures = step.matchers[m];
+        EXPECT_TRUE(std::isfinite(figures.rmse_dp_px)) << sweep.row.name << " " << step.value;
+        if (!figures.sigma) continue;
+        predicts = true;
+        worst = std::max(worst, figures.sigma->overconfident_errors);
+      }
+      const std::string_view name = pipeline::matchers()[m].name;
+      EXPECT_EQ(predicts, name != "paper");
+      EXPECT_EQ(worst > 0.01, known_to_be_overconfident(name, sweep.row.name))
+          << name << " in " << sweep.row.name << ": " << worst;
     }
   }
 }

@@ -10,7 +10,7 @@ namespace dualpixel::tools {
 void add_experiment_failures(CLI::App& experiment) {
   auto folder = std::make_shared<std::string>();
   CLI::App* command = experiment.add_subcommand(
-      "failures", "Sweep fourteen ways in which disparity fails: error and confidence of each matcher");
+      "failures", "Sweep sixteen ways in which disparity fails: error and confidence of each matcher");
   command->add_option("-o,--output", *folder, "Folder for failures.json and failures.html")
       ->required()
       ->type_name("DIR");
