@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include <cmath>
+#include <fstream>
 #include <limits>
 
 #include "capture/error.h"
@@ -164,8 +165,8 @@ TEST(ImageIo, RefusesEveryTruncation) {
   }
 }
 
-/// A PNG's header alone, with the size that it claims.
-std::string png_header(std::uint32_t width, std::uint32_t height) {
+/// Its size is a claim.
+std::string png_without_pixels(std::uint32_t width, std::uint32_t height) {
   std::string chunk = "IHDR";
   for (const std::uint32_t side : {width, height}) {
     for (const int shift : {24, 16, 8, 0}) chunk += static_cast<char>(side >> shift);
@@ -180,14 +181,31 @@ std::string png_header(std::uint32_t width, std::uint32_t height) {
   std::string file("\x89PNG\r\n\x1a\n\0\0\0\x0d", 12);
   file += chunk;
   for (const int shift : {24, 16, 8, 0}) file += static_cast<char>(crc >> shift);
-  return file + std::string("\0\0\0\0IDAT", 8);
+  return file + std::string("\0\0\0\0IDAT\x35\xaf\x06\x1e\0\0\0\0IEND\xae\x42\x60\x82", 24);
+}
+
+// libpng would write lines of its own to stderr.
+TEST(ImageIo, RefusesEveryChangedByteOfAPngInOneLine) {
+  const TemporaryFolder folder;
+  write_png8(folder / "a.png", ramp(9, 5, 3, 0.005f));
+  const std::string whole = read_bytes(folder / "a.png");
+  ::testing::internal::CaptureStderr();
+  for (std::size_t i = 8; i < whole.size(); ++i) {
+    std::string changed = whole;
+    changed[i] = static_cast<char>(changed[i] ^ 0x55);
+    std::ofstream(folder / "b.png", std::ios::binary) << changed;
+    const std::string refusal = image_refusal(folder / "b.png");
+    EXPECT_TRUE(refusal.starts_with(folder / "b.png" + ": ")) << i << " " << refusal;
+    EXPECT_EQ(refusal.find('\n'), std::string::npos) << i;
+  }
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
 TEST(ImageIo, RefusesClaimedSizesBeforeReading) {
   const TemporaryFolder folder;
-  write_bytes(folder / "wide.png", png_header(70000, 1));
+  write_bytes(folder / "wide.png", png_without_pixels(70000, 1));
   EXPECT_NE(image_refusal(folder / "wide.png"), "");
-  write_bytes(folder / "big.png", png_header(60000, 60000));
+  write_bytes(folder / "big.png", png_without_pixels(60000, 60000));
   EXPECT_NE(image_refusal(folder / "big.png").find("at most 65536 a side and 500000000 values"), std::string::npos);
 }
 
