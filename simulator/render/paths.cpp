@@ -276,16 +276,26 @@ glm::vec3 soft_irradiance(const RenderScene& world, const PathOptions& options, 
          gathered_irradiance(world, options, hits, 0, hash(key, 4), samples / 2, options.max_bounces + 1, true);
 }
 
-/// Light at one point of a lattice. `bounces`: reflections that it may still take before it arrives; 0: direct light.
+/// What is asked of light at points.
+struct LightKind {
+  int bounces = 0;       ///< reflections that it may still take before it arrives; 0: direct light
+  bool relayed = false;  ///< wanted by rays from another point, which takes the mean of many: fewer samples do
+
+  int index() const { return 2 * bounces + (relayed ? 1 : 0); }
+};
+
+/// Light at one point of a lattice.
 SurfaceLight light_at(const RenderScene& world, const PathOptions& options, const TriangleLattice& lattice,
-                      const LatticePoint& point, int bounces) {
+                      const LatticePoint& point, LightKind kind) {
   LightCache& cache = *world.light_cache;
-  const std::uint64_t key = bounces == 0 ? point.key : hash(point.key, bounces) | 1;
+  const int bounces = kind.bounces;
+  const std::uint64_t key = kind.index() == 0 ? point.key : hash(point.key, kind.index()) | 1;
   if (const auto known = cache.table.find(point.group, key)) return *known;
   Hits hits;
   surface_of(world, lattice, point, hits);
   SurfaceLight light;
-  const int samples = cache.options.light_samples >> (2 * lattice.fewer());  // whole packets, at least one
+  const int fewer = lattice.fewer() + (kind.relayed ? 1 : 0);
+  const int samples = std::max(cache.options.light_samples >> (2 * fewer), 1);  // whole packets are taken
   const std::uint64_t random = hash(key, cache.scramble);
   if (bounces > 0) {
     light.soft = gathered_irradiance(world, options, hits, lattice.spacing_m(), random, samples,
@@ -306,8 +316,8 @@ struct InterpolatedLight {
 /// Looks up light for the hits of one packet, many of which share a triangle or even a cell of its lattice.
 class LightLookup {
  public:
-  LightLookup(const RenderScene& world, const PathOptions& options, int bounces)
-      : world_(world), options_(options), bounces_(bounces), recent_(world.light_cache->recent.local()) {}
+  LightLookup(const RenderScene& world, const PathOptions& options, LightKind kind)
+      : world_(world), options_(options), kind_(kind), recent_(world.light_cache->recent.local()) {}
 
   InterpolatedLight at(const Hit& hit, glm::vec3 direction, float spacing_m) {
     if (!lattice_.is_of(hit, direction, spacing_m)) lattice_ = TriangleLattice(world_.scene, hit, direction, spacing_m);
@@ -326,7 +336,7 @@ class LightLookup {
 
  private:
   CellLight around_cell(const LatticeCell& cell) {
-    const std::uint64_t key = lattice_.key_of(cell) + 2 * static_cast<std::uint64_t>(bounces_);
+    const std::uint64_t key = lattice_.key_of(cell) + 2 * static_cast<std::uint64_t>(kind_.index());
     if (recent_.slot(key).key == key) return recent_.slot(key);
     const CellLight found = fetch(cell, key);
     return recent_.slot(key) = found;  // looked up again: what fetch() traces uses cells, too
@@ -347,7 +357,7 @@ class LightLookup {
           light = found.light[k][0];
           continue;
         }
-        light = light_at(world_, options_, lattice_, lattice_.point(row.row, row.left + side, row.pieces), bounces_);
+        light = light_at(world_, options_, lattice_, lattice_.point(row.row, row.left + side, row.pieces), kind_);
         const float soft = luminance(light.soft), hard = luminance(light.hard);
         soft_low = std::min(soft_low, soft), soft_high = std::max(soft_high, soft);
         hard_low = std::min(hard_low, hard), hard_high = std::max(hard_high, hard);
@@ -360,7 +370,7 @@ class LightLookup {
 
   const RenderScene& world_;
   const PathOptions& options_;
-  const int bounces_;
+  const LightKind kind_;
   RecentCells& recent_;
   TriangleLattice lattice_;
 };
@@ -376,14 +386,18 @@ constexpr int kMostBounces = 32;  ///< that are told apart on the way to a surfa
 void add_known_light(const RenderScene& world, const PathOptions& options, unsigned mesh_id, const int lanes[kPacket],
                      const RayPacket& rays, const Hits& hits, int bounces_left, Paths& paths, KnownLight& known) {
   // Over that of direct light, as it has no sharp shadows. Points that rays from other points find are far enough apart
-  // as it is: a wall with points in its corners alone would lose what is reflected to its middle.
-  const float indirect_spacing = paths.kinds == LightKinds::all ? 4 : 2;
+  // as it is: a wall with points in its corners alone would lose what is reflected to its middle. They may lie as close
+  // as points of direct light for the last reflections only, as each close point asks for many of the next kind.
+  constexpr int kCloseBounces = 2;
+  const float indirect_spacing = paths.kinds == LightKinds::all ? 4.0f : bounces_left <= kCloseBounces ? 1.0f : 2.0f;
   const Material& material = world.scene.materials[world.scene.meshes[mesh_id].material];
   const bool possible = world.light_cache && material.normal_texture.texture < 0;  // else normals vary between points
   const bool placed = !world.scene.meshes[mesh_id].placements.empty();
   for (int i = 0; i < kPacket; ++i) known.soft[i] = known.hard[i] = 0, known.nits[i] = 0;
   if (!possible) return;
-  LightLookup direct(world, options, 0), indirect(world, options, std::min(bounces_left, kMostBounces));
+  const bool relayed = paths.kinds == LightKinds::soft;
+  LightLookup direct(world, options, {});
+  LightLookup indirect(world, options, {std::min(bounces_left, kMostBounces), relayed});
   for (int i = 0; i < kPacket; ++i) {
     if (!lanes[i] || !(hits.spacing_m[i] > 0)) continue;
     const glm::vec3 diffuse = diffuse_bsdf(hits.surface.at(i)), direction = -hits.to_eye.at(i);
