@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulator/render/glass_paths.h"
 #include "simulator/render/light/surface_lattice.h"
 #include "simulator/render/shading/bsdf.h"
 #include "simulator/render/shading/radiometry.h"
@@ -25,22 +26,6 @@ void set_ray(RayPacket& rays, int i, glm::vec3 origin, glm::vec3 direction, floa
 struct Padded {
   alignas(64) float u[kPacket], v[kPacket];
 };
-
-/// Numbers for the decision `stream` of each path. Each of a mirrored pair has its own: with one light sample for both,
-/// the views would share their noise, and noise at the same position in both pulls disparity to 0.
-void path_samples(Sampling sampling, const SampleIndices& indices, std::uint32_t stream, Padded& out) {
-  if (sampling == Sampling::random) {
-    random_samples(indices, 4 + 2 * stream, out.u);
-    random_samples(indices, 5 + 2 * stream, out.v);
-  } else {
-    padded_samples(indices.first, indices.index_mask, indices.pixel_key, stream, out.u, out.v);
-  }
-}
-
-void write_down(RayLog& log, const int active[kPacket], const RayPacket& rays, bool shadow, bool coherent) {
-  LoggedRays& packet = log.emplace_back(LoggedRays{rays, {}, shadow, coherent});
-  std::copy_n(active, kPacket, packet.active);
-}
 
 /// Rays towards the lights, and what each adds to its path if nothing is in its way.
 struct ShadowRays {
@@ -179,6 +164,7 @@ struct LightSum {
     alignas(64) int hidden[kPacket];
     if (first_set(shadow.active) == kPacket) return;
     world.intersector.occluded(shadow.active, shadow.rays, false, hidden);
+    if (world.intersector.has_glass()) dim_by_glass(world, shadow.active, hidden, shadow.rays, shadow.arriving);
     for (int i = 0; i < kPacket; ++i) {
       if (shadow.active[i] && !hidden[i]) irradiance += shadow.arriving.at(i);
     }
@@ -253,10 +239,11 @@ glm::vec3 gathered_irradiance(const RenderScene& world, const PathOptions& optio
       set_ray(rays, i, start, direction, kInfinity);
       paths.active[i] = glm::dot(up, direction) > 0 ? -1 : 0;
       paths.throughput.set(i, glm::vec3(1));
+      paths.unlit_throughput.set(i, glm::vec3(1));
       paths.radiance.set(i, glm::vec3(0));
       paths.pdf[i] = pdf_counts ? bsdf_pdf(matte, matte.normal, direction) : 0;
       paths.normal.set(i, matte.normal);
-      paths.spacing_m[i] = spacing_m, paths.spread[i] = kGatherSpread;
+      paths.spacing_m[i] = spacing_m, paths.spread[i] = kGatherSpread, paths.before_m[i] = 0;
     }
     const std::uint32_t mask = packets * kPacket / 2 - 1;
     trace_paths(world, options, {static_cast<std::uint32_t>(packet) * kPacket / 2, mask, hash(key, 1)}, bounce, rays,
@@ -379,7 +366,8 @@ void add_known_light(const RenderScene& world, const PathOptions& options, unsig
   // as it is: a wall with points in its corners alone would lose what is reflected to its middle.
   const float indirect_spacing = paths.kinds == LightKinds::all ? 4 : 2;
   const Material& material = world.scene.materials[world.scene.meshes[mesh_id].material];
-  const bool possible = world.light_cache && material.normal_texture.texture < 0;  // else normals vary between points
+  const bool possible = world.light_cache && !material.is_glass() &&
+                        material.normal_texture.texture < 0;  // else normals vary between points
   const bool placed = !world.scene.meshes[mesh_id].placements.empty();
   for (int i = 0; i < kPacket; ++i) known.soft[i] = known.hard[i] = 0, known.nits[i] = 0;
   if (!possible) return;
@@ -415,7 +403,9 @@ class ScatterSamples {
 
  private:
   const Padded& drawn(int which) {
-    if (!drawn_[which]) path_samples(sampling_, indices_, 3 * bounces_left_ + which, numbers_[which]);
+    if (!drawn_[which]) {
+      path_samples(sampling_, indices_, 3 * bounces_left_ + which, numbers_[which].u, numbers_[which].v);
+    }
     drawn_[which] = true;
     return numbers_[which];
   }
@@ -517,6 +507,7 @@ void sample_reflections(const int lanes[kPacket], const Hits& hits, ScatterSampl
     paths.normal.set(i, s.normal);
     paths.spacing_m[i] = hits.spacing_m[i];
     paths.spread[i] += 0.2f * s.roughness;
+    paths.before_m[i] = 0;
     set_ray(rays, i, hits.start.at(i), direction, kInfinity);
     paths.active[i] = -1;
   }
@@ -529,6 +520,7 @@ void scatter(const RenderScene& world, const PathOptions& options, unsigned mesh
   const bool diffuse_by_lights = bounces_left == 0 && !world.lights.has_emissive();
   Hits hits;
   hits_at(world, mesh_id, lanes, rays, hits);
+  for (int i = 0; i < kPacket; ++i) hits.distance[i] += paths.before_m[i];
   for (int i = 0; i < kPacket; ++i) hits.spacing_m[i] = paths.spacing_m[i] + paths.spread[i] * hits.distance[i];
   if (hits.surface.emits) add_emission(world, mesh_id, lanes, rays, hits, paths);
   KnownLight known;
@@ -543,14 +535,16 @@ void see_lights(const RenderScene& world, unsigned mesh_id, const int lanes[kPac
   if (world.scene.materials[world.scene.meshes[mesh_id].material].emission_nits == glm::vec3(0)) return;
   Hits hits;
   hits_at(world, mesh_id, lanes, rays, hits);
+  for (int i = 0; i < kPacket; ++i) hits.distance[i] += paths.before_m[i];
   add_emission(world, mesh_id, lanes, rays, hits, paths);
 }
 
-void add_unhidden(const RenderScene& world, const PathOptions& options, const ShadowRays& shadow, Paths& paths) {
+void add_unhidden(const RenderScene& world, const PathOptions& options, ShadowRays& shadow, Paths& paths) {
   if (first_set(shadow.active) == kPacket) return;
   if (options.log) write_down(*options.log, shadow.active, shadow.rays, true, false);
   alignas(64) int hidden[kPacket];
   world.intersector.occluded(shadow.active, shadow.rays, false, hidden);
+  if (world.intersector.has_glass()) dim_by_glass(world, shadow.active, hidden, shadow.rays, shadow.arriving);
   for (int i = 0; i < kPacket; ++i) {
     if (shadow.active[i] && !hidden[i]) paths.radiance.set(i, paths.radiance.at(i) + shadow.arriving.at(i));
   }
@@ -564,6 +558,9 @@ void advance(const RenderScene& world, const PathOptions& options, RayPacket& ra
   const bool coherent = bounce == 0;
   if (options.log) write_down(*options.log, paths.active, rays, false, coherent);
   world.intersector.intersect(paths.active, rays, coherent);
+  if (world.intersector.has_glass()) {
+    pass_glass(world, options, indices, options.max_bounces - bounce, rays, paths);
+  }
 
   alignas(64) int waiting[kPacket];  // paths that have hit a mesh and are still to be shaded
   bool any_missed = false;
@@ -605,6 +602,16 @@ void advance(const RenderScene& world, const PathOptions& options, RayPacket& ra
 void random_samples(const SampleIndices& indices, std::uint32_t stream, float out[kPacket]) {
   for (int i = 0; i < kPacket; ++i) {
     out[i] = unit_float(static_cast<std::uint32_t>(hash(indices.pixel_key, 2 * indices.first + i, stream) >> 32));
+  }
+}
+
+void path_samples(Sampling sampling, const SampleIndices& indices, std::uint32_t stream, float u[kPacket],
+                  float v[kPacket]) {
+  if (sampling == Sampling::random) {
+    random_samples(indices, 4 + 2 * stream, u);
+    random_samples(indices, 5 + 2 * stream, v);
+  } else {
+    padded_samples(indices.first, indices.index_mask, indices.pixel_key, stream, u, v);
   }
 }
 

@@ -42,12 +42,18 @@ struct Paths {
   Vec3Packet normal;  ///< of the surface that the ray left; unset for camera rays
   /// ... and the kinds of light that they sampled. Soft: at points of light, for which unlit surfaces are reflections.
   LightKinds kinds = LightKinds::all;
+  alignas(64) float before_m[kPacket];  ///< through glass, from the reflection that `pdf` is of to the ray's start
   /// Between points of light on the surface that the ray meets: so much at its start, and so much more for each meter.
   alignas(64) float spacing_m[kPacket], spread[kPacket];
 };
 
 /// Independent numbers, all `stream`s of one sample different.
 void random_samples(const SampleIndices& indices, std::uint32_t stream, float out[kPacket]);
+
+/// Numbers for the decision `stream` of each path. Each of a mirrored pair has its own: with one light sample for both,
+/// the views would share their noise, and noise at the same position in both pulls disparity to 0.
+void path_samples(Sampling sampling, const SampleIndices& indices, std::uint32_t stream, float u[kPacket],
+                  float v[kPacket]);
 
 /// Follows all active paths from reflection `bounce` on to the last, and adds up their radiance.
 void trace_paths(const RenderScene& world, const PathOptions& options, const SampleIndices& indices, int bounce,

@@ -36,6 +36,9 @@ void scale_to(Scene& scene, double longest_m) {
     }
     for (Placement& placement : mesh.placements) placement.world_from_mesh *= factor;
   }
+  for (Material& material : scene.materials) {
+    if (material.layers) material.layers->absorption_per_m /= factor;
+  }
   for (PunctualLight& light : scene.lights) {
     light.position *= factor;
     light.range_m *= factor;

@@ -6,8 +6,8 @@
 /// glTF's metallic-roughness reflection (glTF 2.0, Appendix B): a Lambertian base under a GGX coat with Schlick's
 /// Fresnel term. A dielectric of roughness 1 is plainly Lambertian: its coat would cost time and change next to
 /// nothing. Light that would bounce between microfacets is lost, as in glTF's own model: up to 60 % of a fully rough
-/// metal's. Directions are unit and point away from the surface; `to_eye` and `to_light` lie above the geometric
-/// normal.
+/// metal's. Materials with glTF's extensions reflect as layers.h says. Directions are unit and point away from the
+/// surface; `to_eye` and `to_light` lie above the geometric normal.
 namespace dualpixel::simulator {
 
 /// Reflected radiance per unit irradiance (1/sr), without the cosine.

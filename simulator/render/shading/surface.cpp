@@ -271,8 +271,13 @@ struct Placing {
 }  // namespace
 
 Surface SurfacePacket::at(int i) const {
-  return {position.at(i),   geometric_normal.at(i),          normal.at(i),
-          base_color.at(i), lambertian ? 0.0f : metallic[i], lambertian ? 1.0f : roughness[i]};
+  return {position.at(i),
+          geometric_normal.at(i),
+          normal.at(i),
+          base_color.at(i),
+          lambertian ? 0.0f : metallic[i],
+          lambertian ? 1.0f : roughness[i],
+          layers};
 }
 
 void base_colors_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RayPacket& rays,
@@ -340,7 +345,8 @@ void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket],
   base_colors_at(scene, mesh, lanes, t, rays, s.base_color);
 
   const bool textured = material.metallic_roughness_texture.texture >= 0;
-  s.lambertian = material.metallic == 0 && material.roughness >= 1 && !textured;
+  s.layers = material.layers ? &*material.layers : nullptr;
+  s.lambertian = material.metallic == 0 && material.roughness >= 1 && !textured && !s.layers;
   if (!s.lambertian) {
     for (int i = 0; i < kPacket; ++i) {
       s.metallic[i] = material.metallic;
@@ -360,11 +366,16 @@ void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket],
   }
 }
 
-glm::vec3 geometric_normal(const Mesh& mesh, const Hit& hit, glm::vec3 ray_direction) {
+glm::vec3 outward_normal(const Mesh& mesh, const Hit& hit) {
   const glm::uvec3& t = mesh.triangles[hit.triangle];
   const glm::vec3 p = mesh.positions[t.x];
   glm::vec3 n = glm::normalize(glm::cross(mesh.positions[t.y] - p, mesh.positions[t.z] - p));
   if (!mesh.placements.empty()) n = glm::normalize(axes_of(mesh.placements[hit.placement]).normals * n);
+  return n;
+}
+
+glm::vec3 geometric_normal(const Mesh& mesh, const Hit& hit, glm::vec3 ray_direction) {
+  const glm::vec3 n = outward_normal(mesh, hit);
   return glm::dot(n, ray_direction) > 0 ? -n : n;
 }
 
