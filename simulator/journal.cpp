@@ -70,6 +70,7 @@ void add_mesh(const Mesh& mesh, Sum& sum) {
   sum.add_bytes(mesh.uv1);
   sum.add_bytes(mesh.colors);
   sum.add_bytes(mesh.triangles);
+  if (mesh.is_hair()) sum.add_bytes(mesh.radii);
   sum.add(mesh.material);
   for (const Placement& placement : mesh.placements) sum.add(placement.world_from_mesh);
 }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMostPassages = 32;
 
-bool is_glass(const Scene& scene, unsigned mesh) { return scene.materials[scene.meshes[mesh].material].is_glass(); }
+bool is_glass(const Scene& scene, unsigned mesh) { return is_glass(scene, scene.meshes[mesh]); }
 
 glm::vec3 direction_of(const RayPacket& rays, int i) {
   return {rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]};

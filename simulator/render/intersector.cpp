@@ -255,6 +255,37 @@ void attach(RTCScene scene, RTCGeometry geometry, unsigned id) {
   rtcReleaseGeometry(geometry);
 }
 
+RTCGeometry new_triangles(RTCDevice device, const Mesh& mesh) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  void* positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3),
+                                            mesh.positions.size());
+  void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3),
+                                            mesh.triangles.size());
+  check(device, "out of memory for geometry");
+  std::memcpy(positions, mesh.positions.data(), mesh.positions.size() * sizeof(glm::vec3));
+  std::memcpy(triangles, mesh.triangles.data(), mesh.triangles.size() * sizeof(glm::uvec3));
+  return geometry;
+}
+
+/// Ribbons that face each ray: a strand is much thinner than what a photosite sees. Embree wants a segment's vertices
+/// one after the other, so each has its own.
+RTCGeometry new_strands(RTCDevice device, const Mesh& mesh) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_FLAT_LINEAR_CURVE);
+  auto* ends = static_cast<glm::vec4*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                                                               sizeof(glm::vec4), 2 * mesh.triangles.size()));
+  auto* segments = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT,
+                                                                  sizeof(unsigned), mesh.triangles.size()));
+  check(device, "out of memory for geometry");
+  for (unsigned i = 0; i < mesh.triangles.size(); ++i) {
+    for (unsigned k = 0; k < 2; ++k) {
+      const unsigned vertex = mesh.triangles[i][k];
+      ends[2 * i + k] = glm::vec4(mesh.positions[vertex], mesh.radii[vertex]);
+    }
+    segments[i] = 2 * i;
+  }
+  return geometry;
+}
+
 }  // namespace
 
 Intersector::Intersector(const Scene& scene) : first_instance_(static_cast<unsigned>(scene.meshes.size())) {
@@ -262,7 +293,7 @@ Intersector::Intersector(const Scene& scene) : first_instance_(static_cast<unsig
   if (!device_) throw std::runtime_error("Embree: no device");
   embree_scene_.reset(rtcNewScene(device_.get()));
   for (const Mesh& mesh : scene.meshes) {
-    if (!glass_ && scene.materials[mesh.material].is_glass()) glass_.reset(rtcNewScene(device_.get()));
+    if (!glass_ && is_glass(scene, mesh)) glass_.reset(rtcNewScene(device_.get()));
   }
   for (unsigned i = 0; i < scene.meshes.size(); ++i) add_mesh(scene, i);
   commit(device_.get(), embree_scene_.get());
@@ -280,21 +311,14 @@ void Intersector::attach_mesh(RTCGeometry geometry, unsigned id, bool glass) {
 void Intersector::add_mesh(const Scene& scene, unsigned mesh_id) {
   RTCDevice device = device_.get();
   const Mesh& mesh = scene.meshes[mesh_id];
-  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  void* positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3),
-                                            mesh.positions.size());
-  void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3),
-                                            mesh.triangles.size());
-  check(device, "out of memory for geometry");
-  std::memcpy(positions, mesh.positions.data(), mesh.positions.size() * sizeof(glm::vec3));
-  std::memcpy(triangles, mesh.triangles.data(), mesh.triangles.size() * sizeof(glm::uvec3));
+  RTCGeometry geometry = mesh.is_hair() ? new_strands(device, mesh) : new_triangles(device, mesh);
   if (scene.materials[mesh.material].alpha_cutoff > 0) {
     cutouts_.push_back(std::make_unique<Cutout>(Cutout{&scene, &mesh}));
     rtcSetGeometryUserData(geometry, cutouts_.back().get());
     rtcSetGeometryIntersectFilterFunction(geometry, reject_cut_out);
     rtcSetGeometryOccludedFilterFunction(geometry, reject_cut_out);
   }
-  const bool glass = scene.materials[mesh.material].is_glass();
+  const bool glass = is_glass(scene, mesh);
   if (glass) rtcSetGeometryOccludedFilterFunction(geometry, reject_all);
   if (mesh.placements.empty()) return attach_mesh(geometry, mesh_id, glass);
 

@@ -366,7 +366,7 @@ void add_known_light(const RenderScene& world, const PathOptions& options, unsig
   // as it is: a wall with points in its corners alone would lose what is reflected to its middle.
   const float indirect_spacing = paths.kinds == LightKinds::all ? 4 : 2;
   const Material& material = world.scene.materials[world.scene.meshes[mesh_id].material];
-  const bool possible = world.light_cache && !material.is_glass() &&
+  const bool possible = world.light_cache && !material.is_glass() && !hits.surface.hair &&
                         material.normal_texture.texture < 0;  // else normals vary between points
   const bool placed = !world.scene.meshes[mesh_id].placements.empty();
   for (int i = 0; i < kPacket; ++i) known.soft[i] = known.hard[i] = 0, known.nits[i] = 0;
@@ -400,11 +400,15 @@ class ScatterSamples {
   const Padded& light() { return drawn(0); }
   const Padded& reflection() { return drawn(1); }
   const Padded& roulette() { return drawn(2); }
+  const Padded& strand() { return drawn(3); }
+  const Padded& side() { return drawn(4); }
 
  private:
   const Padded& drawn(int which) {
+    constexpr std::uint32_t kStrandStreams = 0x20000;  // beyond all others
+    const std::uint32_t stream = which < 3 ? 3 * bounces_left_ + which : kStrandStreams + 2 * bounces_left_ + which - 3;
     if (!drawn_[which]) {
-      path_samples(sampling_, indices_, 3 * bounces_left_ + which, numbers_[which].u, numbers_[which].v);
+      path_samples(sampling_, indices_, stream, numbers_[which].u, numbers_[which].v);
     }
     drawn_[which] = true;
     return numbers_[which];
@@ -413,8 +417,8 @@ class ScatterSamples {
   Sampling sampling_;
   const SampleIndices& indices_;
   int bounces_left_;
-  bool drawn_[3] = {};
-  Padded numbers_[3];
+  bool drawn_[5] = {};
+  Padded numbers_[5];
 };
 
 /// Whether to follow something of this size, for which 1 is always followed; what is followed counts 1 / keep.
@@ -430,6 +434,22 @@ glm::vec3 carried(const Surface& s, glm::vec3 to_eye, glm::vec3 to_light, bool w
 
 bool carries_nothing(const SurfacePacket& surface, bool without_diffuse) {
   return surface.lambertian && without_diffuse;
+}
+
+/// How far from its hit a ray begins: 0, or beyond the strand of hair that it would meet at once.
+float way_out(const Hits& hits, int i, glm::vec3 direction) {
+  if (!hits.surface.hair) return 0;
+  const float along = glm::dot(direction, hits.surface.tangent.at(i));
+  return 2.5f * hits.surface.radius_m[i] / std::sqrt(std::max(1 - along * along, 0.01f));
+}
+
+/// Lets the light samples of strands look to one of both sides.
+void turn_to_sides(const int lanes[kPacket], const Padded& numbers, SurfacePacket& surface) {
+  for (int i = 0; i < kPacket; ++i) {
+    if (!lanes[i] || numbers.u[i] < 0.5f) continue;
+    surface.normal.set(i, -surface.normal.at(i));
+    surface.geometric_normal.set(i, -surface.geometric_normal.at(i));
+  }
 }
 
 /// One shadow ray from each hit to a sampled point of a light of these kinds.
@@ -461,7 +481,8 @@ void sample_lights(const RenderScene& world, const int lanes[kPacket], const Hit
     if (arriving == glm::vec3(0) || !keeps(size, roulette.u[i], keep)) continue;
     shadow.arriving.set(i, paths.throughput.at(i) * arriving / keep);
     // stop short of the light's own surface
-    set_ray(shadow.rays, i, hits.start.at(i), direction, l.distance_m[i] * (1 - 1e-4f));
+    const float way = way_out(hits, i, direction);
+    set_ray(shadow.rays, i, hits.start.at(i) + way * direction, direction, l.distance_m[i] * (1 - 1e-4f) - way);
     shadow.active[i] = -1;
   }
 }
@@ -491,9 +512,11 @@ void sample_reflections(const int lanes[kPacket], const Hits& hits, ScatterSampl
   for (int i = 0; i < kPacket; ++i) {
     const bool without_diffuse = known.soft[i] || diffuse_by_lights;
     if (!lanes[i] || carries_nothing(hits.surface, without_diffuse)) continue;
-    const Surface s = hits.surface.at(i);
+    Surface s = hits.surface.at(i);
     const glm::vec3 to_eye = hits.to_eye.at(i);
-    const glm::vec3 direction = sample_bsdf(s, to_eye, samples.reflection().u[i], samples.reflection().v[i]);
+    const float u = samples.reflection().u[i], v = samples.reflection().v[i];
+    const glm::vec3 direction = s.hair ? sample_strand(s, to_eye, {samples.strand().u[i], u, v, samples.strand().v[i]})
+                                       : sample_bsdf(s, to_eye, u, v);
     const float n_l = glm::dot(s.normal, direction);
     const float pdf = bsdf_pdf(s, to_eye, direction);
     if (!(n_l > 0) || !(glm::dot(s.geometric_normal, direction) > 0) || !(pdf > 0)) continue;
@@ -508,7 +531,7 @@ void sample_reflections(const int lanes[kPacket], const Hits& hits, ScatterSampl
     paths.spacing_m[i] = hits.spacing_m[i];
     paths.spread[i] += 0.2f * s.roughness;
     paths.before_m[i] = 0;
-    set_ray(rays, i, hits.start.at(i), direction, kInfinity);
+    set_ray(rays, i, hits.start.at(i) + way_out(hits, i, direction) * direction, direction, kInfinity);
     paths.active[i] = -1;
   }
 }
@@ -522,6 +545,7 @@ void scatter(const RenderScene& world, const PathOptions& options, unsigned mesh
   hits_at(world, mesh_id, lanes, rays, hits);
   for (int i = 0; i < kPacket; ++i) hits.distance[i] += paths.before_m[i];
   for (int i = 0; i < kPacket; ++i) hits.spacing_m[i] = paths.spacing_m[i] + paths.spread[i] * hits.distance[i];
+  if (hits.surface.hair) turn_to_sides(lanes, samples.side(), hits.surface);
   if (hits.surface.emits) add_emission(world, mesh_id, lanes, rays, hits, paths);
   KnownLight known;
   add_known_light(world, options, mesh_id, lanes, rays, hits, bounces_left, paths, known);

@@ -106,12 +106,17 @@ struct Mesh {
   std::vector<glm::vec2> uv1;
   std::vector<glm::vec4> colors;  ///< linear, multiplies the base color
   std::vector<glm::uvec3> triangles;
+  /// Not empty: strands of hair in world space, with the radius at each vertex, m. Their segments stand in for
+  /// triangles: from corner x to corner y; z repeats x.
+  std::vector<float> radii;
   int material = 0;             ///< index into Scene::materials
   std::uint32_t object_id = 0;  ///< 1-based index of the glTF node
   bool person = false;          ///< node or an ancestor has extras {"category": "person"}
   /// Not empty: the mesh appears once per placement and nowhere else, with the placement's object and person. Such a
   /// mesh must not emit: light is sampled from triangles in world space.
   std::vector<Placement> placements;
+
+  bool is_hair() const { return !radii.empty(); }
 };
 
 /// KHR_lights_punctual, in world space.
@@ -152,5 +157,10 @@ struct Scene {
   std::string source_hash;                ///< of the bytes of the glTF file and of all that it names
   std::vector<std::string> warnings;      ///< one line each: zero-area triangles left out, features ignored, ...
 };
+
+/// Whether light passes the mesh's surface.
+inline bool is_glass(const Scene& scene, const Mesh& mesh) {
+  return !mesh.is_hair() && scene.materials[mesh.material].is_glass();
+}
 
 }  // namespace dualpixel::simulator

@@ -18,6 +18,9 @@ struct Surface {
   float metallic = 0;
   float roughness = 1;
   const Layers* layers = nullptr;  ///< of the material; null: none
+  bool hair = false;               ///< a strand: normals are only sides of it
+  glm::vec3 tangent{0};            ///< unit, along the strand
+  float across = 0;                ///< as in HairStrand
 };
 
 /// Sixteen of them, on one mesh.
@@ -28,6 +31,9 @@ struct SurfacePacket {
   bool emits = false;                    ///< otherwise emission_nits is not filled in
   bool lambertian = false;  ///< metallic 0, roughness 1, no layers throughout; otherwise the former are filled in
   const Layers* layers = nullptr;  ///< of the mesh's material
+  bool hair = false;               ///< strands; otherwise what follows is not filled in
+  Vec3Packet tangent;
+  alignas(64) float across[kPacket], radius_m[kPacket];
 
   Surface at(int i) const;
 };
@@ -49,7 +55,7 @@ void base_colors_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacke
 /// Unit, on the side from which a triangle's corners turn counter-clockwise. `hit` lies on `mesh`.
 glm::vec3 outward_normal(const Mesh& mesh, const Hit& hit);
 
-/// The same, on the side that the ray came from.
+/// The same, or a side of a strand of hair, on the side that the ray came from.
 glm::vec3 geometric_normal(const Mesh& mesh, const Hit& hit, glm::vec3 ray_direction);
 
 /// Emitted radiance, nits. `u`, `v`: Embree's barycentrics, weights of the triangle's second and third vertex.

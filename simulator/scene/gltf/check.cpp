@@ -57,6 +57,7 @@ constexpr AttributeRule kAttributeRules[] = {
     {"NORMAL", "VEC3", plain(kFloat), kNormalizedSigned, "VEC3 of FLOAT"},
     {"TEXCOORD_", "VEC2", kFloatOrNormalized, kAnySmallInteger, "VEC2 of FLOAT or normalized UNSIGNED_BYTE or _SHORT"},
     {"COLOR_", "VEC3 VEC4", kFloatOrNormalized, 0, "VEC3 or VEC4 of FLOAT or normalized UNSIGNED_BYTE or _SHORT"},
+    {"_WIDTH", "SCALAR", plain(kFloat), 0, "SCALAR of FLOAT"},
     {"JOINTS_", "VEC4", plain(kUnsignedByte) | plain(kUnsignedShort), 0, "VEC4 of UNSIGNED_BYTE or UNSIGNED_SHORT"},
     {"WEIGHTS_", "VEC4", kFloatOrNormalized, 0, "VEC4 of FLOAT or normalized UNSIGNED_BYTE or _SHORT"},
 };
