@@ -129,6 +129,7 @@ class GlassWalk {
 
 void pass_glass(const RenderScene& world, const PathOptions& options, const SampleIndices& indices, int bounces_left,
                 RayPacket& rays, Paths& paths) {
+  if (bounces_left == options.max_bounces) paths.unlit_throughput = paths.throughput;  // camera rays have none yet
   GlassWalk walk(world, rays, paths);
   alignas(64) int lanes[kPacket];
   constexpr std::uint32_t kGlassStreams = 0x10000;  // beyond all others

@@ -1,7 +1,8 @@
 #pragma once
 #include <optional>
 
-#include "simulator/render/paths.h"
+#include "simulator/render/path_state.h"
+#include "simulator/render/render_scene.h"
 
 /// Paths through glass. Passing it is no reflection: whatever the most reflections are, glass shows what is behind it.
 namespace dualpixel::simulator {

@@ -623,22 +623,6 @@ void advance(const RenderScene& world, const PathOptions& options, RayPacket& ra
 
 }  // namespace
 
-void random_samples(const SampleIndices& indices, std::uint32_t stream, float out[kPacket]) {
-  for (int i = 0; i < kPacket; ++i) {
-    out[i] = unit_float(static_cast<std::uint32_t>(hash(indices.pixel_key, 2 * indices.first + i, stream) >> 32));
-  }
-}
-
-void path_samples(Sampling sampling, const SampleIndices& indices, std::uint32_t stream, float u[kPacket],
-                  float v[kPacket]) {
-  if (sampling == Sampling::random) {
-    random_samples(indices, 4 + 2 * stream, u);
-    random_samples(indices, 5 + 2 * stream, v);
-  } else {
-    padded_samples(indices.first, indices.index_mask, indices.pixel_key, stream, u, v);
-  }
-}
-
 void trace_paths(const RenderScene& world, const PathOptions& options, const SampleIndices& indices, int bounce,
                  RayPacket& rays, Paths& paths) {
   for (; bounce <= options.max_bounces + 1 && first_set(paths.active) < kPacket; ++bounce) {

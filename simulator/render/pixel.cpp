@@ -64,7 +64,6 @@ void start_paths(const LensPacket& packet, int count, int odd_left, float spread
     const bool wanted = i < kPairs ? i < (count + odd_left) / 2 : i - kPairs < (count + 1 - odd_left) / 2;
     paths.active[i] = wanted && packet.left[i] + packet.right[i] > 0 ? -1 : 0;
     paths.throughput.set(i, glm::vec3(1));
-    paths.unlit_throughput.set(i, glm::vec3(1));
     paths.radiance.set(i, glm::vec3(0));
     paths.pdf[i] = kCountedInFull;
     paths.spacing_m[i] = 0, paths.spread[i] = spread, paths.before_m[i] = 0;
