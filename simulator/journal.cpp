@@ -70,6 +70,7 @@ void add_mesh(const Mesh& mesh, Sum& sum) {
   sum.add_bytes(mesh.uv1);
   sum.add_bytes(mesh.colors);
   sum.add_bytes(mesh.triangles);
+  if (mesh.is_hair()) sum.add_bytes(mesh.radii);
   sum.add(mesh.material);
   for (const Placement& placement : mesh.placements) sum.add(placement.world_from_mesh);
 }
@@ -77,6 +78,10 @@ void add_mesh(const Mesh& mesh, Sum& sum) {
 void add_material(const Material& m, Sum& sum) {
   sum.add(m.base_color, m.metallic, m.roughness, m.emission_nits, m.normal_scale, m.alpha_cutoff, m.double_sided,
           m.unlit);
+  if (const std::optional<Layers>& y = m.layers) {
+    sum.add(y->ior, y->specular, y->specular_color, y->clearcoat, y->clearcoat_roughness, y->sheen_color,
+            y->sheen_roughness, y->transmission, y->solid, y->absorption_per_m);
+  }
   for (const TextureSlot* slot :
        {&m.base_color_texture, &m.metallic_roughness_texture, &m.emissive_texture, &m.normal_texture}) {
     sum.add(slot->texture, slot->uv_set, slot->uv_from_uv);

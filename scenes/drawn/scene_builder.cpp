@@ -15,7 +15,9 @@ int SceneBuilder::add(const Surface& surface) {
                        .unlit = surface.unlit,
                        .roughness = surface.roughness,
                        .metallic = surface.metallic,
-                       .emission_nits = surface.emission_nits};
+                       .emission_nits = surface.emission_nits,
+                       .transmission = surface.transmission,
+                       .solid = surface.solid};
   if (surface.texture.size > 0) material.texture = glb.add_texture(surface.texture);
   repeat_m_.push_back(surface.repeat_m);
   return glb.add_material(material);

@@ -82,6 +82,14 @@ int Glb::add_material(const GlbMaterial& from) {
     material["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", brightest}};
     use("KHR_materials_emissive_strength");
   }
+  if (from.transmission > 0) {
+    material["extensions"]["KHR_materials_transmission"] = {{"transmissionFactor", from.transmission}};
+    use("KHR_materials_transmission");
+  }
+  if (from.solid) {
+    material["extensions"]["KHR_materials_volume"] = {{"thicknessFactor", 1}};
+    use("KHR_materials_volume");
+  }
   root_["materials"].push_back(material);
   return static_cast<int>(root_["materials"].size()) - 1;
 }

@@ -8,7 +8,7 @@
 /// A scene under construction and the binary glTF file that it becomes. Lengths in meters, glTF's axes.
 namespace dualpixel::scenes {
 
-/// What light does at a surface, as glTF's metallic-roughness model has it.
+/// What light does at a surface, as glTF's metallic-roughness model and its extensions have it.
 struct GlbMaterial {
   int texture = -1;  ///< of the color, -1: none
   glm::vec3 color{1};
@@ -16,6 +16,8 @@ struct GlbMaterial {
   float roughness = 1;
   float metallic = 0;
   glm::vec3 emission_nits{0};
+  float transmission = 0;  ///< share of the light that passes, tinted by the color
+  bool solid = false;      ///< of glass through and through; otherwise a thin pane
 };
 
 class Glb {

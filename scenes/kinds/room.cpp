@@ -37,7 +37,7 @@ SceneKind room_kind() {
            {"depth_m", "m", Type::number, 1.5, 12, 3, 8, "from the camera to the wall behind"},
            {"furniture", "", Type::integer, 0, 30, 4, 9, "pieces, as far as there is room"},
            {"height_m", "m", Type::number, 0.2, 2.3, 1.1, 1.7, "of the camera over the floor"},
-           {"mirror", "", Type::integer, 0, 1, 0, 0, "1: a mirror hangs on the wall behind"}},
+           {"mirror", "", Type::integer, 0, 1, 0, 0, "1: a mirror on the wall behind, and glass before it"}},
           build_room};
 }
 

@@ -257,4 +257,16 @@ void add_mirror(SceneBuilder& build, RandomStream rng, const glm::mat4& pose, ve
   build.add("mirror", placed_mesh(glass, pose), Surface{.color = vec3(0.9f), .roughness = 0, .metallic = 1});
 }
 
+void add_glass_screen(SceneBuilder& build, RandomStream rng, const glm::mat4& pose, glm::vec2 half) {
+  Mesh foot, pane, ball;
+  add_solid_box(foot, {0, 0.03f, 0}, {half.x + 0.05f, 0.03f, 0.12f}, 0.01f);
+  pane.add_quad({-half.x, 0.06f, 0}, {2 * half.x, 0, 0}, {0, 2 * half.y, 0});
+  const float radius = rng.uniform(0.1f, 0.16f);
+  add_ball(ball, {half.x + 0.25f, radius, 0.1f}, vec3(radius), 48);
+  build.add("screen foot", placed_mesh(foot, pose), wood_surface(rng.substream(1), wood_color(rng), 0));
+  build.add("screen", placed_mesh(pane, pose),
+            Surface{.color = {0.88f, 0.94f, 0.9f}, .roughness = 0, .transmission = 1});
+  build.add("glass ball", placed_mesh(ball, pose), Surface{.roughness = 0, .transmission = 1, .solid = true});
+}
+
 }  // namespace dualpixel::scenes

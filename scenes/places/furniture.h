@@ -21,5 +21,7 @@ void add_blinds(SceneBuilder& build, RandomStream rng, const glm::mat4& pose, fl
 /// On a wall whose front is +z.
 void add_wall_picture(SceneBuilder& build, RandomStream rng, const glm::mat4& pose);
 void add_mirror(SceneBuilder& build, RandomStream rng, const glm::mat4& pose, glm::vec2 half);
+/// A clear pane that stands upright on a wooden foot, and a ball of solid glass on the floor beside it.
+void add_glass_screen(SceneBuilder& build, RandomStream rng, const glm::mat4& pose, glm::vec2 half);
 
 }  // namespace dualpixel::scenes

@@ -13,6 +13,8 @@ struct Surface {
   float metallic = 0;
   bool unlit = false;
   glm::vec3 emission_nits{0};
+  float transmission = 0;  ///< as in GlbMaterial
+  bool solid = false;
 };
 
 /// One color, mottled a little: paint, plastic, ceramics, leather, metal.

@@ -10,6 +10,7 @@
 #include "simulator/lens/lens_packet.h"
 #include "simulator/plan/error_statistics.h"
 #include "simulator/render/camera_rays.h"
+#include "simulator/render/glass_paths.h"
 #include "simulator/sampling/hash.h"
 #include "simulator/sampling/sobol.h"
 #include "simulator/simulate.h"
@@ -41,7 +42,7 @@ std::vector<FieldPoint> stratified_points(const RenderScene& world, const Camera
     const auto row = i / kColumns;
     FieldPoint point{static_cast<int>((i % kColumns + u) / kColumns * sensor.width_px),
                      static_cast<int>((row + v) / kRows * sensor.height_px)};
-    const auto hit = world.intersector.intersect(chief_ray(camera, point.x, point.y));
+    const auto hit = seen_surface(world, chief_ray(camera, point.x, point.y));
     if (hit) point.inverse_depth = 1 / static_cast<double>(hit->t);
     points.push_back(point);
   }

@@ -28,6 +28,11 @@ void reject_cut_out(const RTCFilterFunctionNArguments* args) {
   }
 }
 
+/// Of glass, for shadow rays.
+void reject_all(const RTCFilterFunctionNArguments* args) {
+  for (unsigned i = 0; i < args->N; ++i) args->valid[i] = 0;
+}
+
 void check(RTCDevice device, const char* what) {
   const RTCError error = rtcGetDeviceError(device);
   if (error != RTC_ERROR_NONE) throw std::runtime_error(std::string("Embree: ") + what);
@@ -205,6 +210,13 @@ void Intersector::occluded(const int active[kPacket], const RayPacket& rays, boo
   occluded_in<8, RTCRay8>(embree_scene_.get(), active, rays, coherent, hidden);
 }
 
+bool Intersector::intersect_glass(int active[kPacket], RayPacket& rays) const {
+  intersect_in<8, RTCRayHit8>(glass_.get(), placed_, first_instance_, active, rays, false);
+  int any = 0;
+  for (int i = 0; i < kPacket; ++i) any |= active[i] &= rays.mesh[i] != kNoMesh ? -1 : 0;
+  return any;
+}
+
 std::optional<Hit> Intersector::intersect(const Ray& ray) const {
   RTCRayHit embree{};
   embree.ray.org_x = ray.origin.x, embree.ray.org_y = ray.origin.y, embree.ray.org_z = ray.origin.z;
@@ -243,19 +255,7 @@ void attach(RTCScene scene, RTCGeometry geometry, unsigned id) {
   rtcReleaseGeometry(geometry);
 }
 
-}  // namespace
-
-Intersector::Intersector(const Scene& scene) : first_instance_(static_cast<unsigned>(scene.meshes.size())) {
-  device_.reset(rtcNewDevice(nullptr));
-  if (!device_) throw std::runtime_error("Embree: no device");
-  embree_scene_.reset(rtcNewScene(device_.get()));
-  for (unsigned i = 0; i < scene.meshes.size(); ++i) add_mesh(scene, i);
-  commit(device_.get(), embree_scene_.get());
-}
-
-void Intersector::add_mesh(const Scene& scene, unsigned mesh_id) {
-  RTCDevice device = device_.get();
-  const Mesh& mesh = scene.meshes[mesh_id];
+RTCGeometry new_triangles(RTCDevice device, const Mesh& mesh) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   void* positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3),
                                             mesh.positions.size());
@@ -264,13 +264,63 @@ void Intersector::add_mesh(const Scene& scene, unsigned mesh_id) {
   check(device, "out of memory for geometry");
   std::memcpy(positions, mesh.positions.data(), mesh.positions.size() * sizeof(glm::vec3));
   std::memcpy(triangles, mesh.triangles.data(), mesh.triangles.size() * sizeof(glm::uvec3));
+  return geometry;
+}
+
+/// Ribbons that face each ray: a strand is much thinner than what a photosite sees. Embree wants a segment's vertices
+/// one after the other, so each has its own.
+RTCGeometry new_strands(RTCDevice device, const Mesh& mesh) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_FLAT_LINEAR_CURVE);
+  auto* ends = static_cast<glm::vec4*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                                                               sizeof(glm::vec4), 2 * mesh.triangles.size()));
+  auto* segments = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT,
+                                                                  sizeof(unsigned), mesh.triangles.size()));
+  check(device, "out of memory for geometry");
+  for (unsigned i = 0; i < mesh.triangles.size(); ++i) {
+    for (unsigned k = 0; k < 2; ++k) {
+      const unsigned vertex = mesh.triangles[i][k];
+      ends[2 * i + k] = glm::vec4(mesh.positions[vertex], mesh.radii[vertex]);
+    }
+    segments[i] = 2 * i;
+  }
+  return geometry;
+}
+
+}  // namespace
+
+Intersector::Intersector(const Scene& scene) : first_instance_(static_cast<unsigned>(scene.meshes.size())) {
+  device_.reset(rtcNewDevice(nullptr));
+  if (!device_) throw std::runtime_error("Embree: no device");
+  embree_scene_.reset(rtcNewScene(device_.get()));
+  for (const Mesh& mesh : scene.meshes) {
+    if (!glass_ && is_glass(scene, mesh)) glass_.reset(rtcNewScene(device_.get()));
+  }
+  for (unsigned i = 0; i < scene.meshes.size(); ++i) add_mesh(scene, i);
+  commit(device_.get(), embree_scene_.get());
+  if (glass_) commit(device_.get(), glass_.get());
+}
+
+void Intersector::attach_mesh(RTCGeometry geometry, unsigned id, bool glass) {
+  if (glass) {
+    rtcRetainGeometry(geometry);
+    attach(glass_.get(), geometry, id);
+  }
+  attach(embree_scene_.get(), geometry, id);
+}
+
+void Intersector::add_mesh(const Scene& scene, unsigned mesh_id) {
+  RTCDevice device = device_.get();
+  const Mesh& mesh = scene.meshes[mesh_id];
+  RTCGeometry geometry = mesh.is_hair() ? new_strands(device, mesh) : new_triangles(device, mesh);
   if (scene.materials[mesh.material].alpha_cutoff > 0) {
     cutouts_.push_back(std::make_unique<Cutout>(Cutout{&scene, &mesh}));
     rtcSetGeometryUserData(geometry, cutouts_.back().get());
     rtcSetGeometryIntersectFilterFunction(geometry, reject_cut_out);
     rtcSetGeometryOccludedFilterFunction(geometry, reject_cut_out);
   }
-  if (mesh.placements.empty()) return attach(embree_scene_.get(), geometry, mesh_id);
+  const bool glass = is_glass(scene, mesh);
+  if (glass) rtcSetGeometryOccludedFilterFunction(geometry, reject_all);
+  if (mesh.placements.empty()) return attach_mesh(geometry, mesh_id, glass);
 
   const std::unique_ptr<RTCSceneTy, Release> shared(rtcNewScene(device));  // its instances keep it alive
   attach(shared.get(), geometry, 0);
@@ -279,7 +329,7 @@ void Intersector::add_mesh(const Scene& scene, unsigned mesh_id) {
     RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(instance, shared.get());
     rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, &mesh.placements[k].world_from_mesh);
-    attach(embree_scene_.get(), instance, first_instance_ + static_cast<unsigned>(placed_.size()));
+    attach_mesh(instance, first_instance_ + static_cast<unsigned>(placed_.size()), glass);
     placed_.push_back({mesh_id, k});
   }
 }

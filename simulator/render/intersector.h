@@ -6,6 +6,7 @@
 #include "simulator/scene/scene.h"
 
 struct RTCDeviceTy;
+struct RTCGeometryTy;
 struct RTCSceneTy;
 
 /// The only code that calls Embree; compiles with Embree 3.13 and 4. A mesh without placements is a geometry in
@@ -40,6 +41,11 @@ class Intersector {
   /// hidden[i] = -1 where lane i is active and something lies between the ray's ends, otherwise 0.
   void occluded(const int active[kPacket], const RayPacket& rays, bool coherent, int hidden[kPacket],
                 int width = kWidth) const;
+  /// Light passes glass: it hides nothing, but is met like everything else.
+  bool has_glass() const { return glass_ != nullptr; }
+  /// Nearest hits on glass of the lanes with active[i] = -1; leaves those of them that meet some. False: none.
+  bool intersect_glass(int active[kPacket], RayPacket& rays) const;
+
   /// The nearest hit of one ray.
   std::optional<Hit> intersect(const Ray& ray) const;
 
@@ -55,12 +61,14 @@ class Intersector {
     void operator()(RTCSceneTy* scene) const;
   };
   void add_mesh(const Scene& scene, unsigned mesh_id);
+  void attach_mesh(RTCGeometryTy* geometry, unsigned id, bool glass);
 
   std::vector<std::unique_ptr<Cutout>> cutouts_;
   unsigned first_instance_ = 0;  ///< Embree's ids below it are meshes
   std::vector<Placed> placed_;   ///< the meshes and placements of the ids from it on
   std::unique_ptr<RTCDeviceTy, Release> device_;
   std::unique_ptr<RTCSceneTy, Release> embree_scene_;
+  std::unique_ptr<RTCSceneTy, Release> glass_;  ///< the same geometries of glass alone; null: there are none
 };
 
 }  // namespace dualpixel::simulator

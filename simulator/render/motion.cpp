@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "simulator/render/camera_rays.h"
+#include "simulator/render/glass_paths.h"
 
 namespace dualpixel::simulator {
 namespace {
@@ -33,7 +34,7 @@ std::optional<glm::dvec2> place_of(const LensSampler& lens, glm::dvec2 slope, gl
 /// What the chief ray of a pixel sees, moved along with its triangle into `later_scene`; w = 0: infinitely far.
 glm::dvec4 seen_point(const RenderScene& world, const CameraView& camera, int x, int y, const Scene& later_scene) {
   const Ray ray = chief_ray(camera, x, y);
-  const std::optional<Hit> hit = world.intersector.intersect(ray);
+  const std::optional<Hit> hit = seen_surface(world, ray);
   if (!hit) return glm::dvec4(ray.direction, 0);
   const Mesh& mesh = later_scene.meshes[hit->mesh];
   const glm::uvec3 corner = mesh.triangles[hit->triangle];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulator/render/glass_paths.h"
 #include "simulator/render/light/surface_lattice.h"
 #include "simulator/render/shading/bsdf.h"
 #include "simulator/render/shading/radiometry.h"
@@ -25,22 +26,6 @@ void set_ray(RayPacket& rays, int i, glm::vec3 origin, glm::vec3 direction, floa
 struct Padded {
   alignas(64) float u[kPacket], v[kPacket];
 };
-
-/// Numbers for the decision `stream` of each path. Each of a mirrored pair has its own: with one light sample for both,
-/// the views would share their noise, and noise at the same position in both pulls disparity to 0.
-void path_samples(Sampling sampling, const SampleIndices& indices, std::uint32_t stream, Padded& out) {
-  if (sampling == Sampling::random) {
-    random_samples(indices, 4 + 2 * stream, out.u);
-    random_samples(indices, 5 + 2 * stream, out.v);
-  } else {
-    padded_samples(indices.first, indices.index_mask, indices.pixel_key, stream, out.u, out.v);
-  }
-}
-
-void write_down(RayLog& log, const int active[kPacket], const RayPacket& rays, bool shadow, bool coherent) {
-  LoggedRays& packet = log.emplace_back(LoggedRays{rays, {}, shadow, coherent});
-  std::copy_n(active, kPacket, packet.active);
-}
 
 /// Rays towards the lights, and what each adds to its path if nothing is in its way.
 struct ShadowRays {
@@ -179,6 +164,7 @@ struct LightSum {
     alignas(64) int hidden[kPacket];
     if (first_set(shadow.active) == kPacket) return;
     world.intersector.occluded(shadow.active, shadow.rays, false, hidden);
+    if (world.intersector.has_glass()) dim_by_glass(world, shadow.active, hidden, shadow.rays, shadow.arriving);
     for (int i = 0; i < kPacket; ++i) {
       if (shadow.active[i] && !hidden[i]) irradiance += shadow.arriving.at(i);
     }
@@ -253,10 +239,11 @@ glm::vec3 gathered_irradiance(const RenderScene& world, const PathOptions& optio
       set_ray(rays, i, start, direction, kInfinity);
       paths.active[i] = glm::dot(up, direction) > 0 ? -1 : 0;
       paths.throughput.set(i, glm::vec3(1));
+      paths.unlit_throughput.set(i, glm::vec3(1));
       paths.radiance.set(i, glm::vec3(0));
       paths.pdf[i] = pdf_counts ? bsdf_pdf(matte, matte.normal, direction) : 0;
       paths.normal.set(i, matte.normal);
-      paths.spacing_m[i] = spacing_m, paths.spread[i] = kGatherSpread;
+      paths.spacing_m[i] = spacing_m, paths.spread[i] = kGatherSpread, paths.before_m[i] = 0;
     }
     const std::uint32_t mask = packets * kPacket / 2 - 1;
     trace_paths(world, options, {static_cast<std::uint32_t>(packet) * kPacket / 2, mask, hash(key, 1)}, bounce, rays,
@@ -391,7 +378,8 @@ void add_known_light(const RenderScene& world, const PathOptions& options, unsig
   constexpr int kCloseBounces = 2;
   const float indirect_spacing = paths.kinds == LightKinds::all ? 4.0f : bounces_left <= kCloseBounces ? 1.0f : 2.0f;
   const Material& material = world.scene.materials[world.scene.meshes[mesh_id].material];
-  const bool possible = world.light_cache && material.normal_texture.texture < 0;  // else normals vary between points
+  const bool possible = world.light_cache && !material.is_glass() && !hits.surface.hair &&
+                        material.normal_texture.texture < 0;  // else normals vary between points
   const bool placed = !world.scene.meshes[mesh_id].placements.empty();
   for (int i = 0; i < kPacket; ++i) known.soft[i] = known.hard[i] = 0, known.nits[i] = 0;
   if (!possible) return;
@@ -426,10 +414,16 @@ class ScatterSamples {
   const Padded& light() { return drawn(0); }
   const Padded& reflection() { return drawn(1); }
   const Padded& roulette() { return drawn(2); }
+  const Padded& strand() { return drawn(3); }
+  const Padded& side() { return drawn(4); }
 
  private:
   const Padded& drawn(int which) {
-    if (!drawn_[which]) path_samples(sampling_, indices_, 3 * bounces_left_ + which, numbers_[which]);
+    constexpr std::uint32_t kStrandStreams = 0x20000;  // beyond all others
+    const std::uint32_t stream = which < 3 ? 3 * bounces_left_ + which : kStrandStreams + 2 * bounces_left_ + which - 3;
+    if (!drawn_[which]) {
+      path_samples(sampling_, indices_, stream, numbers_[which].u, numbers_[which].v);
+    }
     drawn_[which] = true;
     return numbers_[which];
   }
@@ -437,8 +431,8 @@ class ScatterSamples {
   Sampling sampling_;
   const SampleIndices& indices_;
   int bounces_left_;
-  bool drawn_[3] = {};
-  Padded numbers_[3];
+  bool drawn_[5] = {};
+  Padded numbers_[5];
 };
 
 /// Whether to follow something of this size, for which 1 is always followed; what is followed counts 1 / keep.
@@ -454,6 +448,22 @@ glm::vec3 carried(const Surface& s, glm::vec3 to_eye, glm::vec3 to_light, bool w
 
 bool carries_nothing(const SurfacePacket& surface, bool without_diffuse) {
   return surface.lambertian && without_diffuse;
+}
+
+/// How far from its hit a ray begins: 0, or beyond the strand of hair that it would meet at once.
+float way_out(const Hits& hits, int i, glm::vec3 direction) {
+  if (!hits.surface.hair) return 0;
+  const float along = glm::dot(direction, hits.surface.tangent.at(i));
+  return 2.5f * hits.surface.radius_m[i] / std::sqrt(std::max(1 - along * along, 0.01f));
+}
+
+/// Lets the light samples of strands look to one of both sides.
+void turn_to_sides(const int lanes[kPacket], const Padded& numbers, SurfacePacket& surface) {
+  for (int i = 0; i < kPacket; ++i) {
+    if (!lanes[i] || numbers.u[i] < 0.5f) continue;
+    surface.normal.set(i, -surface.normal.at(i));
+    surface.geometric_normal.set(i, -surface.geometric_normal.at(i));
+  }
 }
 
 /// One shadow ray from each hit to a sampled point of a light of these kinds.
@@ -485,7 +495,8 @@ void sample_lights(const RenderScene& world, const int lanes[kPacket], const Hit
     if (arriving == glm::vec3(0) || !keeps(size, roulette.u[i], keep)) continue;
     shadow.arriving.set(i, paths.throughput.at(i) * arriving / keep);
     // stop short of the light's own surface
-    set_ray(shadow.rays, i, hits.start.at(i), direction, l.distance_m[i] * (1 - 1e-4f));
+    const float way = way_out(hits, i, direction);
+    set_ray(shadow.rays, i, hits.start.at(i) + way * direction, direction, l.distance_m[i] * (1 - 1e-4f) - way);
     shadow.active[i] = -1;
   }
 }
@@ -515,9 +526,11 @@ void sample_reflections(const int lanes[kPacket], const Hits& hits, ScatterSampl
   for (int i = 0; i < kPacket; ++i) {
     const bool without_diffuse = known.soft[i] || diffuse_by_lights;
     if (!lanes[i] || carries_nothing(hits.surface, without_diffuse)) continue;
-    const Surface s = hits.surface.at(i);
+    Surface s = hits.surface.at(i);
     const glm::vec3 to_eye = hits.to_eye.at(i);
-    const glm::vec3 direction = sample_bsdf(s, to_eye, samples.reflection().u[i], samples.reflection().v[i]);
+    const float u = samples.reflection().u[i], v = samples.reflection().v[i];
+    const glm::vec3 direction = s.hair ? sample_strand(s, to_eye, {samples.strand().u[i], u, v, samples.strand().v[i]})
+                                       : sample_bsdf(s, to_eye, u, v);
     const float n_l = glm::dot(s.normal, direction);
     const float pdf = bsdf_pdf(s, to_eye, direction);
     if (!(n_l > 0) || !(glm::dot(s.geometric_normal, direction) > 0) || !(pdf > 0)) continue;
@@ -531,7 +544,8 @@ void sample_reflections(const int lanes[kPacket], const Hits& hits, ScatterSampl
     paths.normal.set(i, s.normal);
     paths.spacing_m[i] = hits.spacing_m[i];
     paths.spread[i] += 0.2f * s.roughness;
-    set_ray(rays, i, hits.start.at(i), direction, kInfinity);
+    paths.before_m[i] = 0;
+    set_ray(rays, i, hits.start.at(i) + way_out(hits, i, direction) * direction, direction, kInfinity);
     paths.active[i] = -1;
   }
 }
@@ -543,7 +557,9 @@ void scatter(const RenderScene& world, const PathOptions& options, unsigned mesh
   const bool diffuse_by_lights = bounces_left == 0 && !world.lights.has_emissive();
   Hits hits;
   hits_at(world, mesh_id, lanes, rays, hits);
+  for (int i = 0; i < kPacket; ++i) hits.distance[i] += paths.before_m[i];
   for (int i = 0; i < kPacket; ++i) hits.spacing_m[i] = paths.spacing_m[i] + paths.spread[i] * hits.distance[i];
+  if (hits.surface.hair) turn_to_sides(lanes, samples.side(), hits.surface);
   if (hits.surface.emits) add_emission(world, mesh_id, lanes, rays, hits, paths);
   KnownLight known;
   add_known_light(world, options, mesh_id, lanes, rays, hits, bounces_left, paths, known);
@@ -557,14 +573,16 @@ void see_lights(const RenderScene& world, unsigned mesh_id, const int lanes[kPac
   if (world.scene.materials[world.scene.meshes[mesh_id].material].emission_nits == glm::vec3(0)) return;
   Hits hits;
   hits_at(world, mesh_id, lanes, rays, hits);
+  for (int i = 0; i < kPacket; ++i) hits.distance[i] += paths.before_m[i];
   add_emission(world, mesh_id, lanes, rays, hits, paths);
 }
 
-void add_unhidden(const RenderScene& world, const PathOptions& options, const ShadowRays& shadow, Paths& paths) {
+void add_unhidden(const RenderScene& world, const PathOptions& options, ShadowRays& shadow, Paths& paths) {
   if (first_set(shadow.active) == kPacket) return;
   if (options.log) write_down(*options.log, shadow.active, shadow.rays, true, false);
   alignas(64) int hidden[kPacket];
   world.intersector.occluded(shadow.active, shadow.rays, false, hidden);
+  if (world.intersector.has_glass()) dim_by_glass(world, shadow.active, hidden, shadow.rays, shadow.arriving);
   for (int i = 0; i < kPacket; ++i) {
     if (shadow.active[i] && !hidden[i]) paths.radiance.set(i, paths.radiance.at(i) + shadow.arriving.at(i));
   }
@@ -578,6 +596,9 @@ void advance(const RenderScene& world, const PathOptions& options, RayPacket& ra
   const bool coherent = bounce == 0;
   if (options.log) write_down(*options.log, paths.active, rays, false, coherent);
   world.intersector.intersect(paths.active, rays, coherent);
+  if (world.intersector.has_glass()) {
+    pass_glass(world, options, indices, options.max_bounces - bounce, rays, paths);
+  }
 
   alignas(64) int waiting[kPacket];  // paths that have hit a mesh and are still to be shaded
   bool any_missed = false;
@@ -615,12 +636,6 @@ void advance(const RenderScene& world, const PathOptions& options, RayPacket& ra
 }
 
 }  // namespace
-
-void random_samples(const SampleIndices& indices, std::uint32_t stream, float out[kPacket]) {
-  for (int i = 0; i < kPacket; ++i) {
-    out[i] = unit_float(static_cast<std::uint32_t>(hash(indices.pixel_key, 2 * indices.first + i, stream) >> 32));
-  }
-}
 
 void trace_paths(const RenderScene& world, const PathOptions& options, const SampleIndices& indices, int bounce,
                  RayPacket& rays, Paths& paths) {

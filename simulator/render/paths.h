@@ -1,53 +1,10 @@
 #pragma once
-#include <cstdint>
-#include <limits>
-#include <optional>
-
-#include "simulator/render/ray_log.h"
-#include "simulator/render/render_options.h"
+#include "simulator/render/path_state.h"
 #include "simulator/render/render_scene.h"
-#include "simulator/render/vec3_packet.h"
 
 /// Light along paths through the scene, sixteen at a time. Diffuse light comes from points on surfaces, where it was
 /// computed once for all paths; reflections that depend on the direction are sampled by each path.
 namespace dualpixel::simulator {
-
-struct PathOptions {
-  int max_bounces = 0;                         ///< as in RenderOptions
-  std::optional<double> ideal_aperture_scale;  ///< as in RenderOptions
-  Sampling sampling = Sampling::mirrored;
-  std::optional<int> color;  ///< as in RenderOptions
-  RayLog* log = nullptr;     ///< set: gets every packet that is traced, too; one log serves one thread
-};
-
-/// Which of a pixel's samples a packet holds: `first` of each half packet.
-struct SampleIndices {
-  std::uint32_t first, index_mask;
-  std::uint64_t pixel_key;
-};
-
-/// What a path's `pdf` says of rays whose light is counted in full where they meet a light.
-inline constexpr float kCountedInFull = std::numeric_limits<float>::infinity();
-
-/// Light carried along the sixteen paths of one packet.
-struct Paths {
-  alignas(64) int active[kPacket];  ///< -1 or 0, as Embree wants it
-  Vec3Packet throughput, radiance;
-  /// What of `throughput` counts on unlit surfaces beyond the last reflection: diffuse reflection does not see them
-  /// there.
-  Vec3Packet unlit_throughput;
-  /// Solid-angle density of the ray's direction, if light samples could have found the same light: infinite for camera
-  /// rays, 0 where they have found all of it.
-  alignas(64) float pdf[kPacket];
-  Vec3Packet normal;  ///< of the surface that the ray left; unset for camera rays
-  /// ... and the kinds of light that they sampled. Soft: at points of light, for which unlit surfaces are reflections.
-  LightKinds kinds = LightKinds::all;
-  /// Between points of light on the surface that the ray meets: so much at its start, and so much more for each meter.
-  alignas(64) float spacing_m[kPacket], spread[kPacket];
-};
-
-/// Independent numbers, all `stream`s of one sample different.
-void random_samples(const SampleIndices& indices, std::uint32_t stream, float out[kPacket]);
 
 /// Follows all active paths from reflection `bounce` on to the last, and adds up their radiance.
 void trace_paths(const RenderScene& world, const PathOptions& options, const SampleIndices& indices, int bounce,

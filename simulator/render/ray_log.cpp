@@ -1,6 +1,13 @@
 #include "simulator/render/ray_log.h"
 
+#include <algorithm>
+
 namespace dualpixel::simulator {
+
+void write_down(RayLog& log, const int active[kPacket], const RayPacket& rays, bool shadow, bool coherent) {
+  LoggedRays& packet = log.emplace_back(LoggedRays{rays, {}, shadow, coherent});
+  std::copy_n(active, kPacket, packet.active);
+}
 
 std::size_t replay(const Intersector& intersector, const RayLog& log, int width) {
   std::size_t met = 0;

@@ -17,6 +17,8 @@ struct LoggedRays {
 
 using RayLog = std::vector<LoggedRays>;
 
+void write_down(RayLog& log, const int active[kPacket], const RayPacket& rays, bool shadow, bool coherent);
+
 /// In packets of `width` (1, 8 or 16) on the calling thread. Returns how many rays met something.
 std::size_t replay(const Intersector& intersector, const RayLog& log, int width);
 

@@ -6,6 +6,7 @@
 
 #include "simulator/lens/disparity_field.h"
 #include "simulator/render/camera_rays.h"
+#include "simulator/render/glass_paths.h"
 #include "simulator/render/shading/surface.h"
 
 namespace dualpixel::simulator {
@@ -37,7 +38,7 @@ void trace_truth_rows(const RenderScene& world, const CameraView& camera, int fi
     const glm::mat3 rotation(camera.pose(y));
     for (int x = 0; x < truth.depth_m.width; ++x) {
       const Ray ray = chief_ray(camera, x, y);
-      if (const std::optional<Hit> hit = world.intersector.intersect(ray)) {
+      if (const std::optional<Hit> hit = seen_surface(world, ray)) {
         const Mesh& mesh = world.scene.meshes[hit->mesh];
         const glm::vec3 normal = glm::transpose(rotation) * geometric_normal(mesh, *hit, ray.direction);
         truth.depth_m.at(x, y) = hit->t;

@@ -33,8 +33,12 @@ void scale_to(Scene& scene, double longest_m) {
   for (Mesh& mesh : scene.meshes) {
     if (mesh.placements.empty()) {
       for (glm::vec3& p : mesh.positions) p *= factor;
+      for (float& radius : mesh.radii) radius *= factor;
     }
     for (Placement& placement : mesh.placements) placement.world_from_mesh *= factor;
+  }
+  for (Material& material : scene.materials) {
+    if (material.layers) material.layers->absorption_per_m /= factor;
   }
   for (PunctualLight& light : scene.lights) {
     light.position *= factor;

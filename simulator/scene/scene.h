@@ -56,6 +56,21 @@ struct TextureSlot {
   std::array<float, 6> uv_from_uv = {1, 0, 0, 0, 1, 0};  ///< row-major 2x3
 };
 
+/// What glTF's extensions of the metallic-roughness material add: KHR_materials_ior, _specular, _clearcoat, _sheen,
+/// _transmission and _volume. The same all over the material.
+struct Layers {
+  float ior = 1.5f;             ///< at least 1, or 0: reflects all
+  float specular = 1;           ///< of the dielectric's reflection, at all angles
+  glm::vec3 specular_color{1};  ///< of the same, head-on
+  float clearcoat = 0;          ///< share of the surface under a coat of ior 1.5
+  float clearcoat_roughness = 0;
+  glm::vec3 sheen_color{0};
+  float sheen_roughness = 0;
+  float transmission = 0;         ///< share of the light that enters which passes through, instead of being diffuse
+  bool solid = false;             ///< the mesh encloses its glass; otherwise it is a thin pane
+  glm::vec3 absorption_per_m{0};  ///< of solid glass
+};
+
 struct Material {
   glm::vec4 base_color{1};
   float metallic = 1;
@@ -69,6 +84,10 @@ struct Material {
   TextureSlot metallic_roughness_texture;  ///< G roughness, B metallic
   TextureSlot emissive_texture;
   TextureSlot normal_texture;
+  std::optional<Layers> layers;  ///< empty: none of them
+
+  /// Lets light pass.
+  bool is_glass() const { return layers && layers->transmission > 0 && !unlit; }
 };
 
 /// One instance of a shared mesh.
@@ -87,12 +106,17 @@ struct Mesh {
   std::vector<glm::vec2> uv1;
   std::vector<glm::vec4> colors;  ///< linear, multiplies the base color
   std::vector<glm::uvec3> triangles;
+  /// Not empty: strands of hair in world space, with the radius at each vertex, m. Their segments stand in for
+  /// triangles: from corner x to corner y; z repeats x.
+  std::vector<float> radii;
   int material = 0;             ///< index into Scene::materials
   std::uint32_t object_id = 0;  ///< 1-based index of the glTF node
   bool person = false;          ///< node or an ancestor has extras {"category": "person"}
   /// Not empty: the mesh appears once per placement and nowhere else, with the placement's object and person. Such a
   /// mesh must not emit: light is sampled from triangles in world space.
   std::vector<Placement> placements;
+
+  bool is_hair() const { return !radii.empty(); }
 };
 
 /// KHR_lights_punctual, in world space.
@@ -133,5 +157,10 @@ struct Scene {
   std::string source_hash;                ///< of the bytes of the glTF file and of all that it names
   std::vector<std::string> warnings;      ///< one line each: zero-area triangles left out, features ignored, ...
 };
+
+/// Whether light passes the mesh's surface.
+inline bool is_glass(const Scene& scene, const Mesh& mesh) {
+  return !mesh.is_hair() && scene.materials[mesh.material].is_glass();
+}
 
 }  // namespace dualpixel::simulator

@@ -28,7 +28,7 @@ void Lights::make_near_lights(float radius_squared) {
   for (unsigned m = 0; m < scene_.meshes.size(); ++m) {
     const Mesh& mesh = scene_.meshes[m];
     const Material& material = scene_.materials[mesh.material];
-    if (luminance(material.emission_nits) <= 0 || material.unlit) continue;
+    if (luminance(material.emission_nits) <= 0 || material.unlit || mesh.is_hair()) continue;
     first_triangle_of_mesh_[m] = static_cast<int>(triangles_.size());
     for (unsigned t = 0; t < mesh.triangles.size(); ++t) {
       const glm::uvec3& corners = mesh.triangles[t];

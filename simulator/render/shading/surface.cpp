@@ -6,6 +6,8 @@
 #include <cstring>
 #include <optional>
 
+#include "simulator/render/shading/hair.h"
+
 namespace dualpixel::simulator {
 namespace {
 
@@ -271,8 +273,17 @@ struct Placing {
 }  // namespace
 
 Surface SurfacePacket::at(int i) const {
-  return {position.at(i),   geometric_normal.at(i),          normal.at(i),
-          base_color.at(i), lambertian ? 0.0f : metallic[i], lambertian ? 1.0f : roughness[i]};
+  if (hair) {
+    return {position.at(i), geometric_normal.at(i), normal.at(i), base_color.at(i), 0, roughness[i], nullptr,
+            true,           tangent.at(i),          across[i]};
+  }
+  return {position.at(i),
+          geometric_normal.at(i),
+          normal.at(i),
+          base_color.at(i),
+          lambertian ? 0.0f : metallic[i],
+          lambertian ? 1.0f : roughness[i],
+          layers};
 }
 
 void base_colors_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RayPacket& rays,
@@ -280,10 +291,41 @@ void base_colors_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacke
   base_colors_at(scene, mesh, lanes, triangles_of(mesh, lanes, rays), rays, out);
 }
 
-void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RayPacket& rays,
-                 SurfacePacket& s) {
+namespace {
+
+glm::vec3 side_of(glm::vec3 tangent, glm::vec3 to_eye) {
+  const glm::vec3 flat = to_eye - glm::dot(to_eye, tangent) * tangent;
+  const glm::vec3 any = glm::cross(tangent, std::abs(tangent.x) < 0.5f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0));
+  return glm::normalize(glm::dot(flat, flat) > 1e-8f ? flat : any);
+}
+
+/// Position, sides and tangent where rays meet strands.
+void strands_at(const Mesh& mesh, const int lanes[kPacket], const RayPacket& rays, SurfacePacket& s) {
+  s.hair = true;
+  for (int i = 0; i < kPacket; ++i) {
+    s.position.set(i, glm::vec3(0)), s.tangent.set(i, {1, 0, 0});
+    s.normal.set(i, {0, 0, 1}), s.geometric_normal.set(i, {0, 0, 1});
+    s.across[i] = s.radius_m[i] = s.magnitude[i] = 0;
+    if (!lanes[i]) continue;
+    const glm::uvec3 ends = mesh.triangles[rays.triangle[i]];
+    const glm::vec3 start = mesh.positions[ends.x], along = mesh.positions[ends.y] - start;
+    const glm::vec3 direction(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]);
+    const glm::vec3 origin(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]);
+    const glm::vec3 position = origin + rays.far[i] * direction;
+    const glm::vec3 tangent = glm::normalize(along), to_eye = -glm::normalize(direction);
+    const float radius = glm::mix(mesh.radii[ends.x], mesh.radii[ends.y], rays.u[i]);
+    s.position.set(i, position), s.tangent.set(i, tangent);
+    s.normal.set(i, side_of(tangent, to_eye)), s.geometric_normal.set(i, s.normal.at(i));
+    s.across[i] = across_strand(tangent, to_eye, (position - start - rays.u[i] * along) / radius);
+    s.radius_m[i] = radius;
+    s.magnitude[i] = std::max({std::abs(position.x), std::abs(position.y), std::abs(position.z)});
+  }
+}
+
+/// Position and normals where rays meet triangles.
+void points_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const TrianglePacket& t,
+               const RayPacket& rays, SurfacePacket& s) {
   const Material& material = scene.materials[mesh.material];
-  const TrianglePacket t = triangles_of(mesh, lanes, rays);
   const Corners p(mesh.positions, t);
   Vec3Packet &g = s.geometric_normal, &n = s.normal;
 #pragma GCC ivdep
@@ -337,10 +379,24 @@ void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket],
     const float side = facing < 0 ? -1.0f : 1.0f;
     n.x[i] *= side, n.y[i] *= side, n.z[i] *= side;
   }
+}
+
+}  // namespace
+
+void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RayPacket& rays,
+                 SurfacePacket& s) {
+  const Material& material = scene.materials[mesh.material];
+  const TrianglePacket t = triangles_of(mesh, lanes, rays);
+  if (mesh.is_hair()) {
+    strands_at(mesh, lanes, rays, s);
+  } else {
+    points_at(scene, mesh, lanes, t, rays, s);
+  }
   base_colors_at(scene, mesh, lanes, t, rays, s.base_color);
 
   const bool textured = material.metallic_roughness_texture.texture >= 0;
-  s.lambertian = material.metallic == 0 && material.roughness >= 1 && !textured;
+  s.layers = material.layers ? &*material.layers : nullptr;
+  s.lambertian = material.metallic == 0 && material.roughness >= 1 && !textured && !s.layers && !s.hair;
   if (!s.lambertian) {
     for (int i = 0; i < kPacket; ++i) {
       s.metallic[i] = material.metallic;
@@ -360,11 +416,20 @@ void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket],
   }
 }
 
-glm::vec3 geometric_normal(const Mesh& mesh, const Hit& hit, glm::vec3 ray_direction) {
+glm::vec3 outward_normal(const Mesh& mesh, const Hit& hit) {
   const glm::uvec3& t = mesh.triangles[hit.triangle];
   const glm::vec3 p = mesh.positions[t.x];
   glm::vec3 n = glm::normalize(glm::cross(mesh.positions[t.y] - p, mesh.positions[t.z] - p));
   if (!mesh.placements.empty()) n = glm::normalize(axes_of(mesh.placements[hit.placement]).normals * n);
+  return n;
+}
+
+glm::vec3 geometric_normal(const Mesh& mesh, const Hit& hit, glm::vec3 ray_direction) {
+  if (mesh.is_hair()) {
+    const glm::uvec3 ends = mesh.triangles[hit.triangle];
+    return side_of(glm::normalize(mesh.positions[ends.y] - mesh.positions[ends.x]), -glm::normalize(ray_direction));
+  }
+  const glm::vec3 n = outward_normal(mesh, hit);
   return glm::dot(n, ray_direction) > 0 ? -n : n;
 }
 

@@ -17,6 +17,10 @@ struct Surface {
   glm::vec3 base_color{0};
   float metallic = 0;
   float roughness = 1;
+  const Layers* layers = nullptr;  ///< of the material; null: none
+  bool hair = false;               ///< a strand: normals are only sides of it
+  glm::vec3 tangent{0};            ///< unit, along the strand
+  float across = 0;                ///< as in HairStrand
 };
 
 /// Sixteen of them, on one mesh.
@@ -25,7 +29,11 @@ struct SurfacePacket {
   alignas(64) float metallic[kPacket], roughness[kPacket];
   alignas(64) float magnitude[kPacket];  ///< of the largest coordinate that rounding errors of `position` go by
   bool emits = false;                    ///< otherwise emission_nits is not filled in
-  bool lambertian = false;               ///< metallic 0 and roughness 1 throughout; otherwise those two are filled in
+  bool lambertian = false;  ///< metallic 0, roughness 1, no layers throughout; otherwise the former are filled in
+  const Layers* layers = nullptr;  ///< of the mesh's material
+  bool hair = false;               ///< strands; otherwise what follows is not filled in
+  Vec3Packet tangent;
+  alignas(64) float across[kPacket], radius_m[kPacket];
 
   Surface at(int i) const;
 };
@@ -44,7 +52,10 @@ void surfaces_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket],
 void base_colors_at(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], const RayPacket& rays,
                     Vec3Packet& out);
 
-/// Unit, on the side that the ray came from. `hit` lies on `mesh`.
+/// Unit, on the side from which a triangle's corners turn counter-clockwise. `hit` lies on `mesh`.
+glm::vec3 outward_normal(const Mesh& mesh, const Hit& hit);
+
+/// The same, or a side of a strand of hair, on the side that the ray came from.
 glm::vec3 geometric_normal(const Mesh& mesh, const Hit& hit, glm::vec3 ray_direction);
 
 /// Emitted radiance, nits. `u`, `v`: Embree's barycentrics, weights of the triangle's second and third vertex.

@@ -57,6 +57,7 @@ constexpr AttributeRule kAttributeRules[] = {
     {"NORMAL", "VEC3", plain(kFloat), kNormalizedSigned, "VEC3 of FLOAT"},
     {"TEXCOORD_", "VEC2", kFloatOrNormalized, kAnySmallInteger, "VEC2 of FLOAT or normalized UNSIGNED_BYTE or _SHORT"},
     {"COLOR_", "VEC3 VEC4", kFloatOrNormalized, 0, "VEC3 or VEC4 of FLOAT or normalized UNSIGNED_BYTE or _SHORT"},
+    {"_WIDTH", "SCALAR", plain(kFloat), 0, "SCALAR of FLOAT"},
     {"JOINTS_", "VEC4", plain(kUnsignedByte) | plain(kUnsignedShort), 0, "VEC4 of UNSIGNED_BYTE or UNSIGNED_SHORT"},
     {"WEIGHTS_", "VEC4", kFloatOrNormalized, 0, "VEC4 of FLOAT or normalized UNSIGNED_BYTE or _SHORT"},
 };
@@ -372,6 +373,30 @@ class Checker {
     Item strength = child(extensions, "KHR_materials_emissive_strength");
     strength.fields.number("emissiveStrength", number, 0, kLargestNumber);
     child(extensions, "KHR_materials_unlit");
+    check_layers(extensions);
+  }
+
+  /// Textures of these extensions are not read, and so not checked.
+  void check_layers(const Item& extensions) const {
+    constexpr double kHighestIor = 10;
+    double number = 0, index = 1.5;
+    Item ior = child(extensions, "KHR_materials_ior");
+    ior.fields.number("ior", index, 0, kHighestIor);
+    if (index > 0 && index < 1)
+      ior.fields.fail("ior", fmt::format("{:g}: must be 0 or in [1, {}]", index, kHighestIor));
+    Item specular = child(extensions, "KHR_materials_specular");
+    specular.fields.number("specularFactor", number, 0, 1);
+    numbers<3>(specular, "specularColorFactor", {1, 1, 1}, 0, kLargestNumber);
+    Item coat = child(extensions, "KHR_materials_clearcoat");
+    coat.fields.number("clearcoatFactor", number, 0, 1).number("clearcoatRoughnessFactor", number, 0, 1);
+    Item sheen = child(extensions, "KHR_materials_sheen");
+    numbers<3>(sheen, "sheenColorFactor", {0, 0, 0}, 0, 1);
+    sheen.fields.number("sheenRoughnessFactor", number, 0, 1);
+    child(extensions, "KHR_materials_transmission").fields.number("transmissionFactor", number, 0, 1);
+    Item volume = child(extensions, "KHR_materials_volume");
+    volume.fields.number("thicknessFactor", number, 0, kLargestNumber);
+    volume.fields.number("attenuationDistance", number, 1e-9, kLargestNumber);
+    numbers<3>(volume, "attenuationColor", {1, 1, 1}, 0, 1);
   }
 
   /// Every attribute that is listed: of a type that its name allows, and one element per vertex.

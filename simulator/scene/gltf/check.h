@@ -7,9 +7,11 @@
 namespace dualpixel::simulator {
 
 /// The extensions that are understood; any other one that a file requires is refused.
-inline constexpr const char* kSupportedExtensions[] = {"KHR_lights_punctual", "KHR_texture_transform",
-                                                       "KHR_materials_emissive_strength", "KHR_materials_unlit",
-                                                       "KHR_mesh_quantization"};
+inline constexpr const char* kSupportedExtensions[] = {
+    "KHR_lights_punctual",        "KHR_texture_transform",   "KHR_materials_emissive_strength",
+    "KHR_materials_unlit",        "KHR_mesh_quantization",   "KHR_materials_ior",
+    "KHR_materials_specular",     "KHR_materials_clearcoat", "KHR_materials_sheen",
+    "KHR_materials_transmission", "KHR_materials_volume"};
 
 /// Checks the JSON of a glTF 2.0 file: the type and range of every field that the reader uses, every reference from one
 /// array into another, and that accessors lie within their views and views within their buffers. What passes can be

@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <tuple>
 
@@ -167,6 +169,69 @@ class TextureTable {
   TexelsLeft left_;
 };
 
+/// One of a material's extensions, and its numbers where it has them.
+class ExtensionValues {
+ public:
+  ExtensionValues(const tinygltf::Material& material, const char* name) {
+    const auto found = material.extensions.find(name);
+    if (found != material.extensions.end()) values_ = &found->second;
+  }
+  float number(const char* key, float absent) const {
+    return values_ && values_->Has(key) ? static_cast<float>(values_->Get(key).GetNumberAsDouble()) : absent;
+  }
+  glm::vec3 color(const char* key, glm::vec3 absent) const {
+    if (!values_ || !values_->Has(key)) return absent;
+    const tinygltf::Value& rgb = values_->Get(key);
+    for (int c = 0; c < 3; ++c) absent[c] = static_cast<float>(rgb.Get(c).GetNumberAsDouble());
+    return absent;
+  }
+
+ private:
+  const tinygltf::Value* values_ = nullptr;
+};
+
+/// Beer's law: what is left after `distance_m` is `color`.
+glm::vec3 absorption_of(glm::vec3 color, float distance_m) {
+  constexpr float kDarkest = 1e-6f;  // black would be infinitely absorbing
+  return -glm::log(glm::max(color, glm::vec3(kDarkest))) / distance_m;
+}
+
+std::optional<Layers> read_layers(const tinygltf::Material& source) {
+  const ExtensionValues ior(source, "KHR_materials_ior"), specular(source, "KHR_materials_specular"),
+      coat(source, "KHR_materials_clearcoat"), sheen(source, "KHR_materials_sheen"),
+      transmission(source, "KHR_materials_transmission"), volume(source, "KHR_materials_volume");
+  Layers y;
+  y.ior = ior.number("ior", y.ior);
+  y.specular = specular.number("specularFactor", y.specular);
+  y.specular_color = specular.color("specularColorFactor", y.specular_color);
+  y.clearcoat = coat.number("clearcoatFactor", 0);
+  y.clearcoat_roughness = coat.number("clearcoatRoughnessFactor", 0);
+  y.sheen_color = sheen.color("sheenColorFactor", y.sheen_color);
+  y.sheen_roughness = sheen.number("sheenRoughnessFactor", 0);
+  y.transmission = transmission.number("transmissionFactor", 0);
+  y.solid = y.transmission > 0 && volume.number("thicknessFactor", 0) > 0;
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  if (y.solid) {
+    y.absorption_per_m =
+        absorption_of(volume.color("attenuationColor", glm::vec3(1)), volume.number("attenuationDistance", kFar));
+  }
+  const bool plain = y.ior == 1.5f && y.specular == 1 && y.specular_color == glm::vec3(1) && y.clearcoat == 0 &&
+                     y.sheen_color == glm::vec3(0) && y.transmission == 0;
+  return plain ? std::nullopt : std::optional(y);
+}
+
+/// Names of textures in these extensions, which are not read.
+std::vector<std::string> unread_textures(const tinygltf::Material& source) {
+  std::vector<std::string> names;
+  for (const auto& [extension, value] : source.extensions) {
+    if (!extension.starts_with("KHR_materials_") || !value.IsObject()) continue;
+    for (const std::string& key : value.Keys()) {
+      if (key.ends_with("Texture")) names.push_back(extension + "/" + key);
+    }
+  }
+  return names;
+}
+
 Material read_material(const tinygltf::Material& source, TextureTable& textures) {
   const tinygltf::PbrMetallicRoughness& surface = source.pbrMetallicRoughness;
   Material material;
@@ -190,6 +255,7 @@ Material read_material(const tinygltf::Material& source, TextureTable& textures)
   material.metallic_roughness_texture = textures.slot(surface.metallicRoughnessTexture, false);
   material.emissive_texture = textures.slot(source.emissiveTexture, true);
   material.normal_texture = textures.slot(source.normalTexture, false);
+  material.layers = read_layers(source);
   return material;
 }
 
@@ -202,6 +268,10 @@ void read_materials(const GltfFile& file, Scene& scene, std::int64_t texels_in_m
     if (file.model.materials[i].alphaMode == "BLEND") {
       scene.warnings.push_back(
           fmt::format("{}: /materials/{}/alphaMode: BLEND is taken as MASK at 0.5", printable(file.name), i));
+    }
+    for (const std::string& texture : unread_textures(file.model.materials[i])) {
+      scene.warnings.push_back(fmt::format("{}: /materials/{}/extensions/{} is ignored: its factor holds all over",
+                                           printable(file.name), i, printable(texture)));
     }
   }
   scene.materials.emplace_back();

@@ -104,6 +104,33 @@ std::vector<glm::uvec3> triangles_of(const std::vector<std::uint32_t>& v, int mo
   return triangles;
 }
 
+/// Lines with widths are strands of hair.
+bool is_strands(const tinygltf::Primitive& primitive) {
+  return primitive.mode >= TINYGLTF_MODE_LINE && primitive.mode <= TINYGLTF_MODE_LINE_STRIP &&
+         primitive.attributes.count("_WIDTH") > 0;
+}
+
+/// Lines, loops and strips as a list of segments, as Mesh has them (glTF 2.0, section 3.7.2.1).
+std::vector<glm::uvec3> segments_of(const std::vector<std::uint32_t>& v, int mode) {
+  std::vector<glm::uvec3> segments;
+  const std::size_t step = mode == TINYGLTF_MODE_LINE ? 2 : 1;
+  for (std::size_t i = 0; i + 1 < v.size(); i += step) segments.emplace_back(v[i], v[i + 1], v[i]);
+  if (mode == TINYGLTF_MODE_LINE_LOOP && v.size() > 2) segments.emplace_back(v.back(), v.front(), v.back());
+  return segments;
+}
+
+std::vector<float> read_radii(const GltfFile& file, int accessor) {
+  std::vector<float> radii = read_floats(file, accessor);
+  for (std::size_t i = 0; i < radii.size(); ++i) {
+    if (!(radii[i] > 0)) {
+      fail_gltf(file.name, fmt::format("/accessors/{}", accessor),
+                fmt::format("width {:g} of vertex {}: must be above 0", radii[i], i));
+    }
+    radii[i] *= 0.5f;
+  }
+  return radii;
+}
+
 /// Twice the area times the face normal; 0 where the triangle is a line or a point, up to float rounding.
 glm::dvec3 area_vector(const Mesh& mesh, const glm::uvec3& t) {
   const glm::dvec3 a = mesh.positions[t.x], b = mesh.positions[t.y], c = mesh.positions[t.z];
@@ -121,6 +148,10 @@ Mesh read_vertices(const GltfFile& file, const tinygltf::Primitive& primitive, c
   mesh.uv0 = read_vectors<glm::vec2>(file, accessor_of(attributes, "TEXCOORD_0"));
   mesh.uv1 = read_vectors<glm::vec2>(file, accessor_of(attributes, "TEXCOORD_1"));
   mesh.colors = read_colors(file, accessor_of(attributes, "COLOR_0"));
+  if (is_strands(primitive)) {
+    mesh.radii = read_radii(file, accessor_of(attributes, "_WIDTH"));
+    mesh.normals.clear();
+  }
   for (std::size_t i = 0; i < std::min(weights.size(), primitive.targets.size()); ++i) {
     if (weights[i] == 0) continue;
     add_morph_target(file, accessor_of(primitive.targets[i], "POSITION"), weights[i], mesh.positions);
@@ -146,6 +177,7 @@ void pose_and_connect(const GltfFile& file, const tinygltf::Primitive& primitive
                             world.y, world.z, kFarthestVertex_m));
     }
     mesh.positions[i] = world;
+    if (mesh.is_hair()) mesh.radii[i] *= static_cast<float>(std::cbrt(std::abs(determinant)));
     if (!mesh.normals.empty()) mesh.normals[i] = transformed_normal(matrix, mesh.normals[i], determinant);
   }
 
@@ -155,6 +187,12 @@ void pose_and_connect(const GltfFile& file, const tinygltf::Primitive& primitive
   } else {
     vertices.resize(mesh.positions.size());
     for (std::size_t i = 0; i < vertices.size(); ++i) vertices[i] = static_cast<std::uint32_t>(i);
+  }
+  if (mesh.is_hair()) {
+    for (const glm::uvec3& s : segments_of(vertices, primitive.mode)) {
+      if (mesh.positions[s.x] != mesh.positions[s.y]) mesh.triangles.push_back(s);
+    }
+    return;
   }
   for (glm::uvec3 t : triangles_of(vertices, primitive.mode)) {
     if (mirrored[t.x]) std::swap(t.y, t.z);
@@ -188,7 +226,7 @@ glm::dmat4 own_from_file(const std::vector<glm::vec3>& positions) {
 Mesh read_primitive(const GltfFile& file, int mesh_index, int primitive_index, const std::vector<double>& weights,
                     const MeshPose& pose, std::size_t& zero_area) {
   const tinygltf::Primitive& primitive = file.model.meshes[mesh_index].primitives[primitive_index];
-  if (primitive.mode < TINYGLTF_MODE_TRIANGLES) return {};
+  if (primitive.mode < TINYGLTF_MODE_TRIANGLES && !is_strands(primitive)) return {};
   Mesh mesh = read_vertices(file, primitive, weights);
   pose_and_connect(file, primitive, pose, zero_area, mesh);
   return mesh;

@@ -19,7 +19,8 @@ struct MeshPose {
 
 /// One primitive of a glTF mesh in world space, morphed by `weights` (one for each target, or none), as a list of
 /// triangles whose winding agrees with the normals even where the pose mirrors. Triangles without area are left out;
-/// `zero_area` counts them. The result has no triangles for points and lines. Material, object and person are left to
+/// `zero_area` counts them. Lines with a width at each vertex (attribute _WIDTH, meters of the mesh) are strands of
+/// hair; of other lines and points the result has none. Material, object and person are left to
 /// the caller. Throws InputError on indices beyond the vertices or joints, non-finite values, and vertices more than
 /// 1e6 m from the origin.
 Mesh read_primitive(const GltfFile& file, int mesh, int primitive, const std::vector<double>& weights,

@@ -356,5 +356,36 @@ TEST(GltfGeometry, PunctualLights) {
   EXPECT_EQ(scene.lights[2].range_m, 0);
 }
 
+TEST(GltfGeometry, LinesWithWidthsAreStrands) {
+  for (const int mode : {1, 2, 3}) {
+    GltfBuilder gltf;
+    auto& p = gltf.primitive();
+    p["attributes"]["POSITION"] = gltf.add_accessor<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 1, 1, 1}, "VEC3");
+    p["attributes"]["_WIDTH"] = gltf.add_accessor<float>({0.1f, 0.2f, 0.3f, 0.4f}, "SCALAR");
+    p["mode"] = mode;
+    gltf.root["nodes"] = {{{"mesh", 0}, {"scale", {2, 2, 2}}}};
+    gltf.root["scenes"] = {{{"nodes", {0}}}};
+    const Scene scene = gltf.read();
+    const Mesh& mesh = scene.meshes.at(0);
+    EXPECT_TRUE(mesh.is_hair());
+    EXPECT_FLOAT_EQ(mesh.radii.at(1), 0.2f);  // half of the width, twice as large
+    EXPECT_EQ(mesh.positions.at(3), glm::vec3(2, 2, 2));
+    const std::size_t segments[] = {0, 2, 4, 3};
+    ASSERT_EQ(mesh.triangles.size(), segments[mode]);
+    EXPECT_EQ(mesh.triangles[1], mode == 1 ? glm::uvec3(2, 3, 2) : glm::uvec3(1, 2, 1));
+  }
+}
+
+TEST(GltfGeometry, WidthsMustBePositive) {
+  GltfBuilder gltf;
+  auto& p = gltf.primitive();
+  p["attributes"]["POSITION"] = gltf.add_accessor<float>({0, 0, 0, 1, 0, 0}, "VEC3");
+  p["attributes"]["_WIDTH"] = gltf.add_accessor<float>({0.1f, 0}, "SCALAR");
+  p["mode"] = 1;
+  gltf.root["nodes"] = {{{"mesh", 0}}};
+  gltf.root["scenes"] = {{{"nodes", {0}}}};
+  EXPECT_NE(refusal([&] { gltf.read(); }).find("width 0 of vertex 1: must be above 0"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace dualpixel::simulator

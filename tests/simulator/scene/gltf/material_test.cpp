@@ -63,6 +63,64 @@ GltfBuilder textured(const std::string& image) {
   return gltf;
 }
 
+TEST(GltfMaterial, Layers) {
+  GltfBuilder gltf = one_triangle();
+  gltf.root["materials"] = {
+      {{"extensions",
+        {{"KHR_materials_ior", {{"ior", 1.33}}},
+         {"KHR_materials_specular", {{"specularFactor", 0.5}, {"specularColorFactor", {1, 2, 3}}}},
+         {"KHR_materials_clearcoat", {{"clearcoatFactor", 0.25}, {"clearcoatRoughnessFactor", 0.125}}},
+         {"KHR_materials_sheen", {{"sheenColorFactor", {0.1, 0.2, 0.3}}, {"sheenRoughnessFactor", 0.75}}},
+         {"KHR_materials_transmission", {{"transmissionFactor", 0.875}}},
+         {"KHR_materials_volume",
+          {{"thicknessFactor", 0.01}, {"attenuationDistance", 2}, {"attenuationColor", {1, 0.5, 0}}}}}}},
+      {{"extensions", {{"KHR_materials_ior", {{"ior", 1.5}}}, {"KHR_materials_transmission", json::object()}}}},
+      {{"extensions",
+        {{"KHR_materials_transmission", {{"transmissionFactor", 1}, {"transmissionTexture", {{"index", 0}}}}}}}}};
+  const Scene scene = gltf.read();
+  ASSERT_TRUE(scene.materials[0].layers);
+  const Layers& y = *scene.materials[0].layers;
+  EXPECT_EQ(y.ior, 1.33f);
+  EXPECT_EQ(y.specular, 0.5f);
+  EXPECT_EQ(y.specular_color, glm::vec3(1, 2, 3));
+  EXPECT_EQ(y.clearcoat, 0.25f);
+  EXPECT_EQ(y.clearcoat_roughness, 0.125f);
+  EXPECT_EQ(y.sheen_color, glm::vec3(0.1f, 0.2f, 0.3f));
+  EXPECT_EQ(y.sheen_roughness, 0.75f);
+  EXPECT_EQ(y.transmission, 0.875f);
+  EXPECT_TRUE(y.solid);
+  EXPECT_EQ(y.absorption_per_m.x, 0);
+  EXPECT_NEAR(y.absorption_per_m.y, std::log(2) / 2, 1e-6);  // half is left after 2 m
+  EXPECT_GT(y.absorption_per_m.z, 5);
+  EXPECT_FALSE(scene.materials[1].layers);  // all as without extensions: the plain material
+  EXPECT_TRUE(scene.materials[2].is_glass());
+  EXPECT_FALSE(scene.materials[2].layers->solid);
+  ASSERT_EQ(scene.warnings.size(), 1u);  // textures of extensions are not read
+  EXPECT_NE(scene.warnings[0].find("/materials/2/extensions/KHR_materials_transmission/transmissionTexture"),
+            std::string::npos);
+}
+
+TEST(GltfMaterial, LayersOutOfRangeAreRefused) {
+  const auto refused = [](const char* extension, const char* field, const json& value) {
+    GltfBuilder gltf = one_triangle();
+    gltf.root["materials"] = {{{"extensions", {{extension, {{field, value}}}}}}};
+    const std::string message = refusal([&] { gltf.read(); });
+    EXPECT_NE(message.find(std::string(extension) + "/" + field), std::string::npos) << message;
+  };
+  refused("KHR_materials_ior", "ior", 0.5);
+  refused("KHR_materials_ior", "ior", 11);
+  refused("KHR_materials_specular", "specularFactor", 1.1);
+  refused("KHR_materials_specular", "specularColorFactor", {1, -1, 1});
+  refused("KHR_materials_clearcoat", "clearcoatFactor", -0.1);
+  refused("KHR_materials_clearcoat", "clearcoatRoughnessFactor", 2);
+  refused("KHR_materials_sheen", "sheenColorFactor", {0, 0, 2});
+  refused("KHR_materials_sheen", "sheenRoughnessFactor", "rough");
+  refused("KHR_materials_transmission", "transmissionFactor", 2);
+  refused("KHR_materials_volume", "thicknessFactor", -1);
+  refused("KHR_materials_volume", "attenuationDistance", 0);
+  refused("KHR_materials_volume", "attenuationColor", {1, 1});
+}
+
 TEST(GltfMaterial, FactorsAndFlags) {
   GltfBuilder gltf = one_triangle();
   gltf.root["materials"] = {
