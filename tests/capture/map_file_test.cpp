@@ -76,7 +76,7 @@ TEST(MapFile, RefusesWhatItCannotRead) {
       {npy_bytes("<f4", {2, 2}, four), "ends before its last value"},
       {npy_bytes("<f4", {7}, four),
        "has the shape (7, ); must be (height, width) or (height, width, channels), with at most 4 channels"},
-      {npy_bytes("<f4", {1, 1, 3}, std::string(12, '\0')), "has 3 channels; one is needed"},
+      {npy_bytes("<f4", {2, 1, 3}, std::string(24, '\0')), "has 3 channels; one is needed"},
       {"\x93NUMPY\x01", "is not a NumPy file"},
       {"\x93NUMPY\x01" + std::string(1, '\0') + "\xff\xff{}}}", "ends before its header does"},
       {"Pf\n3 2\n-1.0\n" + four, "ends before its last pixel"},

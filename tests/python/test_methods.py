@@ -116,6 +116,7 @@ def test_stubs_name_what_there_is():
     assert set(dualpixel.__all__) == {name for name in dualpixel.__all__ if hasattr(dualpixel, name)}
 
 
+@pytest.mark.slow
 def test_the_example_draws_its_curves(tmp_path):
     pytest.importorskip("matplotlib")
     example = Path(__file__).resolve().parents[2] / "python/examples/failure_curve.py"

@@ -44,8 +44,7 @@ TEST(ForeignMethod, SaysWhatIsWrong) {
   const std::string form = ": must be NAME=COMMAND, with {left}, {right} and {out} in the command, or a matcher's name";
   EXPECT_EQ(message("a=prog {left} {out}"), "--method a=prog {left} {out}" + form);
   EXPECT_EQ(message("=prog {left} {right} {out}"), "--method =prog {left} {right} {out}" + form);
-  EXPECT_EQ(message("paper=prog {left} {right} {out}"),
-            "--method paper=prog {left} {right} {out}: is the name of a matcher: choose another");
+  EXPECT_EQ(message("paper=prog {left} {right} {out}"), "--method paper: is the name of a matcher: choose another");
   EXPECT_EQ(message("a=true {left} {right} {out}"), "a: its command wrote no {out}");
   EXPECT_EQ(message("a=exit 3; {left} {right} {out}"), "a: its command ended with status 3");
   EXPECT_EQ(message("a=kill -9 $$; {left} {right} {out}"), "a: its command ended with signal 9");
