@@ -145,8 +145,9 @@ void apply_override(json& root, const std::string& assignment) {
   }
   if (path.size() > kLongestOverridePath) refuse(fmt::format("more than {} names", kLongestOverridePath));
 
-  json* target = &root;
+  json *target = &root, *parent = nullptr;
   for (const std::string& name : path) {
+    parent = target;
     if (target->is_array()) {
       const bool digits = name.size() <= 9 && name.find_first_not_of("0123456789") == std::string::npos;
       if (!digits || std::stoul(name) >= target->size()) {
@@ -160,6 +161,7 @@ void apply_override(json& root, const std::string& assignment) {
     }
   }
   *target = json::accept(text) ? parse_json(text, "--set " + assignment) : json(text);
+  if (target->is_null() && parent->is_object()) parent->erase(path.back());
 }
 
 Fields::Fields(const json& object, std::string file, std::string pointer)

@@ -36,6 +36,20 @@ void read_camera(Fields camera, Simulation& s, double& focus_distance_m) {
   camera.done();
 }
 
+/// In photosites, or as `face` in shares of the picture's sides, which suits any size of it.
+void read_face(Fields& root, Simulation& s) {
+  if (root.has("face_px")) root.numbers("face_px", s.face_px.emplace().data(), 4);
+  if (!root.has("face")) return;
+  if (s.face_px) root.fail("face", "give either face or face_px");
+  std::array<double, 4> shares{};
+  root.numbers("face", shares.data(), 4);
+  const auto& [x, y, width, height] = shares;
+  if (!(x >= 0 && y >= 0 && width > 0 && height > 0 && x + width <= 1 && y + height <= 1)) {
+    root.fail("face", "must be x, y, width, height in shares of the picture's sides, and lie in it");
+  }
+  s.face_px = {x * s.sensor.width_px, y * s.sensor.height_px, width * s.sensor.width_px, height * s.sensor.height_px};
+}
+
 constexpr std::uint64_t kAnySeed = std::numeric_limits<std::uint64_t>::max();
 
 constexpr OptionRange<Simulation> kBurstRanges[] = {
@@ -235,7 +249,7 @@ Simulation read_simulation(const nlohmann::json& json, const std::string& path) 
   read_ranges(root, s, kSceneRanges);
   if (root.has("model_size_m"))
     root.number("model_size_m", s.model_size_m.emplace(), kSmallestModel_m, kLargestModel_m);
-  if (root.has("face_px")) root.numbers("face_px", s.face_px.emplace().data(), 4);
+  read_face(root, s);
   read_truth_fields(root.object("truth"), lens, focus_distance_m, s);
   read_render(root.object("render"), s);
   root.done();

@@ -68,6 +68,7 @@ int main(int argc, char** argv) {
   dualpixel::tools::add_calibrate(program);
   dualpixel::tools::add_portrait(program);
   dualpixel::tools::add_score(program);
+  dualpixel::tools::add_evaluate(program);
   dualpixel::tools::add_report(program);
   dualpixel::tools::add_info(program);
   dualpixel::tools::add_lens(program);

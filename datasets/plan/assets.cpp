@@ -12,6 +12,7 @@
 #include "capture/files.h"
 #include "capture/json_fields.h"
 #include "capture/path_beside.h"
+#include "scenes/framing/scene_document.h"
 #include "scenes/kinds/kinds.h"
 
 namespace dualpixel::datasets {
@@ -19,8 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-bool is_gltf(const std::string& path) { return path.ends_with(".glb") || path.ends_with(".gltf"); }
 
 std::string gltf_of(const std::string& path, const json& scene_file) {
   const auto found = scene_file.find("gltf");
@@ -31,7 +30,7 @@ std::string gltf_of(const std::string& path, const json& scene_file) {
 }
 
 Asset file_asset(const std::string& path, double weight) {
-  Asset asset{.scene_file = read_scene_file(path), .path = path, .weight = weight};
+  Asset asset{.scene_file = scenes::read_scene_document(path), .path = path, .weight = weight};
   asset.scene = {{"file", path}, {"xxh64", scene_hash(path, asset.scene_file)}};
   asset.identity = file_hash(gltf_of(path, asset.scene_file));
   return asset;
@@ -70,7 +69,7 @@ std::vector<Asset> folder_assets(const SceneSource& source) {
     named.insert(fs::path(gltf_of(path, assets.back().scene_file)).lexically_normal().string());
   }
   for (const std::string& path : paths) {
-    if (is_gltf(path) && !named.contains(path)) assets.push_back(file_asset(path, 1));
+    if (scenes::is_gltf(path) && !named.contains(path)) assets.push_back(file_asset(path, 1));
   }
   if (assets.empty()) throw InputError(printable(source.folder) + ": holds no scene file and no .glb or .gltf file");
   for (Asset& asset : assets) asset.weight = source.weight / static_cast<double>(assets.size());
@@ -155,14 +154,9 @@ std::array<std::size_t, kSplitCount> split_counts(std::size_t things, const std:
   return counts;
 }
 
-json read_scene_file(const std::string& path) {
-  if (is_gltf(path)) return {{"version", 1}, {"gltf", fs::path(path).filename().string()}};
-  return read_json_file(path);
-}
-
 std::string scene_hash(const std::string& file, const json& scene_file) {
   const std::string gltf = file_hash(gltf_of(file, scene_file));
-  return is_gltf(file) ? gltf : hash_of(file_hash(file) + gltf);
+  return scenes::is_gltf(file) ? gltf : hash_of(file_hash(file) + gltf);
 }
 
 Assets gather_assets(const Recipe& recipe) {

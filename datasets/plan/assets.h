@@ -31,9 +31,6 @@ Assets gather_assets(const Recipe& recipe);
 /// What the scene of a file is known by: a scene file and its glTF file, or a glTF file alone.
 std::string scene_hash(const std::string& file, const nlohmann::json& scene_file);
 
-/// The scene file at `path`; of a glTF file the smallest that names it.
-nlohmann::json read_scene_file(const std::string& path);
-
 /// How many of `things` each split gets, by its share: each that has one gets one at least. Needs as many things as
 /// splits.
 std::array<std::size_t, kSplitCount> split_counts(std::size_t things, const std::array<double, kSplitCount>& shares);

@@ -15,6 +15,7 @@
 #include "datasets/plan/plan.h"
 #include "datasets/render/relations.h"
 #include "datasets/render/sample_folder.h"
+#include "scenes/framing/scene_document.h"
 #include "scenes/kinds/kinds.h"
 #include "simulator/simulate.h"
 
@@ -112,7 +113,7 @@ void work(Board& board, const std::vector<SampleLine>& lines) {
 Capture render_line(const SampleLine& line, const std::string& dataset, std::unique_ptr<simulator::ReadyScene>& ready) {
   const bool drawn = line.scene.contains("kind");
   const std::string path = drawn ? drawn_scene(line.scene, dataset) : line.scene.at("file").get<std::string>();
-  const json as_read = read_scene_file(path);
+  const json as_read = scenes::read_scene_document(path);
   json scene_file = with_set(as_read, line);
   stand_in_for_relations(line, scene_file);
   if (simulator::make_ready(simulator::read_simulation(scene_file, path), ready)) {

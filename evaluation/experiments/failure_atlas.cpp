@@ -8,8 +8,6 @@
 
 #include "evaluation/metrics/disparity_metrics.h"
 #include "evaluation/metrics/statistics.h"
-#include "pipeline/disparity/tile_disparity.h"
-#include "pipeline/disparity/upsample.h"
 
 namespace dualpixel::evaluation {
 namespace {
@@ -18,8 +16,8 @@ constexpr int kBorder = 16;  // 2 tiles
 constexpr double kBrokenShare = 0.1;
 
 nlohmann::ordered_json to_json(const FailureFigures& figures) {
-  nlohmann::ordered_json json = {
-      {"rmse_dp_px", figures.rmse_dp_px}, {"wrong_share", figures.wrong}, {"mean_confidence", figures.confidence}};
+  nlohmann::ordered_json json = {{"rmse_dp_px", figures.rmse_dp_px}, {"wrong_share", figures.wrong}};
+  if (figures.confidence) json["mean_confidence"] = *figures.confidence;
   if (!figures.sigma) return json;
   json["confident_share"] = figures.sigma->confident;
   json["overconfident_error_share"] = figures.sigma->overconfident_errors;
@@ -31,15 +29,13 @@ nlohmann::ordered_json to_json(const FailureFigures& figures) {
 
 nlohmann::ordered_json to_json(const FailureSweep& sweep) {
   nlohmann::ordered_json breaks, steps = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < pipeline::matchers().size(); ++i) {
+  for (std::size_t i = 0; i < sweep.methods.size(); ++i) {
     const std::optional<double> value = sweep.breaks_at(i);
-    breaks[std::string(pipeline::matchers()[i].name)] = value ? fmt::format("{:g}", *value) : "never";
+    breaks[sweep.methods[i]] = value ? fmt::format("{:g}", *value) : "never";
   }
   for (const FailureStep& step : sweep.steps) {
     nlohmann::ordered_json json = {{sweep.row.key, step.value}};
-    for (std::size_t i = 0; i < step.matchers.size(); ++i) {
-      json[std::string(pipeline::matchers()[i].name)] = to_json(step.matchers[i]);
-    }
+    for (std::size_t i = 0; i < step.methods.size(); ++i) json[sweep.methods[i]] = to_json(step.methods[i]);
     steps.push_back(json);
   }
   return {{"name", sweep.row.name}, {"title", sweep.row.title}, {"breaks_at", breaks}, {"steps", steps}};
@@ -47,34 +43,37 @@ nlohmann::ordered_json to_json(const FailureSweep& sweep) {
 
 }  // namespace
 
-FailureFigures measure_failure(const FailureCase& failure, const pipeline::Matcher& matcher) {
-  const pipeline::PixelDisparity found = pipeline::upsample_tiles(
-      matcher.match(failure.left, failure.right, {failure.noise}, {}), kFailureWidth, kFailureHeight);
+FailureFigures measure_failure(const FailureCase& failure, const DisparityMethod& method) {
+  const pipeline::PixelDisparity found = method.run(failure.left, failure.right, {failure.noise}).found;
   FailureFigures figures;
   SigmaFigures of_sigma;
   std::vector<float> sigmas;
-  double count = 0;
+  double count = 0, finite = 0, confidence = 0;
   for (int y = kBorder; y < kFailureHeight - kBorder; ++y) {
     for (int x = kBorder; x < kFailureWidth - kBorder; ++x) {
       const float truth = failure.truth_dp_px.at(x, y);
       if (!std::isfinite(truth)) continue;
       const float error = std::abs(found.disparity_dp_px.at(x, y) - truth);
+      const bool wrong = !(error <= kWrongDpPx);
       count += 1;
-      figures.rmse_dp_px += static_cast<double>(error) * error;
-      figures.wrong += error > kWrongDpPx;
-      figures.confidence += found.confidence.at(x, y);
+      if (std::isfinite(error)) {
+        finite += 1;
+        figures.rmse_dp_px += static_cast<double>(error) * error;
+      }
+      figures.wrong += wrong;
+      if (!found.confidence.empty()) confidence += found.confidence.at(x, y);
       if (found.sigma_dp_px.empty()) continue;
       const float sigma = found.sigma_dp_px.at(x, y);
       sigmas.push_back(sigma);
       of_sigma.confident += sigma < kConfidentDpPx;
-      of_sigma.overconfident_errors += error > kWrongDpPx && sigma < kConfidentDpPx;
+      of_sigma.overconfident_errors += wrong && sigma < kConfidentDpPx;
       of_sigma.within_one_sigma += error < sigma;
       of_sigma.within_two_sigma += error < 2 * sigma;
     }
   }
-  figures.rmse_dp_px = std::sqrt(figures.rmse_dp_px / count);
+  figures.rmse_dp_px = std::sqrt(figures.rmse_dp_px / std::max(finite, 1.0));
   figures.wrong /= count;
-  figures.confidence /= count;
+  if (!found.confidence.empty()) figures.confidence = confidence / count;
   if (sigmas.empty()) return figures;
   for (double* share :
        {&of_sigma.confident, &of_sigma.overconfident_errors, &of_sigma.within_one_sigma, &of_sigma.within_two_sigma}) {
@@ -85,24 +84,25 @@ FailureFigures measure_failure(const FailureCase& failure, const pipeline::Match
   return figures;
 }
 
-std::optional<double> FailureSweep::breaks_at(std::size_t matcher) const {
+std::optional<double> FailureSweep::breaks_at(std::size_t method) const {
   for (const FailureStep& step : steps) {
-    if (step.matchers[matcher].wrong > kBrokenShare) return step.value;
+    if (step.methods[method].wrong > kBrokenShare) return step.value;
   }
   return {};
 }
 
-std::vector<FailureSweep> measure_failures(const std::function<void(double)>& progress) {
+std::vector<FailureSweep> measure_failures(const std::vector<DisparityMethod>& methods,
+                                           const std::function<void(double)>& progress) {
   std::vector<FailureSweep> sweeps;
+  std::vector<std::string> names;
+  for (const DisparityMethod& method : methods) names.push_back(method.name);
   const std::vector<FailureRow> rows = failure_rows();
   for (const FailureRow& row : rows) {
-    FailureSweep& sweep = sweeps.emplace_back(FailureSweep{row, {}});
+    FailureSweep& sweep = sweeps.emplace_back(FailureSweep{row, names, {}});
     for (const double value : row.values) {
       const FailureCase failure = row.make(value);
       FailureStep& step = sweep.steps.emplace_back(FailureStep{value, {}});
-      for (const pipeline::Matcher& matcher : pipeline::matchers()) {
-        step.matchers.push_back(measure_failure(failure, matcher));
-      }
+      for (const DisparityMethod& method : methods) step.methods.push_back(measure_failure(failure, method));
     }
     if (progress) progress(static_cast<double>(sweeps.size()) / static_cast<double>(rows.size()));
   }

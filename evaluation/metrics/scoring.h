@@ -26,6 +26,15 @@ inline constexpr double kMostTruthNoiseDb = 0.1;
 /// Thresholds of the bad-pixel rates, DP px.
 inline constexpr double kBadPixelDpPx[] = {0.1, 0.25, 0.5};
 
+/// What a method of anybody's making found in a capture; what is empty is not scored. Maps have the full sensor's size
+/// or the views', each of whose pixels then stands for the photosites that it covers. They are the first frame's.
+struct Estimate {
+  Image disparity_dp_px;  ///< in DP pixels at either size; not finite: not estimated
+  Image confidence;       ///< larger is surer; "confident" from 0.5 on
+  Image sigma_dp_px;      ///< predicted standard deviation of the error; stands in for a confidence that is missing
+  Image portrait;         ///< linear RGB in the truth's signal, of the full sensor's size
+};
+
 /// Disparity over one region, DP px. Figures are none where the region holds no pixel.
 struct RegionScore {
   std::string region;
@@ -39,7 +48,10 @@ struct RegionScore {
   std::optional<double> bad_affine[3];
   std::optional<double> aiwe1;
   std::optional<double> one_minus_rho;  ///< 1 - |Spearman's rho|, average ranks for ties; none where a side is constant
-  Sparsification sparsification;        ///< of the absolute error after the fit, by confidence
+  Sparsification sparsification;        ///< of the absolute error after the fit, by confidence; empty without one
+  /// Shares of pixels whose error, before the fit, is within so many of the sigma given: 0.683 and 0.954 where sigma is
+  /// right and errors are normal. None without sigma.
+  std::optional<double> within_one_sigma, within_two_sigma;
 };
 
 /// A picture against the true photograph through the wider aperture. Linear: signal clipped to 0..1; sRGB: the same,
@@ -53,9 +65,10 @@ struct Score {
   std::string mode;             ///< as the result records it, or "unknown"
   /// Where the truth is valid and the estimate finite: "everything"; "confident", confidence >= 0.5; "depth_edges", at
   /// most 8 full-resolution px from a jump of the true disparity by more than 0.1 DP px; "person", true person mask >
-  /// 0.5. Empty in mode seg.
+  /// 0.5. Empty where there is no disparity. "confident" is absent without confidence; where sigma stands in for it, it
+  /// is sigma < 0.2 DP px.
   std::vector<RegionScore> disparity;
-  PictureScore portrait, input;  ///< input: before the synthetic defocus
+  std::optional<PictureScore> portrait, input;  ///< where there is such a picture; input: before the synthetic defocus
   /// By how much the rendering noise of the true photograph lowers psnr_linear_db of the portrait or of the input,
   /// whichever suffers more; none where the noise is not known, or nothing differs.
   std::optional<double> truth_noise_db;
@@ -71,9 +84,13 @@ Image disparity_seen_from_first(const pipeline::PortraitResult& result, const Tr
 Score score_result(const Capture& capture, const std::string& capture_path, const pipeline::StoredResult& stored,
                    const std::string& result_path);
 
+/// What was found by other means than the portrait pipeline. Throws InputError where the capture holds no truth,
+/// nothing is given, confidence or sigma is given without disparity, or sizes differ: all that is wrong in one line.
+Score score_estimate(const Capture& capture, const std::string& capture_path, const Estimate& estimate);
+
 /// score.json: disparity.<region>.<metric> (absent in mode seg), image.<metric>, stages.<name>.ms and .peak_rss_mb,
-/// notes. Figures that are none are null. image.psnr_db, .ssim and their _input are the sRGB ones; aiwe2 repeats
-/// rmse_affine_px.
+/// notes. Figures that are none are null; those of what was not given are absent. image.psnr_db, .ssim and their _input
+/// are the sRGB ones; aiwe2 repeats rmse_affine_px.
 nlohmann::ordered_json to_json(const Score& score);
 
 /// The same as text for a terminal.

@@ -59,8 +59,9 @@ std::string disparity_table(const std::vector<RegionScore>& regions) {
 std::string picture_table(const Score& score) {
   Table table{{"", "PSNR sRGB, dB", "PSNR linear, dB", "SSIM sRGB", "SSIM linear"}, {}};
   for (const auto& [name, f] : {std::pair{"portrait", score.portrait}, {"input, not blurred", score.input}}) {
-    table.rows.push_back({name, cell_of(f.psnr_srgb_db, 2), cell_of(f.psnr_linear_db, 2), cell_of(f.ssim_srgb, 4),
-                          cell_of(f.ssim_linear, 4)});
+    if (!f) continue;
+    table.rows.push_back({name, cell_of(f->psnr_srgb_db, 2), cell_of(f->psnr_linear_db, 2), cell_of(f->ssim_srgb, 4),
+                          cell_of(f->ssim_linear, 4)});
   }
   return html_table(table);
 }
@@ -140,8 +141,9 @@ std::string overview(const std::vector<CaptureSection>& captures) {
   for (const CaptureSection& capture : captures) {
     for (const ResultSection& result : capture.results) {
       const RegionScore everything = region_of(result.score, "everything");
-      const PictureScore portrait = result.score ? result.score->portrait : PictureScore{};
-      const PictureScore input = result.score ? result.score->input : PictureScore{};
+      const Score score = result.score.value_or(Score());
+      const PictureScore portrait = score.portrait.value_or(PictureScore()),
+                         input = score.input.value_or(PictureScore());
       const bool both = portrait.psnr_srgb_db && input.psnr_srgb_db;
       table.rows.push_back({result.name, result.mode, cell_of(region_of(result.score, "confident").rmse_affine_px, 3),
                             cell_of(everything.aiwe1, 3), cell_of(everything.one_minus_rho, 3),

@@ -108,6 +108,16 @@ nlohmann::ordered_json cut_json(const std::vector<CutPoint>& points) {
 
 }  // namespace
 
+SensorGrid sensor_for(const Lens& lens, int width_px, int height_px, double pixel_pitch_um) {
+  constexpr double kPitchWithoutPicture_um = 1.4;
+  double pitch_um = pixel_pitch_um;
+  if (pitch_um == 0) {
+    const double radius_mm = image_radius_mm(lens);
+    pitch_um = radius_mm == 0 ? kPitchWithoutPicture_um : 2e3 * radius_mm / std::hypot(width_px, height_px);
+  }
+  return {width_px, height_px, pitch_um * 1e-6, {0.5 * width_px, 0.5 * height_px}};
+}
+
 LensReport report_lens(const Lens& lens, const SensorGrid& sensor) {
   LensReport report;
   report.lens = lens;

@@ -40,6 +40,10 @@ struct LensReport {
   std::vector<std::string> warnings;
 };
 
+/// A sensor for the lens, its center on the axis. Pitch 0: it fills the lens's picture, or 1.4 um where the lens has
+/// none of its own.
+SensorGrid sensor_for(const Lens& lens, int width_px, int height_px, double pixel_pitch_um);
+
 LensReport report_lens(const Lens& lens, const SensorGrid& sensor);
 
 nlohmann::ordered_json to_json(const LensReport& report);

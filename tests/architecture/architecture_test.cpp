@@ -20,6 +20,7 @@ const std::map<std::string, Names> kLibraries = {
     {"scenes", {"simulator", "capture"}},
     {"datasets", {"simulator", "scenes", "capture"}},
     {"evaluation", {"simulator", "pipeline", "scenes", "datasets", "capture"}},
+    {"python", {"evaluation", "simulator", "pipeline", "scenes", "datasets", "capture"}},
     {"tools", {"evaluation", "simulator", "pipeline", "scenes", "datasets", "capture"}},
     {"tests", {"tools", "evaluation", "simulator", "pipeline", "scenes", "datasets", "capture"}},
 };
@@ -61,7 +62,8 @@ const Names kExceptions = {
 
 const std::vector<SourceFile>& tree() {
   static const std::vector<SourceFile> files = read_source_tree(
-      DUALPIXEL_SOURCE_DIR, {"capture", "simulator", "pipeline", "scenes", "datasets", "evaluation", "tools", "tests"});
+      DUALPIXEL_SOURCE_DIR,
+      {"capture", "simulator", "pipeline", "scenes", "datasets", "evaluation", "python", "tools", "tests"});
   return files;
 }
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/files.h"
+#include "capture/image/npy.h"
 #include "tests/pipeline/portrait/synthetic.h"
 #include "tests/run_program.h"
 #include "tests/temporary_folder.h"
@@ -53,6 +54,25 @@ TEST(ScoreCommand, RefusesAResultOfAnotherCapture) {
   EXPECT_FALSE(std::filesystem::exists(folder / "page.html"));
   write_with_hash(file_hash(folder / "c/capture.json"));
   for (const std::string& command : commands) EXPECT_EQ(run_program(command).status, 0);
+}
+
+TEST(ScoreCommand, TakesFilesOfAnyProgram) {
+  const TemporaryFolder folder;
+  const Capture capture = pipeline::synthetic_capture();
+  write_capture(capture, folder / "c");
+  write_npy(folder / "d.npy", capture.truth->disparity_dp_px);
+  const Outcome outcome =
+      run_program(fmt::format("score '{}' --disparity '{}' --json", folder / "c", folder / "d.npy"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const nlohmann::json score = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(score["disparity"]["everything"]["rmse_px"], 0);
+  EXPECT_FALSE(score.contains("image"));
+
+  const Outcome refused =
+      run_program(fmt::format("score '{0}/none' --disparity '{0}/a.npy' --portrait '{0}/b.png'", folder.path.string()));
+  expect_one_line_refusal(refused);
+  for (const char* file : {"none", "a.npy", "b.png"}) EXPECT_NE(refused.err.find(file), std::string::npos);
+  expect_one_line_refusal(run_program(fmt::format("score '{}'", folder / "c")));
 }
 
 TEST(InfoCommand, KnowsAPortraitResult) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -45,6 +47,55 @@ json describe_capture(const std::string& path) {
   return description;
 }
 
+/// The corners of the box of all that is drawn, meters in glTF's world; null where nothing is.
+json world_bounds(const simulator::Scene& scene) {
+  glm::vec3 low(std::numeric_limits<float>::infinity()), high = -low;
+  for (const simulator::Mesh& mesh : scene.meshes) {
+    const auto add = [&](const glm::mat4x3& world_from_mesh) {
+      for (const glm::vec3& position : mesh.positions) {
+        const glm::vec3 world = world_from_mesh * glm::vec4(position, 1);
+        low = glm::min(low, world);
+        high = glm::max(high, world);
+      }
+    };
+    if (mesh.placements.empty()) add(glm::mat4x3(1));
+    for (const simulator::Placement& placement : mesh.placements) add(placement.world_from_mesh);
+  }
+  if (low.x > high.x) return nullptr;
+  return {{"low_m", {low.x, low.y, low.z}}, {"high_m", {high.x, high.y, high.z}}};
+}
+
+json describe_camera(const simulator::CameraNode& camera) {
+  const glm::vec4 position = camera.world_from_node[3], forward = -camera.world_from_node[2];
+  json description = {{"name", printable(camera.name)},
+                      {"position_m", {position.x, position.y, position.z}},
+                      {"looks_along", {forward.x, forward.y, forward.z}}};
+  if (camera.vertical_fov_rad) description["vertical_fov_deg"] = *camera.vertical_fov_rad * 180 / M_PI;
+  return description;
+}
+
+/// Names in the file's own list `key`: of its materials or its extensions.
+json names_in(const nlohmann::json& root, const char* key) {
+  json names = json::array();
+  const auto list = root.find(key);
+  if (list == root.end() || !list->is_array()) return names;
+  for (const nlohmann::json& entry : *list) {
+    const nlohmann::json name = entry.is_object() ? entry.value("name", nlohmann::json()) : entry;
+    names.push_back(name.is_string() ? printable(name.get<std::string>()) : fmt::format("unnamed {}", names.size()));
+  }
+  return names;
+}
+
+/// The JSON of a glTF file that read_gltf has accepted: of a GLB its first chunk, whose length is the fourth word.
+nlohmann::json gltf_json(const std::string& path) {
+  constexpr std::size_t kLengthAt = 12, kTextAt = 20;
+  const std::string bytes = read_file(path);
+  if (!bytes.starts_with("glTF")) return parse_json(bytes, path);
+  std::uint32_t length = 0;
+  std::memcpy(&length, bytes.data() + kLengthAt, sizeof(length));
+  return parse_json(bytes.substr(kTextAt, length), path);
+}
+
 json describe_gltf(const std::string& path) {
   const simulator::Scene scene = simulator::read_gltf(path);
   std::size_t stored = 0, triangles = 0, person_triangles = 0;
@@ -57,18 +108,21 @@ json describe_gltf(const std::string& path) {
     person_triangles += mesh.triangles.size() * (placed ? persons : mesh.person);
   }
   json cameras = json::array();
-  for (const simulator::CameraNode& camera : scene.cameras) cameras.push_back(printable(camera.name));
+  for (const simulator::CameraNode& camera : scene.cameras) cameras.push_back(describe_camera(camera));
   json warnings = json::array();
   for (const std::string& warning : scene.warnings) warnings.push_back(printable(warning));
+  const nlohmann::json root = gltf_json(path);
   return {{"kind", "glTF scene"},
+          {"bounds", world_bounds(scene)},
           {"meshes", scene.meshes.size()},
           {"triangles", triangles},
           {"stored_triangles", stored},
           {"person_triangles", person_triangles},
-          {"materials", scene.materials.size()},
+          {"materials", names_in(root, "materials")},
           {"textures", scene.textures.size()},
           {"lights", scene.lights.size()},
           {"cameras", cameras},
+          {"extensions", names_in(root, "extensionsUsed")},
           {"warnings", warnings}};
 }
 

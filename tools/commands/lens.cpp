@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -30,20 +29,12 @@ struct LensOptions {
   bool json = false;
 };
 
-simulator::SensorGrid sensor_for(const LensOptions& options, const simulator::Lens& lens) {
-  double pitch_um = options.pixel_pitch_um;
-  if (pitch_um == 0) {
-    const double radius_mm = simulator::image_radius_mm(lens);
-    pitch_um = radius_mm == 0 ? 1.4 : 2e3 * radius_mm / std::hypot(options.width_px, options.height_px);
-  }
-  return {options.width_px, options.height_px, pitch_um * 1e-6, {0.5 * options.width_px, 0.5 * options.height_px}};
-}
-
 void run(const LensOptions& options) {
   nlohmann::json json = read_json_file(options.file);
   for (const std::string& assignment : options.overrides) apply_override(json, assignment);
   const simulator::Lens lens = simulator::read_lens(json, options.file, "", options.focus_distance_m);
-  const simulator::SensorGrid sensor = sensor_for(options, lens);
+  const simulator::SensorGrid sensor =
+      simulator::sensor_for(lens, options.width_px, options.height_px, options.pixel_pitch_um);
   if (!options.twin.empty() && !simulator::prescription_of(lens)) {
     throw InputError(printable(options.file) + ": /model: --twin needs a prescription");
   }

@@ -4,10 +4,13 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "capture/capture.h"
 #include "capture/error.h"
 #include "capture/files.h"
+#include "capture/image/image_io.h"
+#include "capture/image/map_file.h"
 #include "evaluation/metrics/scoring.h"
 #include "tools/commands/commands.h"
 
@@ -17,6 +20,10 @@ namespace {
 struct ScoreOptions {
   std::string capture;
   std::string result;
+  // files of anybody's making, instead of a result
+  std::string disparity, confidence, sigma, portrait;
+  IntegerScale integers;
+  bool scaled = false;  ///< whether `integers` was given
   bool json = false;
 };
 
@@ -29,7 +36,16 @@ void warn_of_truth_noise(const std::string& capture, const evaluation::Score& sc
       printable(capture), *score.truth_noise_db, evaluation::kMostTruthNoiseDb);
 }
 
-void run(const ScoreOptions& options) {
+void print(const ScoreOptions& options, const evaluation::Score& score, const std::string& json) {
+  warn_of_truth_noise(options.capture, score);
+  std::cout << (options.json ? json : evaluation::to_text(score));
+}
+
+std::string json_text(const evaluation::Score& score) {
+  return evaluation::to_json(score).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+void score_result_folder(const ScoreOptions& options) {
   if (std::filesystem::exists(options.result + "/capture.json") &&
       std::filesystem::exists(options.capture + "/result.json")) {
     throw InputError(fmt::format("{}: is a capture, and {} a result: give the capture first", printable(options.result),
@@ -39,25 +55,93 @@ void run(const ScoreOptions& options) {
   const Capture capture = read_capture(options.capture, true);
   pipeline::require_own_capture(stored, options.capture, options.result);
   const evaluation::Score score = evaluation::score_result(capture, options.capture, stored, options.result);
-  const std::string json =
-      evaluation::to_json(score).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  const std::string json = json_text(score);
   replace_file(options.result + "/score.json", json);
-  warn_of_truth_noise(options.capture, score);
-  std::cout << (options.json ? json : evaluation::to_text(score));
+  print(options, score, json);
+}
+
+/// A picture as the linear signal that the truth has: sRGB-encoded, but for EXR.
+Image read_portrait(const std::string& path) {
+  Image image = read_image(path);
+  if (image.channels < 3)
+    throw InputError(fmt::format("{}: {} channels; RGB is needed", printable(path), image.channels));
+  Image rgb(image.width, image.height, 3);
+  const bool linear = picture_size(path).format == "openexr";
+  for (std::size_t i = 0; i < image.pixel_count(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      const float value = image.data[i * image.channels + c];
+      rgb.data[3 * i + c] = linear ? value : linear_from_srgb(value);
+    }
+  }
+  return rgb;
+}
+
+/// All files that are missing or cannot be read are named in one line.
+void score_files(const ScoreOptions& options) {
+  std::vector<std::string> problems;
+  const auto attempt = [&](const auto& read) {
+    try {
+      read();
+    } catch (const InputError& error) {
+      problems.emplace_back(error.what());
+    }
+  };
+  const std::optional<IntegerScale> integers = options.scaled ? std::optional(options.integers) : std::nullopt;
+  Capture capture;
+  evaluation::Estimate estimate;
+  attempt([&] { capture = read_capture(options.capture, true); });
+  const auto read_into = [&](Image& map, const std::string& path, const char* channel) {
+    if (!path.empty()) attempt([&] { map = read_map(path, channel, integers); });
+  };
+  read_into(estimate.disparity_dp_px, options.disparity, "disparity_dp_px");
+  read_into(estimate.confidence, options.confidence, "confidence");
+  read_into(estimate.sigma_dp_px, options.sigma, "sigma_dp_px");
+  if (!options.portrait.empty()) attempt([&] { estimate.portrait = read_portrait(options.portrait); });
+  if (!problems.empty()) throw InputError(fmt::format("{}", fmt::join(problems, "; ")));
+  const evaluation::Score score = evaluation::score_estimate(capture, options.capture, estimate);
+  print(options, score, json_text(score));
+}
+
+void run(const ScoreOptions& options) {
+  const bool files = !(options.disparity + options.confidence + options.sigma + options.portrait).empty();
+  if (files == !options.result.empty()) {
+    throw InputError("score: give a result folder, or files by --disparity, --confidence, --sigma, --portrait");
+  }
+  files ? score_files(options) : score_result_folder(options);
 }
 
 }  // namespace
 
 void add_score(CLI::App& program) {
   auto options = std::make_shared<ScoreOptions>();
-  CLI::App* command = program.add_subcommand("score", "Compare a portrait result with its capture's truth");
+  CLI::App* command =
+      program.add_subcommand("score", "Compare a portrait result, or files of any program, with a capture's truth");
   command->add_option("capture", options->capture, "Capture folder, with truth")->required()->type_name("CAPTURE_DIR");
   command->add_option("result", options->result, "Result folder; score.json is written into it")
-      ->required()
       ->type_name("RESULT_DIR");
+  const auto file_option = [&](const std::string& name, std::string& path, const std::string& meaning) {
+    command->add_option(name, path, meaning)->type_name("FILE");
+  };
+  file_option("--disparity", options->disparity,
+              "Instead of a result, a disparity in DP px, of the sensor's size or the views': EXR, NPY, PFM, or PNG "
+              "and TIFF of integers; not finite where not estimated");
+  file_option("--confidence", options->confidence, "Its confidence, 0 to 1, in the same formats");
+  file_option("--sigma", options->sigma, "Its predicted standard deviation, DP px, in the same formats");
+  file_option("--portrait", options->portrait,
+              "A portrait of the sensor's size: EXR of linear RGB, 1 where the capture clips, or the same "
+              "sRGB-encoded as PNG, TIFF or JPEG");
+  const auto scale_option = [&](const std::string& name, double& value, const std::string& meaning) {
+    return command->add_option_function<double>(
+        name, [options, &value](double given) { value = given, options->scaled = true; }, meaning);
+  };
+  CLI::Option* scale =
+      scale_option("--scale", options->integers.scale, "Value of one step of integer files, e.g. 0.001");
+  scale_option("--offset", options->integers.offset, "Value of their 0")->needs(scale);
   command->add_flag("--json", options->json, "Print JSON instead of a table");
   add_threads_option(*command);
-  command->footer("Example:\n  dualpixel score out/capture out/dp");
+  command->footer(
+      "Examples:\n  dualpixel score out/capture out/dp\n"
+      "  dualpixel score out/capture --disparity d.npy --sigma s.npy --portrait p.png");
   command->callback([options] { run(*options); });
 }
 

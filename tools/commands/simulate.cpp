@@ -1,15 +1,19 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <map>
 #include <memory>
+#include <utility>
 
 #include "capture/capture.h"
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
+#include "scenes/framing/resolve_scene.h"
+#include "scenes/framing/scene_document.h"
 #include "simulator/jobs_file.h"
 #include "simulator/journal.h"
 #include "simulator/plan/plan_text.h"
@@ -21,7 +25,7 @@ namespace dualpixel::tools {
 namespace {
 
 struct SimulateOptions {
-  std::string scene;
+  std::vector<std::string> scenes;
   std::string jobs;
   std::string output;
   std::vector<std::string> overrides;
@@ -48,23 +52,33 @@ void warn_of_render_noise(const std::string& scene, std::optional<double> noise_
       printable(scene), *noise_fraction, kHardToSee, std::pow(*noise_fraction / kHardToSee, 1 / kFall));
 }
 
-/// The jobs of the file, or a single one without a name.
-std::vector<simulator::SimulationJob> jobs_of(const SimulateOptions& options) {
-  nlohmann::json json = read_json_file(options.scene);
+/// The scene file that is rendered, overrides applied. What the program chose for a glTF file goes to stdout.
+nlohmann::json scene_document(const SimulateOptions& options, const std::string& scene,
+                              std::unique_ptr<simulator::ReadyScene>& ready) {
+  nlohmann::json json = scenes::read_scene_document(scene);
   for (const std::string& assignment : options.overrides) apply_override(json, assignment);
   if (options.seed) apply_override(json, fmt::format("render.seed={}", *options.seed));
+  json = scenes::resolve_scene(std::move(json), scene, ready);
+  if (scenes::is_gltf(scene)) std::cout << json.dump(2) << '\n';
+  return json;
+}
+
+/// The jobs of the file, or a single one without a name.
+std::vector<simulator::SimulationJob> jobs_of(const SimulateOptions& options, const std::string& scene,
+                                              std::unique_ptr<simulator::ReadyScene>& ready) {
+  const nlohmann::json json = scene_document(options, scene, ready);
   std::vector<simulator::SimulationJob> jobs;
   if (options.jobs.empty()) {
-    jobs.push_back({"", simulator::read_simulation(json, options.scene)});
+    jobs.push_back({"", simulator::read_simulation(json, scene)});
   } else {
-    jobs = simulator::read_jobs(options.jobs, json, options.scene);
+    jobs = simulator::read_jobs(options.jobs, json, scene);
   }
   for (const simulator::SimulationJob& job : jobs) {
     if (!options.resume || !job.simulation.time_budget_s || options.automatic) continue;
     throw InputError(
         fmt::format("{}: /render/time_budget_s: {} cannot be combined with --resume, whose bytes must not depend on "
                     "the clock; leave either out",
-                    printable(options.scene), *job.simulation.time_budget_s));
+                    printable(scene), *job.simulation.time_budget_s));
   }
   return jobs;
 }
@@ -78,8 +92,8 @@ void print_dry_run(const std::string& scene, const simulator::Simulation& simula
       simulation.burst_frames);
 }
 
-/// Keeps `ready` for the next job.
-void run_job(const SimulateOptions& options, simulator::Simulation simulation, const std::string& output,
+/// Keeps `ready` for the next job. `warn`: of the scene, even if it is there already.
+void run_job(const SimulateOptions& options, simulator::Simulation simulation, const std::string& output, bool warn,
              std::unique_ptr<simulator::ReadyScene>& ready) {
   const bool loaded = simulator::make_ready(simulation, ready);
   const simulator::Scene& scene = ready->scene;
@@ -88,7 +102,7 @@ void run_job(const SimulateOptions& options, simulator::Simulation simulation, c
   if (!options.dry_run) {
     const NewFolder writable(output, "capture.json");
   }
-  if (loaded) {
+  if (loaded || warn) {
     for (const std::string& warning : scene.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
   }
   std::string plan_of_capture;
@@ -101,7 +115,8 @@ void run_job(const SimulateOptions& options, simulator::Simulation simulation, c
     const std::string text = simulator::plan_text(chosen);
     std::cerr << text.substr(text.rfind('\n', text.size() - 2) + 1);  // its last sentence
   }
-  if (options.dry_run) return print_dry_run(options.scene, simulation);
+  if (options.dry_run && scenes::is_gltf(simulation.path)) return;  // stdout has its scene file
+  if (options.dry_run) return print_dry_run(simulation.path, simulation);
 
   const std::string journal_path = journal_beside(output);
   std::optional<simulator::Journal> journal;
@@ -117,20 +132,37 @@ void run_job(const SimulateOptions& options, simulator::Simulation simulation, c
       simulation, ready->world, camera,
       [&](const std::string& stage, double fraction) { bars.try_emplace(stage, stage).first->second(fraction); });
   capture.provenance.program = "dualpixel " DUALPIXEL_VERSION;
-  capture.provenance.scene_file = std::filesystem::path(options.scene).filename().string();
+  capture.provenance.scene_file = std::filesystem::path(simulation.path).filename().string();
   capture.provenance.gltf_xxh64 = file_hash(simulation.gltf_path);
   capture.provenance.plan = plan_of_capture;
   write_capture(capture, output);
-  if (!simulation.noise_fraction) warn_of_render_noise(options.scene, capture.provenance.noise_fraction_reached);
+  if (!simulation.noise_fraction) warn_of_render_noise(simulation.path, capture.provenance.noise_fraction_reached);
   std::error_code left_behind;  // the capture is complete: a leftover journal is no failure
   if (options.resume) std::filesystem::remove(journal_path, left_behind);
 }
 
+/// Folders of several scenes' captures: named as the files, without their endings.
+std::vector<std::string> outputs_of(const SimulateOptions& options) {
+  if (options.scenes.size() == 1) return {options.output};
+  std::vector<std::string> outputs;
+  for (const std::string& scene : options.scenes) {
+    outputs.push_back(options.output + "/" + std::filesystem::path(scene).stem().string());
+    if (std::count(outputs.begin(), outputs.end(), outputs.back()) > 1) {
+      throw InputError(printable(scene) + ": another scene has this name, too: their captures would be one folder");
+    }
+  }
+  return outputs;
+}
+
 void run(const SimulateOptions& options) {
   std::unique_ptr<simulator::ReadyScene> ready;
-  for (simulator::SimulationJob& job : jobs_of(options)) {
-    const std::string output = job.name.empty() ? options.output : options.output + "/" + job.name;
-    run_job(options, std::move(job.simulation), output, ready);
+  const std::vector<std::string> outputs = outputs_of(options);
+  for (std::size_t i = 0; i < options.scenes.size(); ++i) {
+    bool first = true;
+    for (simulator::SimulationJob& job : jobs_of(options, options.scenes[i], ready)) {
+      const std::string output = job.name.empty() ? outputs[i] : outputs[i] + "/" + job.name;
+      run_job(options, std::move(job.simulation), output, std::exchange(first, false), ready);
+    }
   }
 }
 
@@ -139,8 +171,15 @@ void run(const SimulateOptions& options) {
 void add_simulate(CLI::App& program) {
   auto options = std::make_shared<SimulateOptions>();
   CLI::App* command = program.add_subcommand("simulate", "Render a scene into a dual-pixel capture with its truth");
-  command->add_option("scene", options->scene, "Scene JSON file")->required()->type_name("SCENE.json");
-  command->add_option("-o,--output", options->output, "Capture folder to write; with --jobs, where its folders go")
+  command
+      ->add_option("scenes", options->scenes,
+                   "Scene JSON file, or a glTF file, for which camera, focus, light and exposure are chosen and the "
+                   "scene file is printed; several: each has a folder in DIR")
+      ->required()
+      ->type_name("SCENE");
+  command
+      ->add_option("-o,--output", options->output,
+                   "Capture folder to write; with --jobs or several scenes, where their folders go")
       ->required()
       ->type_name("DIR");
   command
@@ -190,7 +229,8 @@ void add_simulate(CLI::App& program) {
       "Example:\n  dualpixel simulate build/release/scenes/portrait.json -o out/capture --set "
       "camera.focus_distance_m=0.9 --seed 7\n"
       "  dualpixel simulate build/release/scenes/occlusion_edges.json -o out/edges --auto --tolerance-px 0.05\n"
-      "  dualpixel simulate build/release/scenes/portrait.json --jobs jobs.jsonl -o out/captures");
+      "  dualpixel simulate build/release/scenes/portrait.json --jobs jobs.jsonl -o out/captures\n"
+      "  dualpixel simulate model.glb -o out/model --set camera.focus_node=Head > model.json");
   command->callback([options] { run(*options); });
 }
 

@@ -10,18 +10,20 @@
 namespace dualpixel::evaluation {
 namespace {
 
-std::string name_of(std::size_t matcher) { return std::string(pipeline::matchers()[matcher].name); }
-
-/// Adds one line for each matcher; `sigma_figure` gives a second, dashed one for those that predict a sigma.
-void add_lines(Plot& plot, const FailureSweep& sweep, double FailureFigures::*figure, const std::string& sigma_name,
+/// Adds one line for each method that has the figure; `sigma_figure` gives a second, dashed one for those that predict
+/// a sigma.
+template <typename Figure>
+void add_lines(Plot& plot, const FailureSweep& sweep, const Figure& figure, const std::string& sigma_name,
                double SigmaFigures::*sigma_figure) {
-  for (std::size_t i = 0; i < pipeline::matchers().size(); ++i) {
-    Series line{name_of(i), {}, false, false}, dashed{name_of(i) + ", " + sigma_name, {}, true, false};
+  for (std::size_t i = 0; i < sweep.methods.size(); ++i) {
+    const std::string& name = sweep.methods[i];
+    Series line{name, {}, false, false}, dashed{name + ", " + sigma_name, {}, true, false};
     for (const FailureStep& step : sweep.steps) {
-      line.points.emplace_back(step.value, step.matchers[i].*figure);
-      if (step.matchers[i].sigma) dashed.points.emplace_back(step.value, (*step.matchers[i].sigma).*sigma_figure);
+      const FailureFigures& figures = step.methods[i];
+      if (const std::optional<double> value = figure(figures)) line.points.emplace_back(step.value, *value);
+      if (figures.sigma) dashed.points.emplace_back(step.value, (*figures.sigma).*sigma_figure);
     }
-    plot.series.push_back(line);
+    if (!line.points.empty()) plot.series.push_back(line);
     if (!dashed.points.empty()) plot.series.push_back(dashed);
   }
 }
@@ -34,23 +36,29 @@ std::string plots(const FailureSweep& sweep) {
   error.log_x = belief.log_x = sweep.row.log;
   error.y_label = "share of pixels";
   belief.y_label = "mean confidence, or share";
-  add_lines(error, sweep, &FailureFigures::wrong, "and confident", &SigmaFigures::overconfident_errors);
-  add_lines(belief, sweep, &FailureFigures::confidence, "share with sigma < 0.2 px", &SigmaFigures::confident);
+  add_lines(
+      error, sweep, [](const FailureFigures& f) { return std::optional(f.wrong); }, "and confident",
+      &SigmaFigures::overconfident_errors);
+  add_lines(
+      belief, sweep, [](const FailureFigures& f) { return f.confidence; }, "share with sigma < 0.2 px",
+      &SigmaFigures::confident);
   return html_plots({error, belief});
 }
 
 std::string figure_table(const FailureSweep& sweep) {
   Table table{{sweep.row.sweep}, {}};
-  for (std::size_t i = 0; i < pipeline::matchers().size(); ++i) {
+  for (const std::string& name : sweep.methods) {
     for (const char* column : {" RMSE, px", " wrong", " confidence", " median sigma, px", " wrong and confident",
                                " within 1 sigma", " within 2 sigma"}) {
-      table.header.push_back(name_of(i) + column);
+      table.header.push_back(name + column);
     }
   }
   for (const FailureStep& step : sweep.steps) {
     std::vector<std::string>& row = table.rows.emplace_back(1, fmt::format("{:g}", step.value));
-    for (const FailureFigures& f : step.matchers) {
-      for (const double figure : {f.rmse_dp_px, f.wrong, f.confidence}) row.push_back(cell_of(figure, 3));
+    for (const FailureFigures& f : step.methods) {
+      for (const std::optional<double> figure : {std::optional(f.rmse_dp_px), std::optional(f.wrong), f.confidence}) {
+        row.push_back(cell_of(figure, 3));
+      }
       const auto of_sigma = [&](double SigmaFigures::*figure, int decimals) {
         row.push_back(cell_of(f.sigma ? std::optional((*f.sigma).*figure) : std::nullopt, decimals));
       };
@@ -63,19 +71,19 @@ std::string figure_table(const FailureSweep& sweep) {
   return "<details><summary>Figures</summary>" + html_table(table) + "</details>";
 }
 
-/// Where each matcher breaks, and the largest share of overconfident errors of any step.
+/// Where each method breaks, and the largest share of overconfident errors of any step.
 Table summary_table(const std::vector<FailureSweep>& sweeps) {
   Table table{{"failure", "swept"}, {}};
-  for (std::size_t i = 0; i < pipeline::matchers().size(); ++i) table.header.push_back(name_of(i) + " breaks at");
+  for (const std::string& name : sweeps.front().methods) table.header.push_back(name + " breaks at");
   table.header.emplace_back("most wrong and confident");
   for (const FailureSweep& sweep : sweeps) {
     std::vector<std::string>& row = table.rows.emplace_back(std::vector{sweep.row.title, sweep.row.sweep});
     double most = 0;
-    for (std::size_t i = 0; i < pipeline::matchers().size(); ++i) {
+    for (std::size_t i = 0; i < sweep.methods.size(); ++i) {
       const std::optional<double> value = sweep.breaks_at(i);
       row.push_back(value ? fmt::format("{:g}", *value) : "never");
       for (const FailureStep& step : sweep.steps) {
-        if (step.matchers[i].sigma) most = std::max(most, step.matchers[i].sigma->overconfident_errors);
+        if (step.methods[i].sigma) most = std::max(most, step.methods[i].sigma->overconfident_errors);
       }
     }
     row.push_back(fmt::format("{:.2f} %", 100 * most));
@@ -85,7 +93,7 @@ Table summary_table(const std::vector<FailureSweep>& sweeps) {
 
 constexpr const char* kAtlasIntroduction = R"html(
 <h1>How matching two dual-pixel views fails</h1>
-<p>Each row sweeps one cause of failure until a matcher breaks. The views are made in closed form: textures with as much
+<p>Each row sweeps one cause of failure until a method breaks. The views are made in closed form: textures with as much
 contrast in every octave (20 % of a mean of 811 electrons, 100 lux, unless swept), seen through mirrored halves of the
 pupil; the truth is the disparity of the kernels' centroids, and is left out where a pixel sees more than one surface.
 A pixel is wrong where it errs by more than 0.5 DP px, and confident where a sigma under 0.2 px was predicted: wrong and

@@ -62,6 +62,25 @@ constexpr AttributeRule kAttributeRules[] = {
     {"WEIGHTS_", "VEC4", kFloatOrNormalized, 0, "VEC4 of FLOAT or normalized UNSIGNED_BYTE or _SHORT"},
 };
 
+/// Commands of glTF Transform (npm install --global @gltf-transform/cli) that take an extension out of a file.
+struct Converter {
+  const char* extension;
+  const char* command;
+};
+constexpr Converter kConverters[] = {
+    {"KHR_draco_mesh_compression", "gltf-transform cp in.glb out.glb"},
+    {"EXT_meshopt_compression", "gltf-transform cp in.glb out.glb"},
+    {"KHR_texture_basisu", "gltf-transform ktxdecompress in.glb out.glb"},
+    {"EXT_texture_webp", "gltf-transform png in.glb out.glb --formats '*'"},
+};
+
+std::string how_to_do_without(const json& extension) {
+  for (const Converter& converter : kConverters) {
+    if (extension == converter.extension) return fmt::format("; convert it: {}", converter.command);
+  }
+  return "";
+}
+
 std::string component_name(int component_type) {
   switch (component_type) {
     case kByte:
@@ -240,8 +259,8 @@ class Checker {
         const bool known = std::any_of(std::begin(kSupportedExtensions), std::end(kSupportedExtensions),
                                        [&](const char* supported) { return name == supported; });
         if (!known && key == "extensionsRequired") {
-          fail(pointer, fmt::format("{}: this required extension is not supported (these are: {})", dump(name),
-                                    fmt::join(kSupportedExtensions, ", ")));
+          fail(pointer, fmt::format("{}: this required extension is not supported (these are: {}){}", dump(name),
+                                    fmt::join(kSupportedExtensions, ", "), how_to_do_without(name)));
         }
       }
     }

@@ -172,6 +172,67 @@ TEST(Score, RefusesWhatDoesNotFit) {
   EXPECT_EQ(message_of<InputError>([&] { score(capture, stored); }), "c: holds no truth to score against");
 }
 
+// What a stranger's program gives: a disparity alone, of the views' size.
+TEST(ScoreEstimate, GivesFiguresOfWhatIsGivenAlone) {
+  const Capture capture = synthetic_capture();
+  const Camera& camera = capture.camera;
+  Estimate estimate{.disparity_dp_px = Image(camera.dp_width(), camera.dp_height())};
+  for (int y = 0; y < camera.dp_height(); ++y) {
+    for (int x = 0; x < camera.dp_width(); ++x) {
+      estimate.disparity_dp_px.at(x, y) = capture.truth->disparity_dp_px.at(2 * x, 4 * y);
+    }
+  }
+  std::fill_n(estimate.disparity_dp_px.row(11), camera.dp_width(), NAN);  // of four rows of photosites
+  const Score score = score_estimate(capture, "c", estimate);
+  const Json figures = to_json(score);
+  const Json& everything = figures["disparity"]["everything"];
+  // The true disparity is -1 on the left half and a ramp of 32 steps over 1 on the right: odd columns err by one step.
+  EXPECT_NEAR(everything["rmse_px"].get<double>(), 0.5 / 31, 1e-6);
+  EXPECT_EQ(everything["pixels"], 64 * 44);
+  for (const char* absent : {"ause", "sparsification", "within_one_sigma"}) EXPECT_FALSE(everything.contains(absent));
+  for (const char* absent : {"image", "stages", "mode", "result"}) EXPECT_FALSE(figures.contains(absent)) << absent;
+  EXPECT_FALSE(figures["disparity"].contains("confident"));
+  const std::string text = to_text(score);
+  for (const char* absent : {"photograph", "Stage", "confident", "sigma"}) {
+    EXPECT_EQ(text.find(absent), std::string::npos) << text;
+  }
+}
+
+// Errors of 0.1 everywhere; sigma 0.15 in the upper half and 0.06 in the lower: within one sigma are the upper rows, 24
+// of the 47 with truth, within two sigma all.
+TEST(ScoreEstimate, ComparesSigmaWithTheErrors) {
+  const Capture capture = synthetic_capture();
+  Estimate estimate{.disparity_dp_px = capture.truth->disparity_dp_px, .sigma_dp_px = Image(64, 48, 1, 0.06f)};
+  for (float& d : estimate.disparity_dp_px.data) d += 0.1f;
+  std::fill_n(estimate.sigma_dp_px.data.begin(), 64 * 24, 0.15f);
+  const Json everything = to_json(score_estimate(capture, "c", estimate))["disparity"]["everything"];
+  EXPECT_NEAR(everything["within_one_sigma"].get<double>(), 24.0 / 47, 1e-12);
+  EXPECT_EQ(everything["within_two_sigma"], 1);
+  EXPECT_TRUE(everything["ause"].is_number());
+}
+
+TEST(ScoreEstimate, ComparesAPortraitAlone) {
+  const Capture capture = synthetic_capture();
+  const Json figures = to_json(score_estimate(capture, "c", {.portrait = synthetic_stored(capture).result.portrait}));
+  EXPECT_NEAR(figures["image"]["psnr_linear_db"].get<double>(), 20, 1e-4);
+  EXPECT_FALSE(figures["image"].contains("psnr_input_db"));
+  EXPECT_FALSE(figures.contains("disparity"));
+}
+
+TEST(ScoreEstimate, SaysAllThatIsWrongAtOnce) {
+  Capture capture = synthetic_capture();
+  const auto message = [&](const Estimate& estimate) {
+    return message_of<InputError>([&] { score_estimate(capture, "c", estimate); });
+  };
+  EXPECT_EQ(message({}), "c: nothing to score: give a disparity or a portrait");
+  EXPECT_EQ(message({.disparity_dp_px = Image(10, 9), .sigma_dp_px = Image(64, 48, 3), .portrait = Image(64, 48)}),
+            "c: disparity: 10 x 9 pixels of 1 channel: must be one channel of 64 x 48 (the sensor) or 32 x 12 (the "
+            "views); sigma: 64 x 48 pixels of 3 channels: must be one channel of 64 x 48 (the sensor) or 32 x 12 (the "
+            "views); portrait: 64 x 48 pixels of 1 channel: must be 64 x 48 of 3");
+  EXPECT_EQ(message({.confidence = Image(64, 48), .portrait = Image(64, 48, 3)}),
+            "c: confidence and sigma: are those of a disparity, which is not given");
+}
+
 TEST(Score, IsTheSameForAnyNumberOfThreads) {
   const Capture capture = synthetic_capture();
   const auto with_threads = [&](int threads) {

@@ -63,6 +63,9 @@ TEST(GltfHostile, AssetAndExtensions) {
               })
                   .starts_with("/extensionsRequired/1: \"KHR_draco_mesh_compression\": this required extension is not "
                                "supported (these are: KHR_lights_punctual, "));
+  EXPECT_TRUE(message([](auto& g) {
+                g.root["extensionsRequired"] = {"KHR_texture_basisu"};
+              }).ends_with("; convert it: gltf-transform ktxdecompress in.glb out.glb"));
   EXPECT_EQ(message([](auto& g) { g.root["extensionsUsed"] = {7}; }), "/extensionsUsed/0: 7: must be a string");
 }
 

@@ -1,0 +1,168 @@
+#include "evaluation/methods/disparity_method.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <utility>
+
+#include "capture/error.h"
+#include "capture/image/image_io.h"
+#include "capture/image/map_file.h"
+#include "capture/image/npy.h"
+#include "capture/names.h"
+#include "pipeline/disparity/tile_disparity.h"
+
+namespace dualpixel::evaluation {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+double cpu_seconds(const rusage& usage) {
+  const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * t.tv_usec; };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+double own_cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return cpu_seconds(usage);
+}
+
+/// A folder for one run, removed with it.
+struct RunFolder {
+  std::string path;
+  RunFolder() : path((std::filesystem::temp_directory_path() / "dualpixel-method-XXXXXX").string()) {
+    if (!mkdtemp(path.data())) throw InputError(printable(path) + ": cannot be made");
+  }
+  ~RunFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path, ignored);
+  }
+  RunFolder(const RunFolder&) = delete;
+  RunFolder& operator=(const RunFolder&) = delete;
+};
+
+/// All {placeholders} replaced by quoted paths in `folder`.
+std::string filled_in(std::string command, const std::string& folder) {
+  constexpr std::pair<const char*, const char*> kFiles[] = {
+      {"{left}", "left.png"}, {"{right}", "right.png"}, {"{left.npy}", "left.npy"},    {"{right.npy}", "right.npy"},
+      {"{out}", "out"},       {"{sigma}", "sigma"},     {"{confidence}", "confidence"}};
+  for (const auto& [placeholder, file] : kFiles) {
+    const std::string path = "'" + folder + "/" + file + "'";
+    for (std::size_t at = 0; (at = command.find(placeholder, at)) != std::string::npos; at += path.size()) {
+      command.replace(at, std::string(placeholder).size(), path);
+    }
+  }
+  return command;
+}
+
+void write_view(const Image& view, float white, const std::string& path) {
+  ImageU16 png(view.width, view.height);
+  std::transform(view.data.begin(), view.data.end(), png.data.begin(), [&](float signal) {
+    return static_cast<std::uint16_t>(std::lround(65535 * std::clamp(signal / white, 0.0f, 1.0f)));
+  });
+  write_png16(path + ".png", png);
+  Image scaled = view;
+  for (float& value : scaled.data) value /= white;
+  write_npy(path + ".npy", scaled);
+}
+
+/// Runs a command by the shell; its standard output goes to our standard error.
+int run_shell(const std::string& command, rusage& usage) {
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error("fork: no process could be started");
+  if (child == 0) {
+    dup2(STDERR_FILENO, STDOUT_FILENO);
+    execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
+    _exit(127);
+  }
+  int status = 0;
+  while (wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
+  }
+  return status;
+}
+
+Image read_output(const DisparityMethod& method, const std::string& path, const char* channel, const Image& view) {
+  if (!std::filesystem::exists(path)) return {};
+  Image map;
+  try {
+    map = read_map(path, channel);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: its {}: {}", printable(method.name), channel, error.what()));
+  }
+  if (map.same_size(view)) return map;
+  throw InputError(fmt::format("{}: its {}: {} x {} pixels; the views have {} x {}", printable(method.name), channel,
+                               map.width, map.height, view.width, view.height));
+}
+
+MethodRun run_program(const DisparityMethod& method, const std::string& command, const Image& left, const Image& right,
+                      float white) {
+  const RunFolder folder;
+  write_view(left, white, folder.path + "/left");
+  write_view(right, white, folder.path + "/right");
+  rusage usage{};
+  MethodRun run;
+  const Clock::time_point start = Clock::now();
+  const int status = run_shell(filled_in(command, folder.path), usage);
+  run.wall_s = seconds_since(start);
+  run.cpu_s = cpu_seconds(usage);
+  run.peak_rss_mb = static_cast<double>(usage.ru_maxrss) / 1024;
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    throw InputError(fmt::format("{}: its command ended with {} {}", printable(method.name),
+                                 WIFEXITED(status) ? "status" : "signal",
+                                 WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status)));
+  }
+  run.found.disparity_dp_px = read_output(method, folder.path + "/out", "disparity_dp_px", left);
+  run.found.confidence = read_output(method, folder.path + "/confidence", "confidence", left);
+  run.found.sigma_dp_px = read_output(method, folder.path + "/sigma", "sigma_dp_px", left);
+  if (run.found.disparity_dp_px.empty()) throw InputError(printable(method.name) + ": its command wrote no {out}");
+  return run;
+}
+
+}  // namespace
+
+DisparityMethod method_of(const pipeline::Matcher& matcher) {
+  return {std::string(matcher.name),
+          [&matcher](const Image& left, const Image& right, const pipeline::ViewSensor& sensor) {
+            const Clock::time_point start = Clock::now();
+            const double cpu_before = own_cpu_seconds();
+            MethodRun run;
+            run.found = pipeline::upsample_tiles(matcher.match(left, right, sensor, {}), left.width, left.height);
+            run.wall_s = seconds_since(start);
+            run.cpu_s = own_cpu_seconds() - cpu_before;
+            return run;
+          }};
+}
+
+DisparityMethod method_named(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos) return method_of(pipeline::matcher_named(text));
+  DisparityMethod method{text.substr(0, equals), {}};
+  const std::string command = text.substr(equals + 1);
+  const auto names = [&](const char* placeholder) { return command.find(placeholder) != std::string::npos; };
+  const bool views = (names("{left}") || names("{left.npy}")) && (names("{right}") || names("{right.npy}"));
+  if (method.name.empty() || !views || !names("{out}")) {
+    throw InputError(
+        fmt::format("--method {}: must be NAME=COMMAND, with {{left}}, {{right}} and {{out}} in the "
+                    "command, or a matcher's name",
+                    printable(text)));
+  }
+  if (find_named(pipeline::matchers(), method.name)) {
+    throw InputError(fmt::format("--method {}: is the name of a matcher: choose another", printable(method.name)));
+  }
+  method.run = [name = method, command](const Image& left, const Image& right, const pipeline::ViewSensor& sensor) {
+    return run_program(name, command, left, right, sensor.white);
+  };
+  return method;
+}
+
+}  // namespace dualpixel::evaluation

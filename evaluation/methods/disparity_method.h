@@ -1,0 +1,37 @@
+#pragma once
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "capture/image/image.h"
+#include "pipeline/disparity/matchers.h"
+#include "pipeline/disparity/upsample.h"
+
+namespace dualpixel::evaluation {
+
+/// What a method found in a pair of views, and what that took.
+struct MethodRun {
+  pipeline::PixelDisparity found;  ///< of the views' size; confidence and sigma empty where there are none
+  double wall_s = 0, cpu_s = 0;
+  std::optional<double> peak_rss_mb;  ///< of another program; none for a matcher of the pipeline, which shares ours
+};
+
+/// A way of finding disparity: a matcher of the pipeline, or another program.
+struct DisparityMethod {
+  std::string name;
+  /// Linear views of one size, 0 black. Throws InputError where the method fails.
+  std::function<MethodRun(const Image& left, const Image& right, const pipeline::ViewSensor& sensor)> run;
+};
+
+DisparityMethod method_of(const pipeline::Matcher& matcher);
+
+/// "NAME=COMMAND", another program; or the name of a matcher of the pipeline. COMMAND is run by /bin/sh for each pair,
+/// in the current folder, with paths in place of
+///   {left} {right}          16-bit gray PNG, linear, 0 black and 65535 where the view clips
+///   {left.npy} {right.npy}  float32 NumPy arrays of the same, not clipped
+///   {out}                   where it has to write its disparity, DP px: NPY, PFM or EXR (capture/image/map_file.h)
+///   {sigma}, {confidence}   likewise, where it has them
+/// Throws InputError where it names no views or no {out}, or the name is taken by a matcher.
+DisparityMethod method_named(const std::string& text);
+
+}  // namespace dualpixel::evaluation

@@ -1,0 +1,28 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "capture/image/image.h"
+#include "pipeline/disparity/noise_model.h"
+
+namespace dualpixel::evaluation {
+
+/// A pair of views whose disparity is known, all of one size.
+struct ViewSample {
+  std::string name;
+  Image left, right;  ///< normalized signal, with the sensor's noise
+  Image truth_dp_px;  ///< NaN where it is not known
+  pipeline::ViewSensor sensor;
+};
+
+/// The folders of a set's samples, in the order of their names: of a data set (docs/dataset.md) those that are
+/// rendered, of the split where one is named; of any other folder the captures in it. Throws InputError where there are
+/// none.
+std::vector<std::string> sample_folders(const std::string& set, const std::string& split);
+
+/// A sample whose recipe keeps left, right, view_disparity_dp_px and view_valid (in the layouts exr and npy), or a
+/// capture with truth, whose disparity at a view's pixel is that of the photosite below and to the right of its center.
+/// Throws InputError, for a capture also where its views cannot be matched.
+ViewSample read_view_sample(const std::string& folder);
+
+}  // namespace dualpixel::evaluation

@@ -1,0 +1,28 @@
+#pragma once
+#include <pybind11/pybind11.h>
+
+#include <memory>
+#include <utility>
+
+#include "capture/capture.h"
+
+/// What `dualpixel._core` is made of: python/dualpixel/_core.pyi says how Python sees it.
+namespace dualpixel::python {
+
+/// A capture that Python holds, with its first frame's views as the normalized signal.
+struct HeldCapture {
+  explicit HeldCapture(Capture loaded)
+      : capture(std::move(loaded)),
+        left(normalized(capture.frames.front().left, capture.exposure)),
+        right(normalized(capture.frames.front().right, capture.exposure)) {}
+
+  Capture capture;
+  Image left, right;
+};
+
+void bind_captures(pybind11::module_& module);
+void bind_simulator(pybind11::module_& module);
+void bind_pipeline(pybind11::module_& module);
+void bind_evaluation(pybind11::module_& module);
+
+}  // namespace dualpixel::python

@@ -1,0 +1,148 @@
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "capture/error.h"
+#include "pipeline/burst/merge.h"
+#include "pipeline/disparity/matchers.h"
+#include "pipeline/disparity/tile_disparity.h"
+#include "pipeline/disparity/upsample.h"
+#include "pipeline/portrait/matchable.h"
+#include "pipeline/portrait/result_io.h"
+#include "pipeline/portrait/run_portrait.h"
+#include "pipeline/segmentation/network.h"
+#include "python/binding/arrays.h"
+#include "python/binding/bind.h"
+
+namespace dualpixel::python {
+namespace {
+
+using pipeline::PortraitOptions;
+using pipeline::PortraitResult;
+using Assignments = std::vector<std::string>;
+
+/// A result that Python holds, and how it was made.
+struct HeldResult {
+  PortraitResult result;
+  nlohmann::ordered_json provenance;
+};
+
+py::tuple arrays_of(pipeline::PixelDisparity found) {
+  return py::make_tuple(moved_to_array(std::move(found.disparity_dp_px)), moved_to_array(std::move(found.confidence)),
+                        moved_to_array(std::move(found.sigma_dp_px)));
+}
+
+pipeline::PixelDisparity match_views(const Image& left, const Image& right, const pipeline::ViewSensor& sensor,
+                                     const std::string& matcher, const Assignments& assignments) {
+  pipeline::MatcherOptions options;
+  for (const std::string& assignment : assignments) set_field(pipeline::fields(options), assignment);
+  const pipeline::TileDisparity tiles = pipeline::matcher_named(matcher).match(left, right, sensor, options);
+  return pipeline::upsample_tiles(tiles, left.width, left.height);
+}
+
+py::tuple match_arrays(const py::object& left, const py::object& right, const std::string& matcher,
+                       const Assignments& assignments, const std::optional<std::pair<float, float>>& noise,
+                       float white) {
+  const Image left_view = image_of(left, "left"), right_view = image_of(right, "right");
+  pipeline::ViewSensor sensor{{}, white};
+  if (noise) sensor.noise = {noise->first, noise->second};
+  pipeline::PixelDisparity found;
+  {
+    const py::gil_scoped_release released;
+    found = match_views(left_view, right_view, sensor, matcher, assignments);
+  }
+  return arrays_of(std::move(found));
+}
+
+/// As the portrait does: of the merged burst.
+py::tuple match_capture(const HeldCapture& held, const std::string& matcher, const Assignments& assignments) {
+  pipeline::PixelDisparity found;
+  {
+    const py::gil_scoped_release released;
+    const Capture& capture = held.capture;
+    pipeline::require_matchable(capture.camera, "capture", "/camera/dp_downsample_x");
+    const pipeline::MergedBurst burst = pipeline::align_and_merge(capture.frames, capture.exposure);
+    const double noise_left = pipeline::merged_view_variance(static_cast<int>(capture.frames.size()));
+    found =
+        match_views(burst.left, burst.right, pipeline::view_sensor(capture.exposure, noise_left), matcher, assignments);
+  }
+  return arrays_of(std::move(found));
+}
+
+std::shared_ptr<HeldResult> make_portrait(const HeldCapture& held, const std::string& mode, const std::string& matcher,
+                                          const Assignments& assignments, const py::object& mask,
+                                          const std::vector<std::array<double, 4>>& faces, std::uint64_t seed) {
+  std::optional<Image> person;
+  if (!mask.is_none()) person = image_of(mask, "mask");
+  const py::gil_scoped_release released;
+  PortraitOptions options;
+  for (const std::string& assignment : assignments) set_field(pipeline::fields(options), assignment);
+  options.mode = value_named(pipeline::kModes, mode, "mode");
+  options.matcher = matcher;
+  options.seed = seed;
+  for (const auto& [x, y, width, height] : faces) options.faces.push_back({x, y, width, height});
+  if (options.mode != pipeline::Mode::seg) {
+    pipeline::require_matchable(held.capture.camera, "capture", "/camera/dp_downsample_x");
+  }
+  std::optional<pipeline::PersonNetwork> network;
+  if (options.mode != pipeline::Mode::dp && !person) {
+    network.emplace(pipeline::built_in_weights());
+    options.find_people = [&](const Image& picture, const std::vector<pipeline::Face>& seeds) {
+      return pipeline::find_people(picture, seeds, *network, options.seed_faces);
+    };
+  }
+  auto result = std::make_shared<HeldResult>();
+  result->result = pipeline::run_portrait(held.capture, options, person);
+  result->provenance = {{"program", "dualpixel " DUALPIXEL_VERSION},
+                        {"mode", name_of(pipeline::kModes, result->result.mode)},
+                        {"matcher", matcher},
+                        {"seed", seed},
+                        {"options", changed_fields(options)}};
+  return result;
+}
+
+void bind_result(py::module_& module) {
+  py::class_<HeldResult, std::shared_ptr<HeldResult>> type(module, "PortraitResult");
+  using R = PortraitResult;
+  constexpr std::pair<const char*, Image R::*> kImages[] = {{"input", &R::input},
+                                                            {"portrait", &R::portrait},
+                                                            {"portrait_srgb", &R::portrait_srgb},
+                                                            {"disparity", &R::disparity_dp_px},
+                                                            {"confidence", &R::confidence},
+                                                            {"matched_disparity", &R::matched_disparity_dp_px},
+                                                            {"matched_confidence", &R::matched_confidence},
+                                                            {"matched_sigma", &R::matched_sigma_dp_px},
+                                                            {"mask", &R::mask},
+                                                            {"blur_radius", &R::blur_radius_px}};
+  for (const auto& [name, image] : kImages) {
+    type.def_property_readonly(name, [image = image](const py::object& self) {
+      return view_of(self.cast<const HeldResult&>().result.*image, self, true);
+    });
+  }
+  type.def_property_readonly("focus_disparity",
+                             [](const HeldResult& self) { return self.result.focus_disparity_dp_px; });
+  type.def_property_readonly("warnings", [](const HeldResult& self) { return self.result.warnings; });
+  type.def_property_readonly("provenance", [](const HeldResult& self) { return to_python(self.provenance); });
+  type.def(
+      "write",
+      [](const HeldResult& self, const std::filesystem::path& path) {
+        pipeline::write_result(self.result, self.provenance, path.string());
+      },
+      py::arg("path"), py::call_guard<py::gil_scoped_release>());
+}
+
+}  // namespace
+
+void bind_pipeline(py::module_& module) {
+  bind_result(module);
+  module.def("match_arrays", match_arrays, py::arg("left"), py::arg("right"), py::arg("matcher"), py::arg("options"),
+             py::arg("noise"), py::arg("white"));
+  module.def("match_capture", match_capture, py::arg("capture"), py::arg("matcher"), py::arg("options"));
+  module.def("portrait", make_portrait, py::arg("capture"), py::arg("mode"), py::arg("matcher"), py::arg("options"),
+             py::arg("mask"), py::arg("faces"), py::arg("seed"));
+}
+
+}  // namespace dualpixel::python

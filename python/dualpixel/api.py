@@ -1,0 +1,160 @@
+"""What the compiled part does, with Python's manners: dicts for JSON, None for what is absent."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NamedTuple, Optional, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from .pictures import Path
+
+Overrides = Union[Mapping[str, Any], Iterable[str]]
+
+
+class Match(NamedTuple):
+    """A disparity for each pixel of the views, float32."""
+
+    disparity: np.ndarray
+    """DP pixels: right(x + d) = left(x)."""
+    confidence: np.ndarray
+    """0 to 1."""
+    sigma: Optional[np.ndarray]
+    """Predicted standard deviation of the error, DP pixels; None where the matcher predicts none."""
+
+
+def _without_infinity(value: Any) -> Any:
+    """Files say "inf", since JSON has no infinity."""
+    if isinstance(value, float) and math.isinf(value) and value > 0:
+        return "inf"
+    if isinstance(value, Mapping):
+        return {key: _without_infinity(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_without_infinity(entry) for entry in value]
+    return value
+
+
+def _assignments(overrides: Overrides) -> list[str]:
+    if isinstance(overrides, Mapping):
+        return [f"{field}={json.dumps(_without_infinity(value))}" for field, value in overrides.items()]
+    return list(overrides)
+
+
+def _document(document: Union[Mapping[str, Any], Path], name: str, folder: Path = "") -> tuple[str, str]:
+    """Text and name of a document of the caller's, as if it lay in `folder`, or no text and the path of a file."""
+    if isinstance(document, Mapping):
+        return json.dumps(_without_infinity(document)), os.path.join(folder, name)
+    return "", os.fspath(document)
+
+
+def _loaded(capture: Union[_core.Capture, Path], truth: bool) -> _core.Capture:
+    return capture if isinstance(capture, _core.Capture) else _core.Capture(capture, truth=truth)
+
+
+def simulate(
+    scene: Union[Mapping[str, Any], Path],
+    overrides: Overrides = (),
+    *,
+    seed: Optional[int] = None,
+    folder: Path = "",
+    progress: Optional[Callable[[str, float], None]] = None,
+) -> _core.Capture:
+    """Renders a scene into a capture with its truth: `dualpixel simulate` without the folder.
+
+    scene      the path of a scene file or of a glTF file (docs/scene.md says what is chosen for it), or what a scene
+               file holds as a dict
+    overrides  fields to set, as `--set` does: {"camera.focus_distance_m": 0.9} or ["camera.focus_distance_m=0.9"]
+    seed       of rendering and noise; the same seed gives the same bytes for any number of threads
+    folder     to which a dict's paths are relative; "": the current one
+    progress   called with the stage's name and the share of it that is done
+    """
+    assignments = _assignments(overrides) + ([f"render.seed={seed}"] if seed is not None else [])
+    return _core.simulate(*_document(scene, "scene", folder), assignments, progress)
+
+
+def lens(
+    lens: Union[Mapping[str, Any], Path],
+    overrides: Overrides = (),
+    *,
+    focus_distance_m: float = 1,
+    width_px: int = 2688,
+    height_px: int = 2016,
+    pixel_pitch_um: Optional[float] = None,
+) -> dict[str, Any]:
+    """What a lens does on a sensor of this size, which fills the lens's picture unless its pitch is given.
+
+    The dict is what `dualpixel lens --json` prints.
+    """
+    return _core.lens(
+        *_document(lens, "lens"), _assignments(overrides), focus_distance_m, width_px, height_px, pixel_pitch_um or 0
+    )
+
+
+def match(
+    left: Union[_core.Capture, npt.ArrayLike, Path],
+    right: Optional[npt.ArrayLike] = None,
+    *,
+    matcher: str = "paper",
+    options: Overrides = (),
+    noise: Optional[tuple[float, float]] = None,
+    white: float = 1,
+) -> Match:
+    """Disparity between two views, or of a capture (its frames are merged first), by one of the pipeline's matchers.
+
+    left, right  linear views of shape (height, width), 0 black; or a capture and None
+    matcher      "paper", "likelihood" or "split"
+    options      e.g. {"match.range_px": 5}: what `dualpixel portrait --options` lists under the matcher's name
+    noise        variance shot * x + read of a view's pixel of mean x; None: the matcher estimates it. A capture states
+                 its own noise and white
+    white        signal at which a view clips
+    """
+    assignments = _assignments(options)
+    if right is None:
+        return Match(*_core.match_capture(_loaded(left, truth=False), matcher, assignments))
+    return Match(*_core.match_arrays(left, right, matcher, assignments, noise, white))
+
+
+def portrait(
+    capture: Union[_core.Capture, Path],
+    *,
+    mode: str = "dp",
+    matcher: str = "paper",
+    options: Overrides = (),
+    mask: Optional[npt.ArrayLike] = None,
+    faces: Iterable[tuple[float, float, float, float]] = (),
+    seed: int = 1,
+) -> _core.PortraitResult:
+    """The portrait mode, all stages: burst, disparity, mask, smoothing, blur, noise. Truth is never used.
+
+    mode     "dp" (disparity alone), "dp+seg" (with a person mask) or "seg" (mask alone)
+    options  e.g. {"layers.bands": 8}: what `dualpixel portrait --options` lists
+    mask     of the person, 0 to 1, of any size; None: people are found where the mode needs them
+    faces    x, y, width, height in photosites of people to keep sharp
+    """
+    loaded = _loaded(capture, truth=False)
+    return _core.portrait(loaded, mode, matcher, _assignments(options), mask, [tuple(face) for face in faces], seed)
+
+
+def score(
+    capture: Union[_core.Capture, Path],
+    *,
+    disparity: Optional[npt.ArrayLike] = None,
+    confidence: Optional[npt.ArrayLike] = None,
+    sigma: Optional[npt.ArrayLike] = None,
+    portrait: Optional[npt.ArrayLike] = None,
+) -> dict[str, Any]:
+    """Compares what any method found with the capture's truth. Only what is given is scored.
+
+    disparity   DP pixels, of the sensor's size or the views'; not finite where nothing was found
+    confidence  0 to 1, likewise
+    sigma       predicted standard deviation of the disparity's error, likewise
+    portrait    linear RGB, 1 where the capture clips, of the sensor's size; compared with the true photograph
+
+    The dict has what `dualpixel score --json` prints: ["disparity"][region][figure] and ["image"][figure].
+    """
+    return _core.score(_loaded(capture, truth=True), disparity, confidence, sigma, portrait)

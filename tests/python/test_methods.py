@@ -1,0 +1,131 @@
+"""Matching, portraits, scores and lenses from Python."""
+
+import ast
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import dualpixel
+from conftest import SCENES
+from dualpixel import _core
+
+
+def texture(width, height, seed=1):
+    """Noise blurred to about two pixels, around 0.3."""
+    noise = np.random.default_rng(seed).normal(size=(height, width))
+    kernel = np.exp(-np.arange(-4, 5) ** 2 / 4.0)
+    for axis in (0, 1):
+        noise = np.apply_along_axis(lambda line: np.convolve(line, kernel / kernel.sum(), "same"), axis, noise)
+    return (0.3 + 0.3 * noise).astype(np.float32)
+
+
+@pytest.mark.parametrize("matcher", ["paper", "likelihood", "split"])
+def test_match_finds_a_shift(matcher):
+    wide = texture(200, 96)
+    left, right = wide[:, 8:-8], wide[:, 7:-9]  # right(x + 1) = left(x)
+    found = dualpixel.match(left, right, matcher=matcher)
+    assert found.disparity.shape == left.shape
+    # a whole pixel needs no interpolation, and there is no noise
+    assert abs(np.median(found.disparity[16:-16, 16:-16]) - 1) < 0.02
+    assert (found.sigma is None) == (matcher == "paper")
+
+
+def test_match_takes_options_and_refuses_others():
+    view = texture(64, 64)
+    dualpixel.match(view, view, options={"match.range_px": 4})
+    with pytest.raises(dualpixel.InputError, match="match.range_px"):
+        dualpixel.match(view, view, options={"match.range_px": -4})
+    with pytest.raises(dualpixel.InputError, match="did you mean 'likelihood'"):
+        dualpixel.match(view, view, matcher="likelyhood")
+    with pytest.raises(dualpixel.InputError, match="^left: an array of 1 axes"):
+        dualpixel.match(view[0], view)
+
+
+def test_match_of_a_capture_is_the_portraits(capture):
+    np.testing.assert_array_equal(
+        dualpixel.match(capture).disparity, dualpixel.portrait(capture).matched_disparity
+    )
+
+
+def test_portrait_is_the_programs(program, capture, folder, tmp_path):
+    done = program("portrait", folder, "-o", tmp_path / "program", "--seed", 3)
+    assert done.returncode == 0, done.stderr
+    result = dualpixel.portrait(capture, seed=3)
+    result.write(tmp_path / "python")
+    for name in ("portrait.exr", "maps.exr", "matched.exr", "portrait.png"):
+        assert (tmp_path / "program" / name).read_bytes() == (tmp_path / "python" / name).read_bytes(), name
+    assert result.mask is None and result.portrait.shape == (96, 128, 3)
+
+
+def test_portrait_takes_a_mask(capture):
+    mask = np.zeros((96, 128))
+    mask[30:70, 40:80] = 1
+    np.testing.assert_array_equal(dualpixel.portrait(capture, mode="dp+seg", mask=mask).mask, mask)
+    with pytest.raises(dualpixel.InputError, match="every value must lie in"):
+        dualpixel.portrait(capture, mode="dp+seg", mask=2 * mask)
+
+
+def test_score_of_known_errors(capture):
+    truth = capture.truth
+    scored = dualpixel.score(capture, disparity=truth.disparity + 0.3, sigma=np.full((96, 128), 0.2))
+    everything = scored["disparity"]["everything"]
+    assert everything["bias_px"] == pytest.approx(0.3, abs=1e-6)
+    assert everything["rmse_affine_px"] == pytest.approx(0, abs=1e-4)  # the fit's ridge of 1e-5 is left
+    assert everything["within_one_sigma"] == 0 and everything["within_two_sigma"] == 1
+    assert "image" not in scored
+    only_portrait = dualpixel.score(capture, portrait=truth.photograph)
+    assert "disparity" not in only_portrait and only_portrait["image"]["psnr_db"] is None
+    with pytest.raises(dualpixel.InputError, match="^capture: nothing to score"):
+        dualpixel.score(capture)
+    with pytest.raises(dualpixel.InputError, match=r"disparity: 5 x 4 pixels .*; portrait: 5 x 4"):
+        dualpixel.score(capture, disparity=np.zeros((4, 5)), portrait=np.zeros((4, 5, 3)))
+
+
+def test_score_is_the_programs(program, folder, tmp_path):
+    disparity = texture(64, 24)
+    np.save(tmp_path / "d.npy", disparity)
+    done = program("score", folder, "--disparity", tmp_path / "d.npy", "--json")
+    expected = json.loads(done.stdout)
+    del expected["capture"]
+    assert dualpixel.score(folder, disparity=disparity) == expected
+
+
+def test_lens_is_the_programs(program):
+    path = (SCENES / "../lens_models/phone_thin_4.4mm_f1.8.json").resolve()
+    assert dualpixel.lens(path, focus_distance_m=0.5) == json.loads(
+        program("lens", path, "--focus-distance-m", 0.5, "--json").stdout
+    )
+    assert dualpixel.lens(json.loads(path.read_text()), {"f_number": 4})
+    with pytest.raises(dualpixel.InputError, match="^lens: /f_number"):
+        dualpixel.lens(json.loads(path.read_text()), {"f_number": -4})
+
+
+def test_stubs_name_what_there_is():
+    stub = ast.parse((Path(_core.__file__).parent / "_core.pyi").read_text())
+    for node in stub.body:
+        if isinstance(node, ast.ClassDef):
+            own = {entry.name for entry in node.body if isinstance(entry, ast.FunctionDef)} - {"__init__"}
+            there = {name for name in dir(getattr(_core, node.name)) if not name.startswith("_")}
+            assert own == there, node.name
+    named = {node.name for node in stub.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+    assert named == {name for name in dir(_core) if not name.startswith("_")}
+    assert set(dualpixel.__all__) == {name for name in dualpixel.__all__ if hasattr(dualpixel, name)}
+
+
+@pytest.mark.slow
+def test_the_example_draws_its_curves(tmp_path):
+    pytest.importorskip("matplotlib")
+    example = Path(__file__).resolve().parents[2] / "python/examples/failure_curve.py"
+    done = subprocess.run(
+        [sys.executable, example, SCENES / "slanted_planes.json", tmp_path / "curves.png"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "likelihood: RMSE" in done.stdout
+    assert (tmp_path / "curves.png").stat().st_size > 10_000

@@ -1,0 +1,118 @@
+// Scenes, methods and maps that people bring, as they give them on the command line.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "scenes/gltf/glb.h"
+#include "tests/datasets/small_recipe.h"
+#include "tests/run_program.h"
+
+namespace dualpixel {
+namespace {
+
+using nlohmann::json;
+
+/// A glTF file without a camera: a quad before another.
+void write_model(const std::string& path) {
+  scenes::Glb glb;
+  const int material = glb.add_material({.color = {0.5, 0.5, 0.5}});
+  scenes::Mesh near, far;
+  near.add_quad({-0.2, -0.15, 0.1}, {0.2, 0, 0}, {0, 0.3, 0});
+  far.add_quad({0, -0.15, 0}, {0.2, 0, 0}, {0, 0.3, 0});
+  glb.add_node("near", near, material);
+  glb.add_node("far", far, material);
+  glb.write(path);
+}
+
+constexpr const char* kSmall =
+    " --set sensor.width_px=64 --set sensor.height_px=48 --set sensor.pixel_pitch_um=58.8 --set burst.frames=1 --set "
+    "render.samples_per_pixel=2 --set render.photograph_samples_per_pixel=1 --set render.light_spacing_px=0";
+
+TEST(OwnScenes, AModelAloneIsFramedAndItsSceneFilePrinted) {
+  const TemporaryFolder folder;
+  write_model(folder / "model.glb");
+  const std::string in = "'" + folder.path.string() + "/";
+  const Outcome outcome = run_program("simulate " + in + "model.glb' -o " + in + "one' --seed 3" + kSmall);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json printed = json::parse(outcome.out);
+  EXPECT_TRUE(printed["camera"]["focus_distance_m"].is_number());
+  EXPECT_EQ(json::parse(read_bytes(folder / "one/capture.json"))["provenance"]["scene"], printed);
+
+  // saved beside the model it is the scene: the same frames
+  folder.write("model.json", outcome.out);
+  const Outcome again = run_program("simulate " + in + "model.json' -o " + in + "two'");
+  ASSERT_EQ(again.status, 0) << again.err;
+  for (const char* file : {"frames/000_mosaic.png", "frames/000_left.png", "truth/geometry.exr"}) {
+    EXPECT_EQ(read_bytes(folder / "one/" + file), read_bytes(folder / "two/" + file)) << file;
+  }
+  const Outcome dry = run_program("simulate " + in + "model.glb' -o " + in + "dry' --dry-run --seed 3" + kSmall);
+  EXPECT_EQ(dry.out, outcome.out);
+  EXPECT_FALSE(std::filesystem::exists(folder / "dry"));
+}
+
+TEST(OwnScenes, InfoSaysWhatAModelHolds) {
+  const TemporaryFolder folder;
+  write_model(folder / "model.glb");
+  const json info = json::parse(run_program("info '" + (folder / "model.glb") + "' --json").out);
+  const double expected[] = {-0.2, -0.15, 0, 0.2, 0.15, 0.1};
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_NEAR(info["bounds"][i < 3 ? "low_m" : "high_m"][i % 3].get<double>(), expected[i], 1e-6);
+  }
+  EXPECT_EQ(info["materials"].size(), 1);
+  EXPECT_EQ(info["cameras"], json::array());
+  EXPECT_TRUE(info.contains("extensions"));
+  const json planes = json::parse(run_program("info '" DUALPIXEL_SCENES_DIR "/slanted_planes.glb' --json").out);
+  EXPECT_EQ(planes["cameras"][0]["name"], "camera");
+  EXPECT_EQ(planes["extensions"], json({"KHR_materials_unlit"}));
+}
+
+TEST(OwnScenes, SeveralGoToFoldersOfTheirNames) {
+  const TemporaryFolder folder;
+  write_model(folder / "model.glb");
+  const std::string in = "'" + folder.path.string() + "/";
+  const std::string planes = "'" DUALPIXEL_SCENES_DIR "/slanted_planes.json' ";
+  const Outcome outcome = run_program("simulate " + planes + in + "model.glb' -o " + in + "out'" + kSmall);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/slanted_planes/capture.json"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/model/capture.json"));
+  expect_one_line_refusal(run_program("simulate " + planes + planes + "-o " + in + "twice'" + kSmall));
+}
+
+TEST(OwnScenes, AFaceMayBeGivenInSharesAndRemoved) {
+  const TemporaryFolder folder;
+  const std::string in = "'" + folder.path.string() + "/";
+  const std::string scene = "simulate '" DUALPIXEL_SCENES_DIR "/slanted_planes.json' -o " + in;
+  const Outcome shares = run_program(scene + "a'" + kSmall + " --set 'face=[0.25,0.5,0.25,0.25]'");
+  ASSERT_EQ(shares.status, 0) << shares.err;
+  EXPECT_EQ(json::parse(read_bytes(folder / "a/capture.json"))["face_px"], json({16, 24, 16, 12}));
+  const Outcome none = run_program(scene + "b'" + kSmall + " --set 'face=[0.25,0.5,0.25,0.25]' --set face=null");
+  ASSERT_EQ(none.status, 0) << none.err;
+  EXPECT_FALSE(json::parse(read_bytes(folder / "b/capture.json")).contains("face_px"));
+  expect_one_line_refusal(run_program(scene + "c'" + kSmall + " --set 'face=[0.9,0.5,0.25,0.25]'"));
+  expect_one_line_refusal(run_program(scene + "c'" + kSmall + " --set 'face=[0,0,1,1]' --set 'face_px=[1,1,2,2]'"));
+}
+
+TEST(EvaluateCommand, ComparesMethodsOverADataSet) {
+  const TemporaryFolder folder;
+  json recipe = datasets::testing::small_recipe(2);
+  recipe["keep"] = {"left", "right", "view_disparity_dp_px", "view_valid"};
+  folder.write("recipe.json", recipe.dump());
+  const std::string in = "'" + folder.path.string() + "/";
+  ASSERT_EQ(run_program("dataset plan " + in + "recipe.json' -o " + in + "set'").status, 0);
+  ASSERT_EQ(run_program("dataset render " + in + "set'").status, 0);
+  const std::string command = "evaluate " + in + "set' -o " + in + "out' --method paper ";
+  const Outcome outcome = run_program(command + "--method 'mine=cp {left.npy} {out}; : {right}'");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json evaluation = json::parse(read_bytes(folder / "out/evaluation.json"));
+  EXPECT_EQ(evaluation["samples"], 2);
+  EXPECT_TRUE(evaluation["methods"]["mine"].contains("peak_rss_mb"));
+  EXPECT_EQ(evaluation["methods"]["mine"]["regions"]["everything"]["pixels"],
+            evaluation["methods"]["paper"]["regions"]["everything"]["pixels"]);
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/evaluation.html"));
+  expect_one_line_refusal(run_program(command + "--method paper"));
+  expect_one_line_refusal(run_program(command + "--split tst"));
+}
+
+}  // namespace
+}  // namespace dualpixel
