@@ -120,11 +120,13 @@ void build_chart(SceneBuilder& build, const Parameters& p, RandomStream rng) {
   build.scene["unlit_white_nits"] = 500;
   build.scene["render"]["max_bounces"] = 0;
   build.shooting.focus_m = z;
+  build.shooting.clear_m = 0.3f * z;
   if (pattern == "target" || pattern == "planes" || pattern == "edges") {
     if (pattern == "target") add_calibration_target(build.glb);
     if (pattern == "planes") add_slanted_planes(build.glb);
     if (pattern == "edges") add_occlusion_edges(build.glb);
     build.shooting.focus_m = pattern == "target" ? 0.95f : 0.8f;
+    build.shooting.clear_m = 0.1f;
     return;
   }
   if (pattern == "siemens_star") add_star(build, z, p.integer("cycles"), contrast);

@@ -77,10 +77,13 @@ void build_portrait(SceneBuilder& build, const Parameters& p, RandomStream rng) 
   const vec3 middle = nearest.middle;
   const vec3 eye(center + 0.12f * distance * at.normal(), std::clamp(middle.y + 0.1f * at.normal(), 0.5f, 2.1f), 0);
   const float lower = distance * at.uniform(0.02f, 0.14f);  // the face above the picture's middle
-  const float aside = people > 1 ? 0.25f * static_cast<float>(people - 1) : 0.05f * distance * at.normal();
+  // towards the middle of a group, as far as the first face stays well inside the picture
+  const float aside =
+      people > 1 ? std::min(0.25f * static_cast<float>(people - 1), 0.2f * distance) : 0.05f * distance * at.normal();
   if (p.integer("branch") == 1 && distance > 0.7f) add_branch_in_front(build, rng.substream(4), eye, 0.5f * distance);
   build.camera(eye, middle + vec3(aside, -lower, 0));
   build.focus_on(middle);
+  build.shooting.clear_m = 0.4f * distance;
   if (const nlohmann::json box = face_box(build, nearest); !box.is_null()) build.scene["face_px"] = box;
 }
 

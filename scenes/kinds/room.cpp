@@ -24,6 +24,7 @@ void build_room(SceneBuilder& build, const Parameters& p, RandomStream rng) {
   const vec3 eye(half * aim.uniform(-0.8f, 0.8f), p.real("height_m"), 0.3f);
   const vec3 target(0.5f * half * aim.uniform(-1, 1), aim.uniform(0.8f, 1.2f), -room.deep_m);
   build.camera(eye, target);
+  build.shooting.clear_m = 0.6f;
 }
 
 }  // namespace
