@@ -23,9 +23,10 @@ using nlohmann::json;
 using nlohmann::ordered_json;
 
 constexpr int kColumns = 6, kMostOnSheet = 36, kThumbnail_px = 160;
-constexpr float kLeastNits = 1e-3f;  ///< of the picture's mean, below which log luminance is cut off
+constexpr float kVeil =
+    0.02f;  ///< of the picture's mean, added before the logarithm as stray light and black level are
 
-/// Log luminance of each, cut off at the same small share of the mean of all.
+/// Log luminance of each over the same veil.
 NoisyPictures log_luminance(const std::vector<Image>& parts) {
   NoisyPictures logs;
   double mean = 0;
@@ -37,9 +38,9 @@ NoisyPictures log_luminance(const std::vector<Image>& parts) {
       mean += logs[i].data[k] / static_cast<double>(4 * parts[i].pixel_count());
     }
   }
-  const float least = std::max(kLeastNits * static_cast<float>(mean), 1e-12f);
+  const float veil = std::max(kVeil * static_cast<float>(mean), 1e-12f);
   for (Image& image : logs) {
-    for (float& value : image.data) value = std::log(std::max(value, least));
+    for (float& value : image.data) value = std::log(std::max(value, 0.0f) + veil);
   }
   return logs;
 }

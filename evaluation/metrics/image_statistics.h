@@ -12,8 +12,8 @@ using NoisyPictures = std::array<Image, 4>;
 
 /// Slope of the logarithm of amplitude over the logarithm of spatial frequency, all orientations together, of the
 /// largest centered square, from 4 cycles a picture to a quarter of a cycle a pixel, each octave with the same weight.
-/// Photographs: -1.0 (Field 1987), -1.2 with a deviation of .13 (Tolhurst, Tadmor & Chao 1992). `log_luminance`: one
-/// channel, 64 pixels or more each way. NaN where there is no contrast.
+/// Photographs: -1.0 (Field 1987), -.8 to -1.5, -1.2 in the mean (Tolhurst, Tadmor & Chao 1992). `log_luminance`: one
+/// channel, 48 pixels or more each way. NaN where there is no contrast.
 double amplitude_slope(const NoisyPictures& log_luminance);
 
 /// Of differences of neighbors, horizontal and vertical ones together.
