@@ -80,18 +80,23 @@ std::vector<Parameter> parameters_of(const SceneKind& kind) {
   return all;
 }
 
-void draw_scene(const SceneKind& kind, const SceneOrder& order, const std::string& folder) {
+std::vector<std::string> draw_scene(const SceneKind& kind, const SceneOrder& order, const std::string& folder) {
   const Parameters parameters = parameters_for(kind, order);
-  SceneBuilder builder;
-  set_start(builder.scene, parameters, order.seed);
-  kind.build(builder, parameters, RandomStream(order.seed, false).substream(2));
-
   const std::string path = folder + "/scene.json";
-  builder.glb.write(folder + "/scene.glb");
-  meter(builder.scene, path, builder.shooting, order.seed, parameters.number("stops"));
-  set_fields(builder.scene, order);
-  simulator::read_simulation(builder.scene, path);  // refuses fields that do not fit
-  write_file(path, builder.scene.dump(2) + "\n");
+  std::vector<std::string> faults;
+  for (int i = 0; i < kArrangements; ++i) {
+    SceneBuilder builder;
+    set_start(builder.scene, parameters, order.seed);
+    kind.build(builder, parameters, RandomStream(order.seed, false).substream(2 + static_cast<std::uint64_t>(i)));
+    builder.glb.write(folder + "/scene.glb");
+    faults = meter(builder.scene, path, builder.shooting, order.seed, parameters.number("stops"));
+    if (!faults.empty() && i + 1 < kArrangements) continue;
+    set_fields(builder.scene, order);
+    simulator::read_simulation(builder.scene, path);  // refuses fields that do not fit
+    write_file(path, builder.scene.dump(2) + "\n");
+    break;
+  }
+  return faults;
 }
 
 json scene_file_start(const SceneKind& kind, const SceneOrder& order) {

@@ -28,12 +28,16 @@ struct SceneOrder {
   std::vector<std::string> assignments;
 };
 
+inline constexpr int kArrangements = 4;
+
 /// Parameters of all kinds and then the kind's own.
 std::vector<Parameter> parameters_of(const SceneKind& kind);
 
 /// Writes scene.json and scene.glb into a folder that exists; the same bytes for the same order and any number of
-/// threads. Throws InputError.
-void draw_scene(const SceneKind& kind, const SceneOrder& order, const std::string& folder);
+/// threads. Where the camera does not stand in free space, shows nothing or finds no exposure, everything that is not
+/// set is arranged anew, kArrangements times in all; returns what is wrong with the last of them, one line each. Throws
+/// InputError.
+std::vector<std::string> draw_scene(const SceneKind& kind, const SceneOrder& order, const std::string& folder);
 
 /// What draw_scene() writes into scene.json before anything is drawn: sensor, lens, burst and render, with those of the
 /// order's fields. Throws InputError where a parameter cannot be used.

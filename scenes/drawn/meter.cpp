@@ -1,8 +1,12 @@
 #include "scenes/drawn/meter.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "scenes/drawn/free_view.h"
 #include "scenes/procedural/random_stream.h"
 #include "simulator/render/truth.h"
 #include "simulator/render/views.h"
@@ -14,25 +18,14 @@ namespace {
 using nlohmann::json;
 
 constexpr int kDigits = 2;
+/// Of scene files' defaults at ISO 100: lux per nit at f/1.8, electrons per lux second over the full well.
+constexpr double kSignalPerNitSecond = std::numbers::pi / 4 / (1.8 * 1.8) * 4000 / 6000;
+constexpr double kLongest_s = 1.0 / 12, kShortest_s = 1e-6, kHighestIso = 12800;
 
 /// To so many digits, so that the last bits of a rendering do not show.
 double rounded(double value, int digits) {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - (digits - 1));
   return std::round(value / unit) * unit;
-}
-
-/// A small sensor of the same field of view behind a thin lens, which is prepared at once.
-json small_picture(const json& scene) {
-  constexpr int kWidth = 128, kHeight = 96;
-  json small = scene;
-  const json& sensor = scene.at("sensor");
-  const double width_mm = 1e-3 * sensor.at("width_px").get<double>() * sensor.at("pixel_pitch_um").get<double>();
-  small["sensor"] = {{"width_px", kWidth}, {"height_px", kHeight}, {"pixel_pitch_um", 1e3 * width_mm / kWidth}};
-  small["lens"] = {{"model", "thin"}, {"focal_length_mm", 4.3}, {"f_number", 1.8}};
-  small["burst"] = {{"frames", 1}};
-  small["render"]["max_bounces"] = std::min(scene.at("render").value("max_bounces", 0), 1);
-  small["render"]["light_spacing_px"] = 0;  // points on a million leaves would take longer than the picture
-  return small;
 }
 
 /// The exposure, lux seconds over nits seconds left out: seconds at ISO 100 that give the picture its key, less where
@@ -52,6 +45,13 @@ double seconds_at_iso_100(const Image& picture, double signal_per_nit_s, const S
   return std::min(by_key, 0.95 / *clipped);
 }
 
+/// Of an exposure in seconds at ISO 100.
+std::string exposure_fault(double seconds) {
+  if (seconds >= kShortest_s && seconds <= kLongest_s * kHighestIso / 100) return "";
+  return fmt::format("its light asks for {:.2g} s at ISO 100, and the camera allows {:.2g} .. {:.3g} s", seconds,
+                     kShortest_s, kLongest_s * kHighestIso / 100);
+}
+
 /// Depth of a pixel of the middle half of the picture.
 double focus_on_something(const Truth& truth, std::uint64_t seed) {
   RandomStream rng(seed, false);
@@ -66,17 +66,34 @@ double focus_on_something(const Truth& truth, std::uint64_t seed) {
 
 }  // namespace
 
-void set_exposure(json& scene, double seconds, int digits) {
-  const double time_s = seconds <= 1.0 / 60 ? seconds : std::min(std::sqrt(seconds / 60), 1.0 / 12);
-  scene["exposure"]["time_s"] = rounded(std::clamp(time_s, 1e-6, 1.0 / 12), digits);
-  scene["exposure"]["iso"] = rounded(std::clamp(100 * seconds / time_s, 100.0, 12800.0), digits);
+json small_picture(const json& scene, int width_px) {
+  json small = scene;
+  const json& sensor = scene.at("sensor");
+  const double width_mm = 1e-3 * sensor.at("width_px").get<double>() * sensor.at("pixel_pitch_um").get<double>();
+  small["sensor"] = {
+      {"width_px", width_px}, {"height_px", width_px / 4 * 3}, {"pixel_pitch_um", 1e3 * width_mm / width_px}};
+  small["lens"] = {{"model", "thin"}, {"focal_length_mm", 4.3}, {"f_number", 1.8}};
+  small["burst"] = {{"frames", 1}};
+  small["render"]["max_bounces"] = std::min(scene.at("render").value("max_bounces", 0), 1);
+  small["render"]["light_spacing_px"] = 0;  // points on a million leaves would take longer than the picture
+  return small;
 }
 
-void meter(json& scene, const std::string& scene_path, const Shooting& shooting, std::uint64_t seed, double stops) {
-  constexpr double kFullWell_e = 6000, kElectrons = 4000, kDiaphragm = 1.8;  // of scene files' defaults; signal 1
-  constexpr double kPi = 3.141592653589793;
+double signal_per_nit(const json& scene) {
+  const json& exposure = scene.at("exposure");
+  return kSignalPerNitSecond * exposure.at("time_s").get<double>() * exposure.at("iso").get<double>() / 100;
+}
+
+void set_exposure(json& scene, double seconds, int digits) {
+  const double time_s = seconds <= 1.0 / 60 ? seconds : std::min(std::sqrt(seconds / 60), kLongest_s);
+  scene["exposure"]["time_s"] = rounded(std::clamp(time_s, kShortest_s, kLongest_s), digits);
+  scene["exposure"]["iso"] = rounded(std::clamp(100 * seconds / time_s, 100.0, kHighestIso), digits);
+}
+
+std::vector<std::string> meter(json& scene, const std::string& scene_path, const Shooting& shooting, std::uint64_t seed,
+                               double stops) {
   scene["camera"]["focus_distance_m"] = 1.0;
-  const simulator::Simulation simulation = simulator::read_simulation(small_picture(scene), scene_path);
+  const simulator::Simulation simulation = simulator::read_simulation(small_picture(scene, 128), scene_path);
   const simulator::Scene loaded = simulator::load_scene(simulation);
   const simulator::RenderScene world(loaded, simulation.light);
   const simulator::CameraView camera = simulator::place_camera(simulation, loaded);
@@ -84,12 +101,18 @@ void meter(json& scene, const std::string& scene_path, const Shooting& shooting,
   options.samples_per_pixel = 32;
   options.ideal_aperture_scale = 0;
   const Image picture = simulator::undivided(simulator::render_views(world, camera, options));
-  const double lux_per_nit = kPi / 4 / (kDiaphragm * kDiaphragm);
-  const double seconds = seconds_at_iso_100(picture, lux_per_nit * kElectrons / kFullWell_e, shooting);
+  const double seconds = seconds_at_iso_100(picture, kSignalPerNitSecond, shooting);
   set_exposure(scene, std::exp2(stops) * seconds, kDigits);
-  const double focus_m =
-      shooting.focus_m ? *shooting.focus_m : focus_on_something(simulator::trace_truth(world, camera), seed);
+  const Truth truth = simulator::trace_truth(world, camera);
+  const double focus_m = shooting.focus_m ? *shooting.focus_m : focus_on_something(truth, seed);
   scene["camera"]["focus_distance_m"] = rounded(focus_m, kDigits);
+
+  std::vector<std::string> faults;
+  if (std::string fault = view_fault({world, camera, truth, picture}, shooting); !fault.empty())
+    faults.push_back(std::move(fault));
+  if (std::string fault = exposure_fault(std::exp2(stops) * seconds); !fault.empty())
+    faults.push_back(std::move(fault));
+  return faults;
 }
 
 }  // namespace dualpixel::scenes

@@ -47,7 +47,10 @@ void SceneBuilder::camera(glm::vec3 at, glm::vec3 look_at) {
   forward = glm::normalize(look_at - at);
 }
 
-void SceneBuilder::focus_on(glm::vec3 point) { shooting.focus_m = glm::dot(point - eye, forward); }
+void SceneBuilder::focus_on(glm::vec3 point) {
+  shooting.focus_m = glm::dot(point - eye, forward);
+  shooting.subject = point;
+}
 
 void SceneBuilder::sky(float elevation_deg, float azimuth_deg, float sun_lux, float zenith_nits, float horizon_nits,
                        float ground_nits, glm::vec3 sun_color) {

@@ -11,9 +11,11 @@ namespace dualpixel::scenes {
 
 /// How bright the picture should be, and what the camera focuses on.
 struct Shooting {
-  float key = 0.16f;             ///< geometric mean of the picture over the white level
-  float most_clipped = 0.03f;    ///< share of the picture that may be brighter than white
-  std::optional<float> focus_m;  ///< along the optical axis; none: a visible surface that the seed picks
+  float key = 0.16f;                 ///< geometric mean of the picture over the white level
+  float most_clipped = 0.03f;        ///< share of the picture that may be brighter than white
+  std::optional<float> focus_m;      ///< along the optical axis; none: a visible surface that the seed picks
+  std::optional<glm::vec3> subject;  ///< must be in the picture, and nothing before it: see view_fault()
+  float clear_m = 0.1f;              ///< hardly anything may be nearer to the camera
 };
 
 class SceneBuilder {
@@ -29,7 +31,7 @@ class SceneBuilder {
   void place(const std::string& name, int shared, const glm::mat4& pose) { glb.add_instance(name, shared, pose); }
 
   void camera(glm::vec3 eye, glm::vec3 look_at);
-  /// Sharpest at this point.
+  /// Sharpest at this point, which must be seen.
   void focus_on(glm::vec3 point);
   /// The sky of the scene file and its sun as a directional light of `sun_lux`.
   void sky(float elevation_deg, float azimuth_deg, float sun_lux, float zenith_nits, float horizon_nits,

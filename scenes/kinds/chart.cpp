@@ -103,9 +103,10 @@ void add_ladder(SceneBuilder& build, RandomStream rng, float z) {
     const std::string label = fmt::format("{:.0f}", 100 * at);
     Surface print{.repeat_m = 1, .unlit = true};
     print.texture = paint(512, [&](float u, float v) {
-      // a card is ten times as high as wide; its label stands in the middle
-      const float height = 0.9f / line_width(label), x = (u - 0.08f) / height, y = (v - 0.5f) * 10 / height;
-      return glm::mix(shaded(vec3(0.3f), 0.35f, grain.stretched(u, v, 1, 8)), vec3(0.02f), ink_at(label, x, y, 0.18f));
+      // a card is ten times as high as wide; its label stands in the middle, and its tone differs from its neighbors'
+      const float height = 0.7f / line_width(label), x = (u - 0.15f) / height, y = (v - 0.5f) * 10 / height;
+      return glm::mix(shaded(vec3(i % 2 == 0 ? 0.34f : 0.22f), 0.35f, grain.stretched(u, v, 1, 8)), vec3(0.02f),
+                      ink_at(label, x, y, 0.18f));
     });
     Mesh card;
     card.add_quad({left, -5 * wide, -at}, {wide, 0, 0}, {0, 10 * wide, 0});
@@ -120,11 +121,13 @@ void build_chart(SceneBuilder& build, const Parameters& p, RandomStream rng) {
   build.scene["unlit_white_nits"] = 500;
   build.scene["render"]["max_bounces"] = 0;
   build.shooting.focus_m = z;
+  build.shooting.clear_m = 0.3f * z;
   if (pattern == "target" || pattern == "planes" || pattern == "edges") {
     if (pattern == "target") add_calibration_target(build.glb);
     if (pattern == "planes") add_slanted_planes(build.glb);
     if (pattern == "edges") add_occlusion_edges(build.glb);
     build.shooting.focus_m = pattern == "target" ? 0.95f : 0.8f;
+    build.shooting.clear_m = 0.1f;
     return;
   }
   if (pattern == "siemens_star") add_star(build, z, p.integer("cycles"), contrast);

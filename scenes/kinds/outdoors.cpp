@@ -29,6 +29,7 @@ void build_outdoors(SceneBuilder& build, const Parameters& p, RandomStream rng) 
   const float turn = (street ? 0.25f : 0.3f) * aim.normal(), pitch = -0.05f + 0.06f * aim.normal();
   if (p.integer("branch") == 1)
     add_branch_in_front(build, rng.substream(4), eye, options.nearest_m * aim.uniform(0.6f, 1));
+  build.shooting.clear_m = 0.5f * options.nearest_m;
   build.camera(eye, eye + vec3(std::sin(turn), pitch, -std::cos(turn)));
 }
 

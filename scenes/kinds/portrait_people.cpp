@@ -73,11 +73,17 @@ StandingFace add_person(SceneBuilder& build, RandomStream rng, const PersonSpot&
   options.lowest_m = spot.lowest_m;
   options.gesture = random_gesture(rng);
   const Figure figure = add_figure(model, rng.substream(1), options);
-  for (SceneObject& object : model.objects)
-    add_object_mesh(build, std::move(object), model.materials[static_cast<std::size_t>(object.material)]);
   StandingFace face;
   face.outline = figure.face_outline;
   face.middle = 0.5f * (figure.face_points[1] + figure.face_points[2]);
+  const vec3 lift(0, spot.eyes_m.value_or(face.middle.y) - face.middle.y, 0);
+  for (vec3& p : face.outline) p += lift;
+  face.middle += lift;
+  for (SceneObject& object : model.objects) {
+    for (vec3& p : object.positions) p += lift;
+  }
+  for (SceneObject& object : model.objects)
+    add_object_mesh(build, std::move(object), model.materials[static_cast<std::size_t>(object.material)]);
   return face;
 }
 

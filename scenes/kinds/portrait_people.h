@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "scenes/drawn/scene_builder.h"
@@ -9,6 +10,8 @@ struct PersonSpot {
   glm::vec3 foot{0};    ///< below the pelvis, on the floor
   float yaw = 0;        ///< 0: faces +z
   float lowest_m = -1;  ///< nothing below this height is seen, so it is not made
+  /// Set: the person is lifted or lowered until the eyes are this high, where nobody sees the feet.
+  std::optional<float> eyes_m;
 };
 
 /// Points about a face in the world: brow, chin, cheeks, jaw; and its middle.

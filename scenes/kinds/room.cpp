@@ -24,6 +24,7 @@ void build_room(SceneBuilder& build, const Parameters& p, RandomStream rng) {
   const vec3 eye(half * aim.uniform(-0.8f, 0.8f), p.real("height_m"), 0.3f);
   const vec3 target(0.5f * half * aim.uniform(-1, 1), aim.uniform(0.8f, 1.2f), -room.deep_m);
   build.camera(eye, target);
+  build.shooting.clear_m = 0.6f;
 }
 
 }  // namespace
@@ -32,7 +33,7 @@ SceneKind room_kind() {
   return {"room",
           "a furnished room; focused on whatever surface the seed picks",
           {{"light", "", Type::number, 0, 0, 0, 0, "daylight from windows, or lamps at night", {"window", "lamps"}},
-           {"lamp_strength", "", Type::number, 0.0001, 10, 1, 1, "of lamps; 1: some hundred lux, 0.2: a few"},
+           {"lamp_strength", "", Type::number, 0.0001, 10, 1, 1, "of lamps; 1: about a hundred lux, 0.05: five"},
            {"width_m", "m", Type::number, 1.8, 12, 3, 5.5, "of the room"},
            {"depth_m", "m", Type::number, 1.5, 12, 3, 8, "from the camera to the wall behind"},
            {"furniture", "", Type::integer, 0, 30, 4, 9, "pieces, as far as there is room"},

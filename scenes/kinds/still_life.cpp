@@ -176,6 +176,7 @@ void build_still_life(SceneBuilder& build, const Parameters& p, RandomStream rng
   const vec3 towards(across * std::sin(turn), height, across * std::cos(turn));
   build.camera(look + distance * towards, look);
   build.focus_on(subject);
+  build.shooting.clear_m = 0.35f * distance;
   if (p.choice("light") == "lamp") build.shooting.key = 0.1f;
 }
 

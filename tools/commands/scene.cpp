@@ -72,7 +72,8 @@ void run(const SceneArguments& arguments) {
   const scenes::SceneKind& kind = scenes::scene_kind(order.kind);
   if (arguments.folder.empty()) throw InputError("scene: give a folder to write by -o DIR");
   NewFolder out(arguments.folder, "scene.json");
-  draw_scene(kind, order, out.path());
+  for (const std::string& fault : draw_scene(kind, order, out.path()))
+    std::cerr << fmt::format("dualpixel: warning: scene {}, seed {}: {}\n", kind.name, order.seed, fault);
   out.commit();
 }
 

@@ -29,7 +29,8 @@ Drawn draw(const std::string& kind, std::uint64_t seed, std::vector<std::string>
 void expect_clean(const std::string& kind, std::uint64_t seed) {
   SCOPED_TRACE(kind + " " + std::to_string(seed));
   const TemporaryFolder folder;
-  draw_scene(scene_kind(kind), {kind, seed, {"width_px=128"}}, folder.path.string());
+  EXPECT_EQ(draw_scene(scene_kind(kind), {kind, seed, {"width_px=128"}}, folder.path.string()),
+            std::vector<std::string>());
   const simulator::Simulation simulation =
       simulator::read_simulation(read_json_file(folder / "scene.json"), folder / "scene.json");
   const simulator::Scene scene = simulator::load_scene(simulation);
