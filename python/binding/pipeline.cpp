@@ -78,10 +78,9 @@ std::shared_ptr<HeldResult> make_portrait(const HeldCapture& held, const std::st
   std::optional<Image> person;
   if (!mask.is_none()) person = image_of(mask, "mask");
   const py::gil_scoped_release released;
-  PortraitOptions options;
+  PortraitOptions options = pipeline::default_options(matcher);
   for (const std::string& assignment : assignments) set_field(pipeline::fields(options), assignment);
   options.mode = value_named(pipeline::kModes, mode, "mode");
-  options.matcher = matcher;
   options.seed = seed;
   for (const auto& [x, y, width, height] : faces) options.faces.push_back({x, y, width, height});
   if (options.mode != pipeline::Mode::seg) {
