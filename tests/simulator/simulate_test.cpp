@@ -229,6 +229,12 @@ TEST(Simulate, StatesTheNoiseOfTruth) {
   EXPECT_EQ(nine.noise->views, one.noise->views);
   // 64 probes, each of which gives a square to 100 %
   EXPECT_NEAR(one.noise->views / std::sqrt(single), 1, 0.3);
+  // its unit is that of the pictures, in which the light's color is neutral
+  document["sensor"]["illuminant"] = {2, 2, 2};
+  const Truth darker = truth_of(1, 16, 1);
+  EXPECT_NEAR(darker.noise->views, one.noise->views / 2, 1e-6 * one.noise->views);
+  EXPECT_NEAR(darker.noise->photograph, one.noise->photograph / 2, 1e-6 * one.noise->photograph);
+  EXPECT_NEAR(darker.photograph.at(9, 9, 1), one.photograph.at(9, 9, 1) / 2, 1e-6 * one.photograph.at(9, 9, 1));
   const auto found = [&](const Image& a, const Image& b) { return std::sqrt(mean_product(a, a, b)); };
   EXPECT_NEAR(one.noise->all_in_focus / found(one.all_in_focus, exact.all_in_focus), 1, 0.3);
   EXPECT_NEAR(one.noise->photograph / found(one.photograph, exact.photograph), 1, 0.3);
@@ -399,7 +405,11 @@ TEST(Simulate, GlareSpreadsAShareOfTheLightEvenly) {
   EXPECT_NEAR(veiled.left.at(60, 30, 1), 0.02 * 0.5 * bright, 1e-4 * bright);
   EXPECT_NEAR(veiled.right.at(60, 30, 1), 0.02 * 0.5 * bright, 1e-4 * bright);
   EXPECT_NEAR(veiled.left.at(3, 30, 1), bright * (1 - 0.02 + 0.02 * 0.5), 1e-4 * bright);
-  EXPECT_EQ(veiled.photograph.data, clear.photograph.data);
+  EXPECT_EQ(veiled.photograph.data, clear.photograph.data);  // ideal
+  document["truth"]["photograph_lens"] = "own";
+  const Truth own = *simulate(read_simulation(document, "s.json"), scene).truth;
+  const double brightest = own.photograph.at(3, 30, 1);
+  EXPECT_NEAR(own.photograph.at(60, 30, 1), 0.01 * brightest, 1e-3 * brightest);
 }
 
 // The thin lens opened wide is the ideal one; another file's lens has its own pupil, and the same field of view.
