@@ -139,8 +139,9 @@ Image standard_error(const PictureSampling& sampling, int count, const Image& ha
   return sigma;
 }
 
-double measure_error(RenderScene& world, const CameraView& view, const RenderOptions& picture, int count) {
-  const ErrorTarget square_nits{.constant = {1, 1, 1}};
+double measure_error(RenderScene& world, const CameraView& view, const RenderOptions& picture, int count,
+                     const std::array<double, 3>& white) {
+  const ErrorTarget square_nits{.constant = {white[0] * white[0], white[1] * white[1], white[2] * white[2]}};
   const RenderError error = estimate_error(world, view, picture, square_nits, picture.samples_per_pixel);
   return std::sqrt(error.samples / count + error.light);
 }

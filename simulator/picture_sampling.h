@@ -46,8 +46,9 @@ double expected_error(const PictureSampling& sampling, int count);
 /// `half_nits` is the radiance that it sees.
 Image standard_error(const PictureSampling& sampling, int count, const Image& half_nits);
 
-/// RMS over the picture of a half photosite's error at `picture.samples_per_pixel`, nits, from a few photosites: of the
-/// mean of `count` such pictures that share their light.
-double measure_error(RenderScene& world, const CameraView& view, const RenderOptions& picture, int count);
+/// RMS over the picture of a half photosite's error at `picture.samples_per_pixel`, nits over what `white` has of its
+/// color, from a few photosites: of the mean of `count` such pictures that share their light.
+double measure_error(RenderScene& world, const CameraView& view, const RenderOptions& picture, int count,
+                     const std::array<double, 3>& white);
 
 }  // namespace dualpixel::simulator

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <glm/glm.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <limits>
@@ -19,7 +20,13 @@ namespace {
 
 constexpr double kFocusAtInfinity_m = std::numeric_limits<double>::infinity();
 
-void read_camera(Fields camera, Simulation& s, double& focus_distance_m) {
+/// Returns the path of the camera file, empty where none is named.
+std::string read_camera(Fields camera, Simulation& s, double& focus_distance_m) {
+  std::string file;
+  if (camera.has("file")) {
+    camera.text("file", file);
+    file = path_beside(s.path, file);
+  }
   camera.text("node", s.camera_node);
   if (camera.has("position_m") || camera.has("look_at_m") || camera.has("up")) {
     if (camera.has("node")) camera.fail("node", "give either a camera node or position_m and look_at_m, not both");
@@ -34,6 +41,7 @@ void read_camera(Fields camera, Simulation& s, double& focus_distance_m) {
   }
   camera.number("focus_distance_m", focus_distance_m, 0.001, kFocusAtInfinity_m);
   camera.done();
+  return file;
 }
 
 /// In photosites, or as `face` in shares of the picture's sides, which suits any size of it.
@@ -76,16 +84,6 @@ constexpr int kMostSamples = 65536;
 constexpr OptionRange<Simulation> kSceneRanges[] = {{"unlit_white_nits", &Simulation::unlit_white_nits, 0, 1e9}};
 constexpr double kLongestInterval_s = 1e5;
 constexpr double kSmallestModel_m = 1e-3, kLargestModel_m = 1e6;
-
-void read_sensor(Fields sensor, SensorOptions& s) {
-  read_ranges(sensor, s, kSensorRanges);
-  sensor.numbers("electrons_per_lux_s", s.electrons_per_lux_s.data(), 3);
-  read_named(sensor, "readout", s.readout, kReadouts);
-  sensor.numbers("color_matrix", s.color_matrix.data(), 9);
-  sensor.numbers("illuminant", s.illuminant.data(), 3);
-  sensor.integer("fixed_pattern_seed", s.fixed_pattern_seed, 0, kAnySeed);
-  sensor.done();
-}
 
 void read_burst(Fields burst, Simulation& s) {
   read_ranges(burst, s, kBurstRanges);
@@ -224,7 +222,66 @@ std::optional<OptionProblem> check_face(const Simulation& s) {
   return OptionProblem{"face_px", "must be x, y, width, height in photosites, width and height above 0"};
 }
 
+/// Lens and sensor of the camera that the scene file names, or none.
+struct CameraParts {
+  nlohmann::json lens = nlohmann::json::object(), sensor = nlohmann::json::object();
+};
+
+/// The file that camera.file names, checked by itself so that its faults are told of it.
+CameraParts read_camera_file(const std::string& path, double focus_distance_m) {
+  const nlohmann::json json = read_json_file(path);
+  Fields root(json, path);
+  int version = 1;
+  std::string text;
+  root.required("version").integer("version", version, 1, 1);
+  for (const char* key : {"name", "source", "derived"}) root.text(key, text);
+  CameraParts parts;
+  if (root.has("lens")) parts.lens = root.raw("lens");
+  read_lens(parts.lens, path, "/lens", focus_distance_m);
+  require_valid(within("sensor", check(read_sensor(root.object("sensor")))), path);
+  if (root.has("sensor")) parts.sensor = root.raw("sensor");
+  root.done();
+  if (parts.lens.contains("file")) {
+    parts.lens["file"] = std::filesystem::absolute(path_beside(path, parts.lens["file"].get<std::string>())).string();
+  }
+  return parts;
+}
+
+/// What the scene says laid over what its camera file says. A lens that names its own file or model is another one.
+CameraParts camera_parts(Fields& root, const std::string& camera_path, double focus_distance_m) {
+  CameraParts parts;
+  if (!camera_path.empty()) parts = read_camera_file(camera_path, focus_distance_m);
+  if (root.has("lens")) {
+    const nlohmann::json& own = root.raw("lens");
+    const bool another = !own.is_object() || own.contains("file") || own.contains("model");
+    if (another)
+      parts.lens = own;
+    else
+      parts.lens.update(own);
+  }
+  if (root.has("sensor")) {
+    const nlohmann::json& own = root.raw("sensor");
+    if (own.is_object())
+      parts.sensor.update(own);
+    else
+      parts.sensor = own;
+  }
+  return parts;
+}
+
 }  // namespace
+
+SensorOptions read_sensor(Fields sensor) {
+  SensorOptions s;
+  read_ranges(sensor, s, kSensorRanges);
+  sensor.numbers("electrons_per_lux_s", s.electrons_per_lux_s.data(), 3);
+  read_named(sensor, "readout", s.readout, kReadouts);
+  sensor.numbers("color_matrix", s.color_matrix.data(), 9);
+  sensor.numbers("illuminant", s.illuminant.data(), 3);
+  sensor.integer("fixed_pattern_seed", s.fixed_pattern_seed, 0, kAnySeed);
+  sensor.done();
+  return s;
+}
 
 Simulation read_simulation(const nlohmann::json& json, const std::string& path) {
   Simulation s;
@@ -237,10 +294,10 @@ Simulation read_simulation(const nlohmann::json& json, const std::string& path) 
   root.required("gltf").text("gltf", gltf);
   s.gltf_path = path_beside(path, gltf);
   double focus_distance_m = 1;
-  read_camera(root.object("camera"), s, focus_distance_m);
-  const nlohmann::json lens = root.has("lens") ? root.raw("lens") : nlohmann::json::object();
-  s.lens = read_lens(lens, path, "/lens", focus_distance_m);
-  read_sensor(root.object("sensor"), s.sensor);
+  const std::string camera_path = read_camera(root.object("camera"), s, focus_distance_m);
+  const CameraParts parts = camera_parts(root, camera_path, focus_distance_m);
+  s.lens = read_lens(parts.lens, path, "/lens", focus_distance_m);
+  s.sensor = read_sensor(Fields(parts.sensor, path, "/sensor"));
   Fields exposure = root.object("exposure");
   read_ranges(exposure, s.exposure, kExposureRanges);
   exposure.done();
@@ -250,7 +307,7 @@ Simulation read_simulation(const nlohmann::json& json, const std::string& path) 
   if (root.has("model_size_m"))
     root.number("model_size_m", s.model_size_m.emplace(), kSmallestModel_m, kLargestModel_m);
   read_face(root, s);
-  read_truth_fields(root.object("truth"), lens, focus_distance_m, s);
+  read_truth_fields(root.object("truth"), parts.lens, focus_distance_m, s);
   read_render(root.object("render"), s);
   root.done();
   require_valid(check(s), path);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "capture/json_fields.h"
 #include "simulator/lens/lens.h"
 #include "simulator/render/render_options.h"
 #include "simulator/scene/environment.h"
@@ -64,6 +65,9 @@ struct Simulation {
 
 /// Whether all numbers lie in their ranges and the fields agree with each other.
 std::optional<OptionProblem> check(const Simulation& simulation);
+
+/// The object `sensor` of a scene or camera file. Throws InputError.
+SensorOptions read_sensor(Fields sensor);
 
 /// Reads a scene JSON document that came from `path`, after overrides ("camera.focus_distance_m=0.9") were applied to
 /// it. Throws InputError for unknown fields, values out of range, focus inside the focal length, and pictures that

@@ -318,7 +318,7 @@ double rms(const Image& image) {
   return std::sqrt(sum / static_cast<double>(image.data.size()));
 }
 
-/// One of truth's pictures and its error.
+/// One of truth's pictures and its error, the scene's white neutral.
 struct TruthPicture {
   Image picture, sigma;  ///< sigma: empty where it is not known by tile
   double noise;          ///< RMS of the error
@@ -336,10 +336,14 @@ TruthPicture render_picture(const Job& job, double aperture_scale, std::optional
   Views views = render_at(s, job.world, job.view, 0, options, sampling.map, step_of(job.stage, name));
   // both halves are the same light, so that errors add up, too
   const double unit_per_half_nit = 2 * job.unit_per_nit;
-  TruthPicture truth{{}, in_units(standard_error(sampling, 1, views.left), unit_per_half_nit), 0};
-  truth.noise =
-      truth.sigma.empty() ? unit_per_half_nit * measure_error(job.world, job.view, options, 1) : rms(truth.sigma);
-  truth.picture = in_units(undivided(std::move(views)), job.unit_per_nit);
+  const std::array<double, 3>& white = s.sensor.illuminant;
+  const auto neutral = [&](Image image, double unit) {
+    return with_neutral_white(in_units(std::move(image), unit), white);
+  };
+  TruthPicture truth{{}, neutral(standard_error(sampling, 1, views.left), unit_per_half_nit), 0};
+  truth.noise = truth.sigma.empty() ? unit_per_half_nit * measure_error(job.world, job.view, options, 1, white)
+                                    : rms(truth.sigma);
+  truth.picture = neutral(undivided(std::move(views)), job.unit_per_nit);
   return truth;
 }
 
@@ -359,6 +363,7 @@ TruthPicture render_through_lens(const Job& job, const char* name) {
   for (int color = 0; color < colors; ++color) {
     if (colors > 1) options.color = color, options.seed = hash(s.render.seed, kPhotographStream, color);
     Views views = render_at(s, job.world, view, 0, options, sampling.map, step_of(job.stage, name));
+    spread_glare(s.photograph->veiling_glare, views);
     if (color == 1 || colors == 1) halves = views.left;
     Image all = undivided(std::move(views));
     if (color == 0) picture = all;
@@ -366,9 +371,14 @@ TruthPicture render_through_lens(const Job& job, const char* name) {
   }
   options.color.reset();
   const double unit_per_half_nit = 2 * job.unit_per_nit;  // as if the halves' errors were the same
-  TruthPicture truth{in_units(std::move(picture), job.unit_per_nit),
-                     in_units(standard_error(sampling, 1, halves), unit_per_half_nit), 0};
-  truth.noise = truth.sigma.empty() ? unit_per_half_nit * measure_error(job.world, view, options, 1) : rms(truth.sigma);
+  const std::array<double, 3>& white = s.sensor.illuminant;
+  const auto neutral = [&](Image image, double unit) {
+    return with_neutral_white(in_units(std::move(image), unit), white);
+  };
+  TruthPicture truth{neutral(std::move(picture), job.unit_per_nit),
+                     neutral(standard_error(sampling, 1, halves), unit_per_half_nit), 0};
+  truth.noise =
+      truth.sigma.empty() ? unit_per_half_nit * measure_error(job.world, view, options, 1, white) : rms(truth.sigma);
   return truth;
 }
 
@@ -376,7 +386,6 @@ TruthPicture render_through_lens(const Job& job, const char* name) {
 /// color response is divided out, as white balance does.
 void add_truth_pictures(const Job& job, Truth& truth) {
   const Simulation& s = job.simulation;
-  const std::array<double, 3>& white = s.sensor.illuminant;
   truth.noise.emplace();
   truth.photograph_aperture_scale = s.photograph_aperture_scale;
   truth.photograph_lens =
@@ -384,8 +393,8 @@ void add_truth_pictures(const Job& job, Truth& truth) {
   if (s.with_all_in_focus) {
     TruthPicture sharp =
         render_picture(job, 0, s.all_in_focus_samples_per_pixel, kAllInFocusStream, "all-in-focus image");
-    truth.all_in_focus = with_neutral_white(std::move(sharp.picture), white);
-    truth.all_in_focus_sigma = with_neutral_white(std::move(sharp.sigma), white);
+    truth.all_in_focus = std::move(sharp.picture);
+    truth.all_in_focus_sigma = std::move(sharp.sigma);
     truth.noise->all_in_focus = sharp.noise;
   }
   if (s.with_photograph) {
@@ -393,8 +402,8 @@ void add_truth_pictures(const Job& job, Truth& truth) {
     TruthPicture wide = s.photograph ? render_through_lens(job, kWide)
                                      : render_picture(job, s.photograph_aperture_scale, s.photograph_samples_per_pixel,
                                                       kPhotographStream, kWide);
-    truth.photograph = with_neutral_white(std::move(wide.picture), white);
-    truth.photograph_sigma = with_neutral_white(std::move(wide.sigma), white);
+    truth.photograph = std::move(wide.picture);
+    truth.photograph_sigma = std::move(wide.sigma);
     truth.noise->photograph = wide.noise;
   }
 }
@@ -413,7 +422,7 @@ void describe_sampling(const Job& job, const PictureSampling& sampling, Truth& t
   if (!sampling.target) {
     RenderOptions options = s.render;
     options.samples_per_pixel = static_cast<int>(sampling.map.samples.front());
-    truth.noise->views = job.unit_per_nit * measure_error(job.world, job.view, options, pictures);
+    truth.noise->views = job.unit_per_nit * measure_error(job.world, job.view, options, pictures, s.sensor.illuminant);
     return;
   }
   truth.samples = Image(s.sensor.width_px, s.sensor.height_px);

@@ -113,6 +113,22 @@ pipeline::TargetMeasurement FocusSweep::measure(double distance_m, std::uint64_t
   return m;
 }
 
+std::vector<pipeline::TargetMeasurement> measure_around(const simulator::Simulation& simulation,
+                                                        double focus_distance_m, const SweepOptions& options) {
+  const std::vector<double> focuses = sweep_focus_distances(options);
+  std::vector<pipeline::TargetMeasurement> measurements;
+  for (std::size_t i = 0; i < focuses.size(); ++i) {
+    const bool far = i + 1 < focuses.size() && focuses[i] >= focus_distance_m && focuses[i + 1] < focus_distance_m;
+    const bool near = i > 0 && focuses[i] < focus_distance_m && focuses[i - 1] >= focus_distance_m;
+    if (!far && !near) continue;
+    const FocusSweep sweep(simulation, focuses[i], options);
+    for (std::size_t j = 0; j < sweep.target_distances_m().size(); ++j) {
+      measurements.push_back(sweep.measure(sweep.target_distances_m()[j], simulator::hash(kSeed, i, j)));
+    }
+  }
+  return measurements;
+}
+
 std::vector<pipeline::TargetMeasurement> run_sweep(const simulator::Simulation& simulation, const SweepOptions& options,
                                                    const std::string& folder,
                                                    const std::function<void(double)>& progress) {

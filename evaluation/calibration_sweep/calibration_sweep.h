@@ -53,6 +53,11 @@ class FocusSweep {
   float dp_px_per_pixel_ = 1;  ///< of the views that camera_ sees
 };
 
+/// What the sweep would measure at its two focus distances around `focus_distance_m`, which are all that a correction
+/// for that one uses.
+std::vector<pipeline::TargetMeasurement> measure_around(const simulator::Simulation& simulation,
+                                                        double focus_distance_m, const SweepOptions& options);
+
 /// The whole sweep; every capture has its own texture. With a folder (not empty) every measurement is written there at
 /// once, and one that exists already is read instead of made again. The same bytes for any number of threads;
 /// `progress` is called by one at a time. Throws InputError where the lens cannot be focused so near.

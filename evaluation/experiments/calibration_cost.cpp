@@ -8,7 +8,6 @@
 
 #include "pipeline/calibration/correction.h"
 #include "simulator/lens/disparity_field.h"
-#include "simulator/sampling/hash.h"
 
 namespace dualpixel::evaluation {
 namespace {
@@ -65,20 +64,9 @@ double residual_dp_px(const simulator::DisparityField& field, const Camera& came
   return std::sqrt(variance);
 }
 
-/// Only the two focus distances around kCostFocus_m are measured: the others of the sweep are not used.
 void measure_effort(const simulator::Simulation& simulation, const simulator::DisparityField& field,
                     CalibrationEffort& effort) {
-  const std::vector<double> focuses = sweep_focus_distances(effort.sweep);
-  std::vector<pipeline::TargetMeasurement> measurements;
-  for (std::size_t i = 0; i < focuses.size(); ++i) {
-    const bool far = i + 1 < focuses.size() && focuses[i] >= kCostFocus_m && focuses[i + 1] < kCostFocus_m;
-    const bool near = i > 0 && focuses[i] < kCostFocus_m && focuses[i - 1] >= kCostFocus_m;
-    if (!far && !near) continue;
-    const FocusSweep sweep(simulation, focuses[i], effort.sweep);
-    for (std::size_t j = 0; j < sweep.target_distances_m().size(); ++j) {
-      measurements.push_back(sweep.measure(sweep.target_distances_m()[j], simulator::hash(1, i, j)));
-    }
-  }
+  const std::vector<pipeline::TargetMeasurement> measurements = measure_around(simulation, kCostFocus_m, effort.sweep);
   Camera camera = describe_camera(simulation);
   const pipeline::Calibration calibration = fit_calibration(camera, measurements);
   camera.focus_distance_m = kCostFocus_m;

@@ -36,6 +36,7 @@ struct PairShape {
   float black;               ///< DN
   float range;               ///< DN from black to the mosaic's white
   float clipped;             ///< from here on a plane is clipped, DN above black
+  float clipped_noise;       ///< variance where it is
   float shot, read;          ///< variance = shot * (DN - black) + read
   float strength;
 };
@@ -174,9 +175,9 @@ float threshold(const Lanes (&plane)[kTile][kHalves], const PairShape& shape) {
   return shape.strength * 2 * kWindowEnergy * std::max(variance, kRounding);
 }
 
-/// Adds each pixel's own variance under the squared window; where the plane is clipped there is none.
+/// Adds each pixel's own variance under the squared window.
 float noise_energy(const Lanes (&plane)[kTile][kHalves], const Window& window, const PairShape& shape) {
-  const Lanes none{}, rounding = none + kRounding;
+  const Lanes rounding = Lanes{} + kRounding, clipped = Lanes{} + shape.clipped_noise;
   Lanes energy{};
   for (int half = 0; half < kHalves; ++half) {
     const Lanes across = load_lanes(window.at + kLanes * half);
@@ -184,7 +185,7 @@ float noise_energy(const Lanes (&plane)[kTile][kHalves], const Window& window, c
       const Lanes w = across * window.at[y];
       const Lanes signal = plane[y][half];
       const Lanes variance = shape.shot * signal + shape.read;
-      energy += signal < shape.clipped ? w * w * (variance > rounding ? variance : rounding) : none;
+      energy += signal < shape.clipped ? w * w * (variance > rounding ? variance : rounding) : w * w * clipped;
     }
   }
   return 2 * sum(energy);
@@ -353,6 +354,7 @@ MergedBurst merge_burst(const std::vector<Frame>& frames, int base, const std::v
   PairShape shape;
   shape.black = static_cast<float>(exposure.black_level_dn);
   shape.range = shape.clipped = static_cast<float>(exposure.white_level_dn) - shape.black;
+  shape.clipped_noise = 0;
   shape.strength = static_cast<float>(options.strength);
   std::vector<PlanePair<const std::uint16_t>> pairs(frames.size());
   MergedBurst merged;
@@ -383,7 +385,8 @@ MergedBurst merge_burst(const std::vector<Frame>& frames, int base, const std::v
   shape.shot = static_cast<float>(exposure.dp_noise.shot_dn);
   shape.read = static_cast<float>(exposure.dp_noise.read_dn2);
   if (exposure.dp_white_level_dn && *exposure.dp_white_level_dn < exposure.white_level_dn) {
-    // a full well is read out with noise, on either side of its level
+    // a full well is read out with noise, on either side of its level; at the mosaic's white even that is cut
+    shape.clipped_noise = std::max(shape.read, kRounding);
     shape.clipped = static_cast<float>(*exposure.dp_white_level_dn) - shape.black - 3 * std::sqrt(shape.read);
   }
   for (std::size_t z = 0; z < frames.size(); ++z) {

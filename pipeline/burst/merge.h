@@ -52,9 +52,10 @@ OptionFields fields(MergeOptions& options);
 /// the frames. So a tile is also judged as a whole: the energy of D_z, summed over two planes and all frequencies, is
 /// compared with the energy that noise explains. Up to 1.4 times that, the tile is merged as above; from 1.8 times on
 /// it is not merged (A_z = 1); in between the two are blended linearly. For this test each pixel has its own variance,
-/// and a clipped pixel has none. With it a moving object has no more error than in the base frame, and clipped
-/// highlights don't ring. It needs a noise profile that is right: where the noise is twice what the profile says,
-/// nothing is merged and the base frame remains.
+/// and a clipped pixel has none, or that of the
+/// read-out where a view's well is full below the mosaic's white. With it a moving object has no more error than in the
+/// base frame, and clipped highlights don't ring. It needs a noise profile that is right: where the noise is twice what
+/// the profile says, nothing is merged and the base frame remains.
 ///
 /// DP views. They are merged at their own resolution, where their noise is white; the paper enlarges them to the
 /// size of the Bayer planes. A view's tile takes the motion of the Bayer tile at its center, in its own pixels. Both

@@ -229,6 +229,12 @@ TEST(Simulate, StatesTheNoiseOfTruth) {
   EXPECT_EQ(nine.noise->views, one.noise->views);
   // 64 probes, each of which gives a square to 100 %
   EXPECT_NEAR(one.noise->views / std::sqrt(single), 1, 0.3);
+  // Its unit is that of the pictures, in which the light's color is neutral: red and blue, half of the photosites, err by
+  // half of what they did. Of 64 squares known to 100 % the share of green is known to some 0.1.
+  document["sensor"]["illuminant"] = {2, 1, 2};
+  const Truth tinted = truth_of(1, 16, 1);
+  EXPECT_NEAR(tinted.noise->photograph / one.noise->photograph, std::sqrt(0.5 + 0.5 / 4), 0.15);
+  EXPECT_NEAR(tinted.photograph.at(9, 9, 0), one.photograph.at(9, 9, 0) / 2, 1e-5);
   const auto found = [&](const Image& a, const Image& b) { return std::sqrt(mean_product(a, a, b)); };
   EXPECT_NEAR(one.noise->all_in_focus / found(one.all_in_focus, exact.all_in_focus), 1, 0.3);
   EXPECT_NEAR(one.noise->photograph / found(one.photograph, exact.photograph), 1, 0.3);
@@ -399,7 +405,11 @@ TEST(Simulate, GlareSpreadsAShareOfTheLightEvenly) {
   EXPECT_NEAR(veiled.left.at(60, 30, 1), 0.02 * 0.5 * bright, 1e-4 * bright);
   EXPECT_NEAR(veiled.right.at(60, 30, 1), 0.02 * 0.5 * bright, 1e-4 * bright);
   EXPECT_NEAR(veiled.left.at(3, 30, 1), bright * (1 - 0.02 + 0.02 * 0.5), 1e-4 * bright);
-  EXPECT_EQ(veiled.photograph.data, clear.photograph.data);
+  EXPECT_EQ(veiled.photograph.data, clear.photograph.data);  // ideal
+  document["truth"]["photograph_lens"] = "own";
+  const Truth own = *simulate(read_simulation(document, "s.json"), scene).truth;
+  const double brightest = own.photograph.at(3, 30, 1);
+  EXPECT_NEAR(own.photograph.at(60, 30, 1), 0.01 * brightest, 1e-3 * brightest);
 }
 
 // The thin lens opened wide is the ideal one; another file's lens has its own pupil, and the same field of view.

@@ -17,6 +17,7 @@
 #include "capture/error.h"
 #include "capture/json_fields.h"
 #include "datasets/recipe/recipe.h"
+#include "evaluation/camera_fit/measurements.h"
 #include "simulator/scene_file.h"
 #include "tests/pipeline/portrait/synthetic.h"
 #include "tests/temporary_folder.h"
@@ -140,7 +141,7 @@ json scene() {
                        {"error", 0.01}};
   return {{"version", 1},
           {"gltf", "portrait.glb"},
-          {"camera", {{"node", "camera"}, {"focus_distance_m", 0.79}}},
+          {"camera", {{"file", "cameras/phone_2019.json"}, {"node", "camera"}, {"focus_distance_m", 0.79}}},
           {"lens", {{"file", "../lens_models/phone_thin_4.4mm_f1.8.json"}}},
           {"sensor", sensor},
           {"exposure", {{"time_s", 0.01}, {"iso", 100}}},
@@ -162,7 +163,7 @@ json scene() {
 void read_scene(const json& document) { simulator::read_simulation(document, DUALPIXEL_SCENES_DIR "/scene.json"); }
 
 TEST(Schema, SaysOfScenesWhatTheReaderSays) {
-  const std::vector<std::string> skipped = {"/lens"};
+  const std::vector<std::string> skipped = {"/lens", "/camera/file"};
   const std::vector<std::string> reasons = {"/sensor/black_level_dn: ", "/burst/interval_s: ",
                                             "/camera/look_at_m: ",      "/sensor/color_matrix: must have an inverse",
                                             "/truth/photograph_lens: ", "/truth/photograph_aperture_scale: is that of",
@@ -187,6 +188,16 @@ TEST(Schema, SaysOfScenesWhatTheReaderSays) {
     document["sensor"]["dp_downsample_x"] = document["sensor"]["dp_downsample_y"] = 1;
     expect_agreement("scene", document, skipped, read_scene, reasons);
   }
+}
+
+TEST(Schema, SaysOfMeasurementsWhatTheReaderSays) {
+  const json document = read_json_file(DUALPIXEL_SOURCE_DIR "/tests/data/optics/full_frame_measurements.json");
+  const auto read = [](const json& j) {
+    evaluation::read_camera_measurements(j, DUALPIXEL_SOURCE_DIR "/tests/data/optics/m.json");
+  };
+  expect_agreement("measurements", document, {"/lens", "/sensor"}, read,
+                   {"one for each number of", "must be above low", "must be the JSON pointer", "starts at",
+                    "the lens cannot focus", "/lens"});
 }
 
 TEST(Schema, AcceptsTheShippedScenes) {

@@ -27,12 +27,14 @@ CLI::Option* add_methods_option(CLI::App& command, std::vector<std::string>& met
 void add_report(CLI::App& program);
 void add_info(CLI::App& program);
 void add_lens(CLI::App& program);
+void add_fit_camera(CLI::App& program);
 void add_plan(CLI::App& program);
 /// --tolerance-px of `plan` and of `simulate --auto`.
 CLI::Option* add_tolerance_option(CLI::App& command, double& tolerance_dp_px);
 void add_bench(CLI::App& program);
 /// `experiment`, whose subcommands each measure one thing over a sweep, and write JSON and a page of charts.
 void add_experiment(CLI::App& program);
+void add_experiment_aberrations(CLI::App& experiment);
 void add_experiment_calibration(CLI::App& experiment);
 void add_experiment_defocus(CLI::App& experiment);
 void add_experiment_failures(CLI::App& experiment);

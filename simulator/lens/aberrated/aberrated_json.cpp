@@ -24,10 +24,12 @@ nlohmann::ordered_json aberrated_lens_json(const Lens& lens) {
   j["tangential_focus_um_per_diopter"] = a.tangential_focus_um_per_diopter.c;
   j["sagittal_focus_um_per_diopter"] = a.sagittal_focus_um_per_diopter.c;
   j["spherical_um"] = a.spherical_um;
+  if (!a.coma_um.empty()) j["coma_um"] = a.coma_um;
   j["distortion"] = a.distortion.c;
   j["longitudinal_color_um"] = a.longitudinal_color_um;
   j["lateral_color"] = a.lateral_color;
   j["exit_pupil_mm"] = a.exit_pupil_mm;
+  if (!a.exit_pupil_growth.c.empty()) j["exit_pupil_growth"] = a.exit_pupil_growth.c;
   j["tangential_pupil"] = a.tangential_pupil.c;
   j["sagittal_pupil"] = a.sagittal_pupil.c;
   j["rims"] = nlohmann::ordered_json::array();

@@ -70,6 +70,7 @@ Aberrations Aberrations::read(Fields& lens, const std::string& file, double focu
   polynomial("tangential_focus_um_per_diopter", a.tangential_focus_um_per_diopter, 1e9);
   polynomial("sagittal_focus_um_per_diopter", a.sagittal_focus_um_per_diopter, 1e9);
   lens.list("spherical_um", a.spherical_um, -1e4, 1e4, kMostCoefficients);
+  lens.list("coma_um", a.coma_um, -1e4, 1e4, kMostCoefficients);
   polynomial("distortion", a.distortion, 1e4);
   lens.numbers("longitudinal_color_um", a.longitudinal_color_um.data(), 2);
   lens.numbers("lateral_color", a.lateral_color.data(), 2);
@@ -77,6 +78,7 @@ Aberrations Aberrations::read(Fields& lens, const std::string& file, double focu
     if (!(std::abs(value) < 0.5)) lens.fail("lateral_color", fmt::format("{}: must lie in (-0.5, 0.5)", value));
   }
   lens.number("exit_pupil_mm", a.exit_pupil_mm, 0, 1e6);
+  polynomial("exit_pupil_growth", a.exit_pupil_growth, 1e4);
   polynomial("tangential_pupil", a.tangential_pupil, 1e4);
   polynomial("sagittal_pupil", a.sagittal_pupil, 1e4);
   for (Fields& fields : lens.objects("rims")) {
@@ -91,6 +93,7 @@ Aberrations Aberrations::read(Fields& lens, const std::string& file, double focu
   read_field_map(lens, "right_gain", a.right_gain, 0, 1, file);
   // the distortion is followed a little beyond the image circle, where chief rays are searched
   check_scale(lens, "distortion", a.distortion, 1.25);
+  check_scale(lens, "exit_pupil_growth", a.exit_pupil_growth, 1);
   check_scale(lens, "tangential_pupil", a.tangential_pupil, 1);
   check_scale(lens, "sagittal_pupil", a.sagittal_pupil, 1);
   return a;

@@ -30,14 +30,17 @@ struct Aberrations {
   double focus_um_per_diopter = 0;
   EvenPolynomial tangential_focus_um_per_diopter, sagittal_focus_um_per_diopter;
   std::vector<double> spherical_um;  ///< c3, c5, ...: delta = (c3 rho^3 + c5 rho^5 + ...) p / rho, rho = |p|
-  EvenPolynomial distortion;         ///< (|X| - ideal) / ideal
+  /// c1, c3, ...: delta = (c1 h + c3 h^3 + ...) (3 p_t^2 + p_s^2, 2 p_t p_s), along X and across it
+  std::vector<double> coma_um;
+  EvenPolynomial distortion;                      ///< (|X| - ideal) / ideal
   std::array<double, 2> longitudinal_color_um{};  ///< focus of R and of B minus that of G
   std::array<double, 2> lateral_color{};          ///< picture size of R and of B over that of G, minus 1
   /// From the sensor to the exit pupil while the lens is focused at infinity, mm: what tilts the light that a
   /// microlens sees. 0: the focal length.
   double exit_pupil_mm = 0;
-  EvenPolynomial tangential_pupil;  ///< growth of the entrance pupil over the field, along X ...
-  EvenPolynomial sagittal_pupil;    ///< ... and across it
+  EvenPolynomial exit_pupil_growth;  ///< growth of that distance over the field: chief rays of phones are no pencil
+  EvenPolynomial tangential_pupil;   ///< growth of the entrance pupil over the field, along X ...
+  EvenPolynomial sagittal_pupil;     ///< ... and across it
 
   /// A round rim elsewhere in the lens, seen in the pupil: light passes where |p - shift h X/|X|| <= radius. Two discs
   /// make the cat's eye.

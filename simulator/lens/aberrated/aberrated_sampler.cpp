@@ -30,8 +30,12 @@ AberratedSampler::Local AberratedSampler::local_at(const PixelFrame& f, int colo
   const double sagittal_um = a.sagittal_focus_um(h2) + a.sagittal_focus_um_per_diopter(h2) * diopters;
   at.defocus_t = static_cast<float>(-1e-6 * (focus_um + tangential_um) * at.rim);
   at.defocus_s = static_cast<float>(-1e-6 * (focus_um + sagittal_um) * at.rim);
+  double coma_um = 0;
+  for (auto c = a.coma_um.rbegin(); c != a.coma_um.rend(); ++c) coma_um = coma_um * h2 + *c;
+  at.coma = static_cast<float>(1e-6 * coma_um * std::sqrt(h2));
   at.pupil_t = static_cast<float>(1 + a.tangential_pupil(h2));
   at.pupil_s = static_cast<float>(1 + a.sagittal_pupil(h2));
+  at.exit_pupil = 1 + a.exit_pupil_growth(h2);
   // the ideal picture's position, and how it changes within the photosite
   const double stretch = 1 / ((1 + a.distortion(field2)) * color_size);
   const double step = 1e-3;
@@ -89,10 +93,11 @@ void AberratedSampler::sample(const PixelFrame& f, int color, const float s[4][k
     }
     const float origin_r = along[i] * at.pupil_t * sampled_.radius_m;
     const float origin_a = across[i] * at.pupil_s * sampled_.radius_m;
-    const float slope_r =
-        (image_r - along[i] * (at.defocus_t + spherical)) * at.per_m - origin_r * sampled_.inverse_focus;
-    const float slope_a =
-        (image_a - across[i] * (at.defocus_s + spherical)) * at.per_m - origin_a * sampled_.inverse_focus;
+    const float coma_r = rho2 + 2 * along[i] * along[i], coma_a = 2 * along[i] * across[i];
+    const float to_r = image_r - along[i] * (at.defocus_t + spherical) - at.coma * coma_r;
+    const float to_a = image_a - across[i] * (at.defocus_s + spherical) - at.coma * coma_a;
+    const float slope_r = to_r * at.per_m - origin_r * sampled_.inverse_focus;
+    const float slope_a = to_a * at.per_m - origin_a * sampled_.inverse_focus;
     out.origin_x[i] = origin_r * rx - origin_a * ry;
     out.origin_y[i] = origin_r * ry + origin_a * rx;
     out.slope_x[i] = slope_r * rx - slope_a * ry;
@@ -104,7 +109,7 @@ void AberratedSampler::sample(const PixelFrame& f, int color, const float s[4][k
 
   const double moved_m = sampled_.image_distance_m - thin_.focal_length_m;
   const double exit_pupil_m = a.exit_pupil_mm > 0 ? 1e-3 * a.exit_pupil_mm + moved_m : sampled_.image_distance_m;
-  pupil.chief_slope = static_cast<float>(f.x_m / exit_pupil_m);
+  pupil.chief_slope = static_cast<float>(f.x_m / (exit_pupil_m * at.exit_pupil));
   const double scale = 1 / field_radius_m_;
   pupil.split_offset = static_cast<float>(a.split_offset(f.x_m * scale, f.y_m * scale));
   pupil.left_gain = static_cast<float>(std::clamp(a.left_gain(f.x_m * scale, f.y_m * scale), 0.0, 1.0));

@@ -18,8 +18,10 @@ class AberratedSampler {
   /// What the aberrations come to at one photosite in one color; lengths in meters on the sensor.
   struct Local {
     double h;                              ///< field, not limited to 1
+    double exit_pupil;                     ///< growth of its distance
     float per_m, rim;                      ///< 1 / image distance; slope of the pupil's rim
     float defocus_t, defocus_s;            ///< transverse shifts of the rim's ray, tangentially and sagittally
+    float coma;                            ///< a third of the shift of the tangential rim's ray by coma
     float pupil_t, pupil_s;                ///< growth of the pupil
     float stretch_radial, stretch_around;  ///< of the ideal picture over the real one, for steps within the photosite
   };

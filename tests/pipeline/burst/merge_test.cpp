@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <stdexcept>
 #include <string>
 
@@ -397,6 +398,32 @@ TEST(Merge, ViewsClipAtTheirOwnWhite) {
   for (const Image* image : {&merged.left, &merged.right}) {
     for (int x = 0; x < image->width; ++x) EXPECT_NEAR(image->at(x, image->height / 4), white, 1.1 / 959);
   }
+}
+
+// A full well that is read out with noise: the mean of six frames has a sixth of its variance (plus what the shrinkage
+// keeps), as elsewhere. With no variance at the well nothing would be merged. 2 x 64 x 16 samples: to 3 % each.
+TEST(Merge, ReadOutsOfFullWellsAreMerged) {
+  Exposure exposure = exposure_at(100);
+  exposure.dp_white_level_dn = 544;
+  exposure.dp_noise.read_dn2 = 16;
+  std::vector<Frame> frames = hand_held(Target(5), 128, 128, exposure, 1);
+  frames.resize(1);
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(544, 4);
+  frames.resize(6, frames[0]);
+  for (Frame& frame : frames) {
+    for (ImageU16* image : {&frame.left, &frame.right}) {
+      for (std::uint16_t& value : image->data) value = static_cast<std::uint16_t>(std::lround(noise(random)));
+    }
+  }
+  const MergedBurst merged = align_and_merge(frames, exposure);
+  double variance = 0, count = 0;
+  for (const Image* image : {&merged.left, &merged.right}) {
+    for (int y = 8; y < image->height - 8; ++y) {
+      for (int x = 8; x < image->width - 8; ++x) variance += std::pow(959 * image->at(x, y) - 480, 2), ++count;
+    }
+  }
+  EXPECT_LT(variance / count / 16, 1.2 * merged_view_variance(6));
 }
 
 TEST(Merge, SmallestFramesAreFinite) {

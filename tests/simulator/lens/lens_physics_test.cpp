@@ -303,6 +303,26 @@ TEST(SplitKinds, MicrolensMadeForAnotherPupil) {
   EXPECT_NE(a.left_light, at(lens, 0, 0).left_light);
 }
 
+// What microlenses shifted for a distant pupil see of a pupil twice as far away at h = 1 is what they see of one that
+// stands there everywhere.
+TEST(SplitKinds, ExitPupilThatMovesOverTheField) {
+  Lens moved = base_lens(SplitKind::microlens);
+  moved.split.microlens.design_exit_pupil_mm = 1e3;
+  const double to_the_pupil_mm = 1e3 * moved.thin.focal_length_m;
+  aberrations(moved).exit_pupil_mm = to_the_pupil_mm;
+  aberrations(moved).exit_pupil_growth = {{0.5, 0.5}};
+  Lens farther = moved;
+  aberrations(farther).exit_pupil_growth = {};
+  const double moved_mm = 1e3 * (moved.thin.image_distance_m() - moved.thin.focal_length_m);
+  aberrations(farther).exit_pupil_mm = 2 * (to_the_pupil_mm + moved_mm) - moved_mm;
+  const DisparityCoefficients a = at(moved, 1, 0), b = at(farther, 1, 0);
+  EXPECT_NEAR(a.left_light, b.left_light, 1e-6);
+  EXPECT_NEAR(a.right_light, b.right_light, 1e-6);
+  aberrations(farther).exit_pupil_mm = to_the_pupil_mm;
+  EXPECT_GT(std::abs(at(farther, 1, 0).left_light - a.left_light), 0.01);
+  EXPECT_EQ(at(farther, 0, 0).left_light, at(moved, 0, 0).left_light);
+}
+
 TEST(SplitKinds, MeasuredTableIsLinearBetweenItsRows) {
   SplitPixel split;
   split.kind = SplitKind::table;

@@ -57,6 +57,7 @@ TEST(LensSchema, RefusesWhatTheReaderRefuses) {
                                                                      {"/surfaces/1/asphere/31", 4},
                                                                      {"/surfaces/1/semi_diameter_mm", 0},
                                                                      {"/split", {{"model", "soft"}}},
+                                                                     {"/band_samples", 2},
                                                                      {"/version", 2}}) {
     nlohmann::json bad = lens;
     bad[nlohmann::json::json_pointer(pointer)] = value;

@@ -7,6 +7,7 @@ void add_experiment(CLI::App& program) {
       "experiment", "Measure what the simulator and the pipeline do, over a sweep: charts and JSON");
   experiment->require_subcommand(1);
   experiment->footer("Example:\n  dualpixel experiment failures -o out/failures");
+  add_experiment_aberrations(*experiment);
   add_experiment_calibration(*experiment);
   add_experiment_defocus(*experiment);
   add_experiment_failures(*experiment);

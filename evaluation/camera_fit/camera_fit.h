@@ -1,0 +1,52 @@
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "evaluation/camera_fit/measurements.h"
+
+/// A camera fitted to what was measured on a real one (docs/fit_camera.md).
+namespace dualpixel::evaluation {
+
+/// How far a model's figures are from the measured ones: in parts of the grid's root mean square for figures that are
+/// `relative`, else as they are.
+struct FigureScore {
+  std::size_t grid = 0;
+  Figure figure = Figure::light;
+  struct Errors {
+    int count = 0;
+    double rms = 0, most = 0, within = 0;  ///< within: share of the places that err by no more than the tolerance
+  } fitted, judged;                        ///< at places that the fit used, at the others
+};
+
+/// Whether the fit uses a place: every second one, as on a chess board.
+inline bool is_fitted_place(std::size_t column, std::size_t row) { return (column + row) % 2 == 0; }
+
+/// One figure of each place of a grid as the lens has it, row by row; `samples` rays each. The light is scaled to fit
+/// the measured one best, since its unit is free. NaN where there is no light. Throws InputError where the lens is
+/// none.
+std::vector<std::vector<double>> predict(const CameraMeasurements& measured, const nlohmann::json& lens,
+                                         std::size_t grid, int samples);
+
+/// Each figure of each grid against the lens's.
+std::vector<FigureScore> score_camera(const CameraMeasurements& measured, const nlohmann::json& lens);
+
+struct CameraFit {
+  nlohmann::json lens;
+  int steps = 0;                 ///< that were taken
+  double before = 0, after = 0;  ///< mean square error over tolerance of what was fitted
+};
+
+/// The lens whose figures are nearest to the measured ones at the fitted places: least squares of errors over their
+/// tolerances by Levenberg and Marquardt's method (Marquardt 1963, with Nielsen's 1999 rule for the damping), within
+/// the bounds. The same result for any number of threads.
+CameraFit fit_camera(const CameraMeasurements& measured);
+
+/// The camera as a file that a scene may name (docs/scene.md), to be written to `path`.
+nlohmann::ordered_json camera_json(const CameraMeasurements& measured, const nlohmann::json& lens,
+                                   const std::string& path);
+
+/// The scores as lines of text.
+std::string to_text(const std::vector<FigureScore>& scores);
+
+}  // namespace dualpixel::evaluation

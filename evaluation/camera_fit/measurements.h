@@ -1,0 +1,83 @@
+#pragma once
+#include <array>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "simulator/lens/lens.h"
+#include "simulator/sensor/sensor.h"
+
+/// Figures that were measured on a real camera, as docs/fit_camera.md describes their file.
+namespace dualpixel::evaluation {
+
+/// What can be measured at a place of the field. Lengths are in the grid's pixels, `unit_um` each.
+enum class Figure {
+  light,
+  left_share,
+  disparity,
+  left_sigma_x,
+  right_sigma_x,
+  left_sigma_y,
+  right_sigma_y,
+  left_skew_x,
+  right_skew_x,
+  sum_sigma_ratio
+};
+
+struct FigureRow {
+  const char* name;  ///< in measurement files
+  Figure value;
+  const char* description;
+  double low, high;
+  bool relative;     ///< errors count in parts of the grid's root mean square, otherwise as they are
+  double tolerance;  ///< an error of one unit in the fit
+  bool fitted;       ///< others only judge
+};
+inline constexpr double kLongest_px = 1e5;
+inline constexpr FigureRow kFigures[] = {
+    {"light", Figure::light, "of both views; any unit, the same over a grid", 0, 1e12, true, 0.02, true},
+    {"left_share", Figure::left_share, "of the light of both views", 0, 1, false, 0.02, true},
+    {"disparity_px", Figure::disparity, "right centroid minus left", -kLongest_px, kLongest_px, true, 0.04, true},
+    {"left_sigma_x_px", Figure::left_sigma_x, "width of the left kernel", 0, kLongest_px, true, 0.06, true},
+    {"right_sigma_x_px", Figure::right_sigma_x, "width of the right kernel", 0, kLongest_px, true, 0.06, true},
+    {"left_sigma_y_px", Figure::left_sigma_y, "height of the left kernel", 0, kLongest_px, true, 0.06, true},
+    {"right_sigma_y_px", Figure::right_sigma_y, "height of the right kernel", 0, kLongest_px, true, 0.06, true},
+    {"left_skew_x", Figure::left_skew_x, "skew of the left kernel", -100, 100, false, 0.1, false},
+    {"right_skew_x", Figure::right_skew_x, "skew of the right kernel", -100, 100, false, 0.1, false},
+    {"sum_sigma_ratio", Figure::sum_sigma_ratio, "sigma_x over sigma_y of both kernels", 0, 100, false, 0.06, false},
+};
+
+/// Figures at the places of one grid, with one focus and one depth.
+struct MeasuredGrid {
+  double focus_distance_m = 1;
+  double depth_m = 1;        ///< of the target, from the entrance pupil; infinity is allowed
+  double unit_um = 1;        ///< length of a pixel of the figures
+  std::vector<double> x, y;  ///< places as parts of the picture's width and height, from the top left
+  struct Values {
+    Figure figure;
+    std::vector<double> values;  ///< row by row; NaN: none at this place
+  };
+  std::vector<Values> figures;
+};
+
+/// A number of the lens that the fit may change.
+struct FittedField {
+  std::string pointer;  ///< JSON pointer inside `lens`
+  double low = 0, high = 0;
+};
+
+struct CameraMeasurements {
+  std::string path;  ///< of the file
+  std::string name, source, derived;
+  nlohmann::json lens;         ///< to start from
+  nlohmann::json sensor_json;  ///< as it stands
+  simulator::SensorOptions sensor;
+  std::vector<FittedField> fit;
+  std::vector<MeasuredGrid> grids;
+};
+
+/// Throws InputError: unknown fields, values out of range, grids of another size than their places, fields of the fit
+/// that are no number of the lens or lie outside of their bounds.
+CameraMeasurements read_camera_measurements(const nlohmann::json& json, const std::string& path);
+
+}  // namespace dualpixel::evaluation
