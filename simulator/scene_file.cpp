@@ -20,6 +20,17 @@ namespace {
 
 constexpr double kFocusAtInfinity_m = std::numeric_limits<double>::infinity();
 
+/// Far enough for any scene, and near enough for rays: Embree refuses coordinates of 2^60 and more.
+void read_vector(Fields& camera, const char* name, glm::dvec3& vector) {
+  constexpr double kMost = 1e6;  // as for nodes of glTF
+  camera.numbers(name, glm::value_ptr(vector), 3);
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(vector[i]) > kMost) {
+      camera.fail(name, fmt::format("{}: must be 3 numbers in [{}, {}]", vector[i], -kMost, kMost));
+    }
+  }
+}
+
 /// Returns the path of the camera file, empty where none is named.
 std::string read_camera(Fields camera, Simulation& s, double& focus_distance_m) {
   std::string file;
@@ -31,9 +42,9 @@ std::string read_camera(Fields camera, Simulation& s, double& focus_distance_m) 
   if (camera.has("position_m") || camera.has("look_at_m") || camera.has("up")) {
     if (camera.has("node")) camera.fail("node", "give either a camera node or position_m and look_at_m, not both");
     CameraPose& pose = s.pose.emplace();
-    camera.required("position_m").numbers("position_m", glm::value_ptr(pose.position_m), 3);
-    camera.required("look_at_m").numbers("look_at_m", glm::value_ptr(pose.look_at_m), 3);
-    camera.numbers("up", glm::value_ptr(pose.up), 3);
+    read_vector(camera.required("position_m"), "position_m", pose.position_m);
+    read_vector(camera.required("look_at_m"), "look_at_m", pose.look_at_m);
+    read_vector(camera, "up", pose.up);
     const glm::dvec3 forward = pose.look_at_m - pose.position_m;
     if (!(glm::length(glm::cross(forward, pose.up)) > 1e-9 * glm::length(forward))) {
       camera.fail("look_at_m", "must differ from position_m, and not lie along `up` from it");
@@ -69,7 +80,7 @@ constexpr OptionRange<Simulation> kEnvironmentFileRanges[] = {
     {"nits_per_unit", &Simulation::environment_nits_per_unit, 0, 1e9},
 };
 constexpr OptionRange<Simulation> kTruthRanges[] = {
-    {"photograph_aperture_scale", &Simulation::photograph_aperture_scale, 0, 100},
+    {"photograph_aperture_scale", &Simulation::photograph_aperture_scale, 0.001, 100},
 };
 /// Numbers of samples of truth's pictures, where they differ from the views'.
 struct TruthSamples {
@@ -128,9 +139,6 @@ void read_truth_fields(Fields truth, const nlohmann::json& own_lens, double focu
   if (lens == "ideal") return;
   nlohmann::json json = {{"file", lens}};
   if (lens == "own") {
-    if (!(s.photograph_aperture_scale > 0)) {
-      truth.fail("photograph_aperture_scale", "0: a pinhole is ideal: must be above 0 where photograph_lens is own");
-    }
     json = own_lens;
     json["f_number"] = s.lens.thin.f_number / s.photograph_aperture_scale;
   } else if (scaled) {

@@ -142,8 +142,8 @@ std::optional<OptionProblem> check(const SensorOptions& s) {
         "height_px", fmt::format("{}: must be a multiple of 4: a DP pixel is up to 4 photosites high", s.height_px)};
   }
   for (double value : s.electrons_per_lux_s) {
-    if (!(value > 0 && value < 1e9)) {
-      return OptionProblem{"electrons_per_lux_s", fmt::format("{}: must lie in (0, 1e9)", value)};
+    if (!(value >= 1e-3 && value <= 1e9)) {
+      return OptionProblem{"electrons_per_lux_s", fmt::format("{}: must lie in [0.001, 1e9]", value)};
     }
   }
   for (double value : s.illuminant) {

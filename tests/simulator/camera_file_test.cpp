@@ -19,8 +19,9 @@ json scene_with(const json& more) {
 TEST(CameraFile, HoldsWhereTheSceneSaysNothing) {
   const TemporaryFolder folder;
   folder.write("sub/lens.json", R"({"version": 1, "model": "thin", "focal_length_mm": 6, "f_number": 2})");
-  folder.write("sub/camera.json",
-              R"({"version": 1, "lens": {"file": "lens.json", "f_number": 3}, "sensor": {"width_px": 64, "bits": 12}})");
+  folder.write(
+      "sub/camera.json",
+      R"({"version": 1, "lens": {"file": "lens.json", "f_number": 3}, "sensor": {"width_px": 64, "bits": 12}})");
   const auto read = [&](const json& more) { return read_simulation(scene_with(more), folder / "s.json"); };
   const Simulation plain = read(json::object());
   EXPECT_DOUBLE_EQ(plain.lens.thin.focal_length_m, 6e-3);

@@ -7,6 +7,7 @@
 
 #include "capture/error.h"
 #include "simulator/scene_file.h"
+#include "tests/temporary_folder.h"
 
 namespace dualpixel::simulator::testing {
 namespace {
@@ -37,7 +38,10 @@ TEST(Options, EachProblemNamesFieldValueAndWhatIsAllowed) {
        [](Simulation& s) {
          s.face_px = {1, 1, 0, 1};
        }},
+      {"sensor/electrons_per_lux_s: 1e-30: must lie in",
+       [](Simulation& s) { s.sensor.electrons_per_lux_s[0] = 1e-30; }},
       {"truth/photograph_aperture_scale: -1: must", [](Simulation& s) { s.photograph_aperture_scale = -1; }},
+      {"truth/photograph_aperture_scale: 0: must", [](Simulation& s) { s.photograph_aperture_scale = 0; }},
       {"render/max_bounces: -1: must be an integer in [0, 1000]", [](Simulation& s) { s.render.max_bounces = -1; }},
       {"render/noise_fraction: 0: must be a number in [0.0001, 100]", [](Simulation& s) { s.noise_fraction = 0; }},
       {"render/error: nan: must be a number", [](Simulation& s) { s.render_error = std::nan(""); }},
@@ -49,6 +53,18 @@ TEST(Options, EachProblemNamesFieldValueAndWhatIsAllowed) {
     change(s);
     EXPECT_EQ(problem(s).substr(0, expected.size()), expected);
   }
+}
+
+// Embree asserts against rays from 2^60 m and more.
+TEST(Options, CamerasStayWhereRaysCanStart) {
+  const auto refusal = [](nlohmann::json camera) {
+    const nlohmann::json json = {{"version", 1}, {"gltf", "a.glb"}, {"camera", std::move(camera)}};
+    return message_of<InputError>([&] { read_simulation(json, "scene.json"); });
+  };
+  EXPECT_EQ(refusal({{"position_m", {0, 0x1p63, 0}}, {"look_at_m", {0, 0, 0}}}),
+            "scene.json: /camera/position_m: 9.223372036854776e+18: must be 3 numbers in [-1e+06, 1e+06]");
+  EXPECT_EQ(refusal({{"position_m", {0, 0, 1}}, {"look_at_m", {0, 0, 0}}, {"up", {1e308, 1e308, 0}}}),
+            "scene.json: /camera/up: 1e+308: must be 3 numbers in [-1e+06, 1e+06]");
 }
 
 TEST(Options, SceneFilesAreRefusedInTheSameWords) {

@@ -40,7 +40,8 @@ struct Error {
 
 double contrast_of(const Image& rgb) {
   double sum = 0, squares = 0, count = 0;
-  for (std::size_t i = 1; i < rgb.data.size(); i += 3) sum += rgb.data[i], squares += rgb.data[i] * rgb.data[i], ++count;
+  for (std::size_t i = 1; i < rgb.data.size(); i += 3)
+    sum += rgb.data[i], squares += rgb.data[i] * rgb.data[i], ++count;
   return std::sqrt(squares / count - sum / count * (sum / count)) / (sum / count);
 }
 
@@ -84,7 +85,9 @@ TEST(SlowDiffraction, CostsLittleDisparityNearTheFocus) {
       // In focus the finest cells, 2.8 um wide, hold a quarter of the variance; at their 0.18 cycles/um the Airy
       // pattern's transfer is 0.78 (cutoff 1.03). So contrast falls by 1 - sqrt(1 - (1 - .78^2)/4) = 5 % or more;
       // rays without diffraction would leave it within the 64 samples' noise.
-      if (depth_m == 0.9) EXPECT_LT(on.contrast, 0.97 * off.contrast) << matcher.name;
+      if (depth_m == 0.9) {
+        EXPECT_LT(on.contrast, 0.97 * off.contrast) << matcher.name;
+      }
       EXPECT_LT(on.rms, off.rms + 0.05) << matcher.name << ' ' << depth_m;
       EXPECT_LT(std::abs(on.mean - off.mean), 0.05) << matcher.name << ' ' << depth_m;
     }

@@ -37,7 +37,7 @@ Mesh slab(float z0, float z1, int material) {
   return mesh;
 }
 
-Mesh ball(glm::vec3 center, float radius, int material) {
+Mesh glass_ball(glm::vec3 center, float radius, int material) {
   constexpr int kRows = 48, kColumns = 96;
   Mesh mesh;
   mesh.material = material;
@@ -123,7 +123,7 @@ TEST(GlassPaths, BallInAFurnaceIsInvisible) {
     Scene scene;
     scene.materials = {glass(glm::vec3(1), true)};
     scene.materials[0].roughness = roughness;
-    scene.meshes = {ball({0, 0, 1}, 0.5f, 0)};
+    scene.meshes = {glass_ball({0, 0, 1}, 0.5f, 0)};
     scene.environment = {2, 1, {glm::vec3(100), glm::vec3(100)}};
     const double nits = seen(scene, 1024).y;
     EXPECT_LT(nits, 101);
@@ -203,7 +203,7 @@ TEST(GlassPaths, End) {
   Scene scene;
   scene.materials = {glass(glm::vec3(1), true), diffuse(0.5f)};
   scene.materials[0].layers->ior = 3;
-  scene.meshes = {ball({0, 0, 1}, 0.4f, 0), make_quad({-5, -5, 2}, {10, 0, 0}, {0, 10, 0}, 1)};
+  scene.meshes = {glass_ball({0, 0, 1}, 0.4f, 0), make_quad({-5, -5, 2}, {10, 0, 0}, {0, 10, 0}, 1)};
   scene.environment = {2, 1, {glm::vec3(100), glm::vec3(100)}};
   const double nits = seen(scene, 64, 2).y;
   EXPECT_GT(nits, 40);

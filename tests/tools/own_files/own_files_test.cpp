@@ -25,7 +25,7 @@ void write_model(const std::string& path) {
   glb.write(path);
 }
 
-constexpr const char* kSmall =
+constexpr const char* kTinyPictures =
     " --set sensor.width_px=64 --set sensor.height_px=48 --set sensor.pixel_pitch_um=58.8 --set burst.frames=1 --set "
     "render.samples_per_pixel=2 --set render.photograph_samples_per_pixel=1 --set render.light_spacing_px=0";
 
@@ -33,7 +33,7 @@ TEST(OwnScenes, AModelAloneIsFramedAndItsSceneFilePrinted) {
   const TemporaryFolder folder;
   write_model(folder / "model.glb");
   const std::string in = "'" + folder.path.string() + "/";
-  const Outcome outcome = run_program("simulate " + in + "model.glb' -o " + in + "one' --seed 3" + kSmall);
+  const Outcome outcome = run_program("simulate " + in + "model.glb' -o " + in + "one' --seed 3" + kTinyPictures);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const json printed = json::parse(outcome.out);
   EXPECT_TRUE(printed["camera"]["focus_distance_m"].is_number());
@@ -46,7 +46,7 @@ TEST(OwnScenes, AModelAloneIsFramedAndItsSceneFilePrinted) {
   for (const char* file : {"frames/000_mosaic.png", "frames/000_left.png", "truth/geometry.exr"}) {
     EXPECT_EQ(read_bytes(folder / "one/" + file), read_bytes(folder / "two/" + file)) << file;
   }
-  const Outcome dry = run_program("simulate " + in + "model.glb' -o " + in + "dry' --dry-run --seed 3" + kSmall);
+  const Outcome dry = run_program("simulate " + in + "model.glb' -o " + in + "dry' --dry-run --seed 3" + kTinyPictures);
   EXPECT_EQ(dry.out, outcome.out);
   EXPECT_FALSE(std::filesystem::exists(folder / "dry"));
 }
@@ -72,25 +72,26 @@ TEST(OwnScenes, SeveralGoToFoldersOfTheirNames) {
   write_model(folder / "model.glb");
   const std::string in = "'" + folder.path.string() + "/";
   const std::string planes = "'" DUALPIXEL_SCENES_DIR "/slanted_planes.json' ";
-  const Outcome outcome = run_program("simulate " + planes + in + "model.glb' -o " + in + "out'" + kSmall);
+  const Outcome outcome = run_program("simulate " + planes + in + "model.glb' -o " + in + "out'" + kTinyPictures);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_TRUE(std::filesystem::exists(folder / "out/slanted_planes/capture.json"));
   EXPECT_TRUE(std::filesystem::exists(folder / "out/model/capture.json"));
-  expect_one_line_refusal(run_program("simulate " + planes + planes + "-o " + in + "twice'" + kSmall));
+  expect_one_line_refusal(run_program("simulate " + planes + planes + "-o " + in + "twice'" + kTinyPictures));
 }
 
 TEST(OwnScenes, AFaceMayBeGivenInSharesAndRemoved) {
   const TemporaryFolder folder;
   const std::string in = "'" + folder.path.string() + "/";
   const std::string scene = "simulate '" DUALPIXEL_SCENES_DIR "/slanted_planes.json' -o " + in;
-  const Outcome shares = run_program(scene + "a'" + kSmall + " --set 'face=[0.25,0.5,0.25,0.25]'");
+  const Outcome shares = run_program(scene + "a'" + kTinyPictures + " --set 'face=[0.25,0.5,0.25,0.25]'");
   ASSERT_EQ(shares.status, 0) << shares.err;
   EXPECT_EQ(json::parse(read_bytes(folder / "a/capture.json"))["face_px"], json({16, 24, 16, 12}));
-  const Outcome none = run_program(scene + "b'" + kSmall + " --set 'face=[0.25,0.5,0.25,0.25]' --set face=null");
+  const Outcome none = run_program(scene + "b'" + kTinyPictures + " --set 'face=[0.25,0.5,0.25,0.25]' --set face=null");
   ASSERT_EQ(none.status, 0) << none.err;
   EXPECT_FALSE(json::parse(read_bytes(folder / "b/capture.json")).contains("face_px"));
-  expect_one_line_refusal(run_program(scene + "c'" + kSmall + " --set 'face=[0.9,0.5,0.25,0.25]'"));
-  expect_one_line_refusal(run_program(scene + "c'" + kSmall + " --set 'face=[0,0,1,1]' --set 'face_px=[1,1,2,2]'"));
+  expect_one_line_refusal(run_program(scene + "c'" + kTinyPictures + " --set 'face=[0.9,0.5,0.25,0.25]'"));
+  expect_one_line_refusal(
+      run_program(scene + "c'" + kTinyPictures + " --set 'face=[0,0,1,1]' --set 'face_px=[1,1,2,2]'"));
 }
 
 TEST(EvaluateCommand, ComparesMethodsOverADataSet) {

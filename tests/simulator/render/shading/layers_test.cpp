@@ -192,7 +192,9 @@ TEST(Glass, PassesWhatItDoesNotReflect) {
       const Passage out = sample_passage(s, -in.direction, true, (i + 0.5f) / kChoices, 0, 0);
       EXPECT_NEAR(out.share.x, 1, 1e-6);
       reflected += out.direction.z > 0;
-      if (out.direction.z < 0) EXPECT_NEAR(-out.direction.z, cosine, 1e-5);
+      if (out.direction.z < 0) {
+        EXPECT_NEAR(-out.direction.z, cosine, 1e-5);
+      }
     }
     EXPECT_NEAR(double(reflected) / kChoices, fresnel(y, float(cosine)).x, 2e-4);
   }
