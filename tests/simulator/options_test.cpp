@@ -62,9 +62,9 @@ TEST(Options, CamerasStayWhereRaysCanStart) {
     return message_of<InputError>([&] { read_simulation(json, "scene.json"); });
   };
   EXPECT_EQ(refusal({{"position_m", {0, 0x1p63, 0}}, {"look_at_m", {0, 0, 0}}}),
-            "scene.json: /camera/position_m: 9.223372036854776e+18: must be 3 numbers in [-1e+06, 1e+06]");
+            "scene.json: /camera/position_m: 9.223372036854776e+18: must be 3 numbers in [-1000000, 1000000]");
   EXPECT_EQ(refusal({{"position_m", {0, 0, 1}}, {"look_at_m", {0, 0, 0}}, {"up", {1e308, 1e308, 0}}}),
-            "scene.json: /camera/up: 1e+308: must be 3 numbers in [-1e+06, 1e+06]");
+            "scene.json: /camera/up: 1e+308: must be 3 numbers in [-1000000, 1000000]");
 }
 
 TEST(Options, SceneFilesAreRefusedInTheSameWords) {

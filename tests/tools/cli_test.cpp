@@ -164,7 +164,7 @@ TEST(CliInfo, DescribesAPeopleSetAndVerifiesIt) {
 TEST(Cli, BinaryGltfInPlaceOfASceneFileIsNamedAsThat) {
   const TemporaryFolder folder;
   write_bytes(folder / "a.glb", std::string("glTF\x02\0\0\0", 8));
-  const Outcome outcome = run_program("simulate '" + (folder / "a.glb") + "' -o '" + (folder / "out") + "'");
+  const Outcome outcome = run_program("plan '" + (folder / "a.glb") + "'");
   expect_one_line_refusal(outcome);
   EXPECT_NE(outcome.err.find("binary glTF"), std::string::npos) << outcome.err;
 }

@@ -191,9 +191,9 @@ TEST(Schema, SaysOfScenesWhatTheReaderSays) {
 }
 
 TEST(Schema, SaysOfMeasurementsWhatTheReaderSays) {
-  const json document = read_json_file(DUALPIXEL_SOURCE_DIR "/tests/data/optics/full_frame_measurements.json");
+  const json document = read_json_file(DUALPIXEL_SOURCE_DIR "/tests/data/camera_fit/full_frame_measurements.json");
   const auto read = [](const json& j) {
-    evaluation::read_camera_measurements(j, DUALPIXEL_SOURCE_DIR "/tests/data/optics/m.json");
+    evaluation::read_camera_measurements(j, DUALPIXEL_SOURCE_DIR "/tests/data/camera_fit/m.json");
   };
   expect_agreement("measurements", document, {"/lens", "/sensor"}, read,
                    {"one for each number of", "must be above low", "must be the JSON pointer", "starts at",

@@ -89,7 +89,7 @@ TEST(CameraFit, FindsACameraThatIsKnown) {
 
 /// The phone's figures as docs/fit_camera.md fills them in.
 json phone_measurements(const std::string& figures) {
-  json document = read_json_file(DUALPIXEL_SOURCE_DIR "/tests/data/optics/phone_2019_start.json");
+  json document = read_json_file(DUALPIXEL_SOURCE_DIR "/tests/data/camera_fit/phone_2019_start.json");
   const json measured = read_json_file(figures);
   const auto cells = [](int count) {
     json places = json::array();
@@ -124,7 +124,7 @@ TEST(ShippedCamera, IsAsNearToThePhoneAsTheDocumentSays) {
   const std::string figures = DUALPIXEL_SOURCE_DIR "/../shared/data/pixel4/pixel4.json";
   if (!std::filesystem::exists(figures)) GTEST_SKIP() << figures << " is not here";
   const CameraMeasurements m = read_camera_measurements(
-      phone_measurements(figures), DUALPIXEL_SOURCE_DIR "/tests/data/optics/phone_2019_start.json");
+      phone_measurements(figures), DUALPIXEL_SOURCE_DIR "/tests/data/camera_fit/phone_2019_start.json");
   const json camera = read_json_file(DUALPIXEL_SOURCE_DIR "/scenes/cameras/phone_2019.json");
   const std::map<Figure, double> stated = {{Figure::light, .020},         {Figure::left_share, .005},
                                            {Figure::disparity, .020},     {Figure::left_sigma_x, .021},

@@ -40,7 +40,7 @@ void add_fit_camera(CLI::App& program) {
       ->required()
       ->type_name("CAMERA.json");
   add_threads_option(*command);
-  command->footer("Example:\n  dualpixel fit-camera tests/data/optics/full_frame_measurements.json -o camera.json");
+  command->footer("Example:\n  dualpixel fit-camera tests/data/camera_fit/full_frame_measurements.json -o camera.json");
   command->callback([options] { run(*options); });
 }
 
