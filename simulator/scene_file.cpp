@@ -63,8 +63,11 @@ void read_face(Fields& root, Simulation& s) {
   std::array<double, 4> shares{};
   root.numbers("face", shares.data(), 4);
   const auto& [x, y, width, height] = shares;
-  if (!(x >= 0 && y >= 0 && width > 0 && height > 0 && x + width <= 1 && y + height <= 1)) {
-    root.fail("face", "must be x, y, width, height in shares of the picture's sides, and lie in it");
+  constexpr double kOne = 1 + 1e-9;  // shares that meet at 1 may round above it
+  if (!(x >= 0 && y >= 0 && width > 0 && height > 0 && x + width <= kOne && y + height <= kOne)) {
+    root.fail("face",
+              fmt::format("{} {} {} {}: must be x, y, width, height in shares of the picture's sides, and lie in it", x,
+                          y, width, height));
   }
   s.face_px = {x * s.sensor.width_px, y * s.sensor.height_px, width * s.sensor.width_px, height * s.sensor.height_px};
 }
@@ -235,8 +238,20 @@ struct CameraParts {
   nlohmann::json lens = nlohmann::json::object(), sensor = nlohmann::json::object();
 };
 
-/// The file that camera.file names, checked by itself so that its faults are told of it.
-CameraParts read_camera_file(const std::string& path, double focus_distance_m) {
+/// Makes the files that a lens names, itself or in its maps over the field, absolute: they are relative to `path`.
+void make_files_absolute(nlohmann::json& lens, const std::string& path) {
+  if (!lens.is_object()) return;
+  for (auto& [key, value] : lens.items()) {
+    if ((key == "file" || key == "map") && value.is_string()) {
+      value = std::filesystem::absolute(path_beside(path, value.get<std::string>())).string();
+    } else {
+      make_files_absolute(value, path);
+    }
+  }
+}
+
+/// The file that camera.file names, checked by itself so that its faults are told of it; its lens where it is used.
+CameraParts read_camera_file(const std::string& path, double focus_distance_m, bool lens_used) {
   const nlohmann::json json = read_json_file(path);
   Fields root(json, path);
   int version = 1;
@@ -245,35 +260,24 @@ CameraParts read_camera_file(const std::string& path, double focus_distance_m) {
   for (const char* key : {"name", "source", "derived"}) root.text(key, text);
   CameraParts parts;
   if (root.has("lens")) parts.lens = root.raw("lens");
-  read_lens(parts.lens, path, "/lens", focus_distance_m);
+  if (lens_used) read_lens(parts.lens, path, "/lens", focus_distance_m);
   require_valid(within("sensor", check(read_sensor(root.object("sensor")))), path);
   if (root.has("sensor")) parts.sensor = root.raw("sensor");
   root.done();
-  if (parts.lens.contains("file")) {
-    parts.lens["file"] = std::filesystem::absolute(path_beside(path, parts.lens["file"].get<std::string>())).string();
-  }
+  make_files_absolute(parts.lens, path);
   return parts;
 }
 
 /// What the scene says laid over what its camera file says. A lens that names its own file or model is another one.
 CameraParts camera_parts(Fields& root, const std::string& camera_path, double focus_distance_m) {
+  const nlohmann::json none = nlohmann::json::object();
+  const nlohmann::json& lens = root.has("lens") ? root.raw("lens") : none;
+  const nlohmann::json& sensor = root.has("sensor") ? root.raw("sensor") : none;
+  const bool another = !lens.is_object() || lens.contains("file") || lens.contains("model");
   CameraParts parts;
-  if (!camera_path.empty()) parts = read_camera_file(camera_path, focus_distance_m);
-  if (root.has("lens")) {
-    const nlohmann::json& own = root.raw("lens");
-    const bool another = !own.is_object() || own.contains("file") || own.contains("model");
-    if (another)
-      parts.lens = own;
-    else
-      parts.lens.update(own);
-  }
-  if (root.has("sensor")) {
-    const nlohmann::json& own = root.raw("sensor");
-    if (own.is_object())
-      parts.sensor.update(own);
-    else
-      parts.sensor = own;
-  }
+  if (!camera_path.empty()) parts = read_camera_file(camera_path, focus_distance_m, !another);
+  parts.lens = another ? lens : lens_laid_over(std::move(parts.lens), lens);
+  parts.sensor.merge_patch(sensor);
   return parts;
 }
 
@@ -320,6 +324,11 @@ Simulation read_simulation(const nlohmann::json& json, const std::string& path) 
   root.done();
   require_valid(check(s), path);
   check_memory(s, 0);
+  if (!camera_path.empty()) {  // what was rendered, whatever becomes of the camera's file
+    s.json["camera"].erase("file");
+    s.json["lens"] = parts.lens;
+    s.json["sensor"] = parts.sensor;
+  }
   return s;
 }
 

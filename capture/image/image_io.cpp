@@ -3,7 +3,6 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +15,7 @@
 
 #include "capture/error.h"
 #include "capture/files.h"
+#include "capture/image/png_fault.h"
 
 namespace dualpixel {
 namespace {
@@ -62,45 +62,14 @@ std::string one_line(const std::string& library_message) {
   return library_message.empty() ? "unknown error" : printable(library_message.substr(0, library_message.find('\n')));
 }
 
-std::uint32_t big_endian(const char* bytes) {
-  std::uint32_t value = 0;
-  for (int i = 0; i < 4; ++i) value = value << 8 | static_cast<unsigned char>(bytes[i]);
-  return value;
-}
-
-/// Refuses a PNG that ends before its last chunk or has other bytes than it was written with: libpng would write lines
-/// of its own to stderr (PNG specification, section 5.3: chunks of a big-endian length, a name, data, and a checksum of
-/// name and data).
-void require_sound_png(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  file.seekg(8);
-  std::vector<char> block(1 << 16);
-  std::array<char, 8> head{};
-  while (file.read(head.data(), head.size())) {
-    auto checksum = static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(&head[4]), 4));
-    for (std::size_t left = big_endian(head.data()); left > 0 && file;) {
-      const std::size_t count = std::min(left, block.size());
-      file.read(block.data(), static_cast<std::streamsize>(count));
-      checksum = static_cast<std::uint32_t>(
-          crc32(checksum, reinterpret_cast<const Bytef*>(block.data()), static_cast<uInt>(file.gcount())));
-      left -= count;
-    }
-    std::array<char, 4> stored{};
-    if (!file.read(stored.data(), stored.size())) break;
-    const std::string_view name(&head[4], 4);
-    if (big_endian(stored.data()) != checksum) {
-      refuse(path, "cannot be read: the checksum of its chunk " + printable(std::string(name)) + " is wrong");
-    }
-    if (name == "IEND") return;
-  }
-  refuse(path, "cannot be read: the file ends before the PNG does");
-}
-
 std::unique_ptr<ImageInput> open_picture(const std::string& path) {
   const std::string format = format_of(path);
   std::unique_ptr<ImageInput> input = ImageInput::create(format);
   if (!input) refuse(path, "this build of OpenImageIO cannot read " + format);
-  if (format == "png") require_sound_png(path);
+  if (format == "png") {
+    std::ifstream file(path, std::ios::binary);
+    if (const auto fault = fault_of_png(file)) refuse(path, "cannot be read: " + *fault);
+  }
   ImageSpec as_stored, spec;
   as_stored["oiio:UnassociatedAlpha"] = 1;
   if (!input->open(path, spec, as_stored)) refuse(path, "cannot be read: " + one_line(input->geterror()));

@@ -50,11 +50,11 @@ double figure_of(const PointFigures& p, Figure figure, double unit_m) {
   return 0;
 }
 
-/// Scales light to the measured one by least squares.
-void scale_light(const std::vector<double>& measured, std::vector<double>& light) {
+/// Scales light to what was measured at the places that are fitted, by least squares.
+void scale_light(const std::vector<double>& measured, std::size_t columns, std::vector<double>& light) {
   double product = 0, square = 0;
   for (std::size_t i = 0; i < light.size(); ++i) {
-    if (std::isnan(measured[i])) continue;
+    if (std::isnan(measured[i]) || !is_fitted_place(i % columns, i / columns)) continue;
     product += measured[i] * light[i];
     square += light[i] * light[i];
   }
@@ -170,7 +170,7 @@ std::vector<std::vector<double>> predict(const CameraMeasurements& m, const nloh
   for (const MeasuredGrid::Values& figure : grid.figures) {
     std::vector<double>& values = predicted.emplace_back();
     for (const PointFigures& p : points) values.push_back(figure_of(p, figure.figure, 1e-6 * grid.unit_um));
-    if (figure.figure == Figure::light) scale_light(figure.values, values);
+    if (figure.figure == Figure::light) scale_light(figure.values, grid.x.size(), values);
   }
   return predicted;
 }

@@ -69,8 +69,8 @@ nlohmann::ordered_json changed_fields(const PortraitOptions& options) {
   return changed;
 }
 
-std::string describe_fields() {
-  PortraitOptions defaults;
+std::string describe_fields(std::string_view matcher) {
+  PortraitOptions defaults = default_options(matcher);
   const std::string line = "{:<42}{:>10}  {:<20}{:<24}{}\n";
   std::string text = fmt::format(fmt::runtime(line), "option", "default", "range", "unit", "source");
   for (const OptionField& field : fields(defaults)) {

@@ -92,7 +92,7 @@ void check(const PortraitOptions& options);
 /// The fields that differ from the defaults for their matcher, {name: value}; for a result's provenance.
 nlohmann::ordered_json changed_fields(const PortraitOptions& options);
 
-/// A table of all fields for people: name, default, range, unit and source.
-std::string describe_fields();
+/// A table of all fields for people: name, default for this matcher, range, unit and source.
+std::string describe_fields(std::string_view matcher);
 
 }  // namespace dualpixel::pipeline

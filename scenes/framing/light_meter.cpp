@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -56,9 +57,11 @@ double metered_seconds(double mean, const simulator::Simulation& s, simulator::R
   kept.swap(ready.world.light_cache);
   const std::vector<double> signals = green_signals(s, ready.world, camera);
   kept.swap(ready.world.light_cache);
+  const double most = signals.empty() ? 0 : *std::max_element(signals.begin(), signals.end());
+  if (!(most > 0)) throw InputError(printable(s.path) + ": " + field + ": the camera sees no light");
+  // Where most of the picture is black, no exposure reaches the mean: then the brightest is just not clipped.
   const double seconds = exposure_factor(signals, mean);
-  if (seconds > 1e11) throw InputError(printable(s.path) + ": " + field + ": the camera sees no light");
-  return seconds;
+  return seconds > 1e11 ? 1 / most : seconds;
 }
 
 }  // namespace dualpixel::scenes

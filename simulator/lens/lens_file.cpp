@@ -49,12 +49,7 @@ nlohmann::json merged_over_file(const nlohmann::json& json, const std::string& n
       nlohmann::json(model) != merged.value("model", nlohmann::json(kLensModels[0].name))) {
     fields.fail("model", "differs from that of " + printable(name) + ": leave out what is not that lens's");
   }
-  if (merged.is_object() && merged.contains("split") && own.contains("split") && own["split"].is_object() &&
-      own["split"].contains("model")) {
-    merged.erase("split");  // another model of split: none of the file's figures belong to it
-  }
-  merged.merge_patch(own);
-  return merged;
+  return lens_laid_over(std::move(merged), own);
 }
 
 /// `outermost` is the lens that named the first file, if one did: faults in its own fields are told of as its own.
@@ -75,6 +70,15 @@ Lens read_lens(const nlohmann::json& json, const std::string& file, const std::s
 }
 
 }  // namespace
+
+nlohmann::json lens_laid_over(nlohmann::json base, const nlohmann::json& own) {
+  if (base.is_object() && own.is_object() && own.contains("split") && own["split"].is_object() &&
+      own["split"].contains("model")) {
+    base.erase("split");
+  }
+  base.merge_patch(own);
+  return base;
+}
 
 Lens read_lens(const nlohmann::json& json, const std::string& file, const std::string& pointer,
                double focus_distance_m) {

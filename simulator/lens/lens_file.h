@@ -13,6 +13,10 @@ namespace dualpixel::simulator {
 Lens read_lens(const nlohmann::json& json, const std::string& file, const std::string& pointer,
                double focus_distance_m);
 
+/// The lens `base` with the fields of `own` laid over it, at any depth. A split of another model takes nothing from the
+/// base's.
+nlohmann::json lens_laid_over(nlohmann::json base, const nlohmann::json& own);
+
 /// A lens file.
 Lens read_lens_file(const std::string& path, double focus_distance_m);
 

@@ -337,11 +337,11 @@ void add_portrait(CLI::App& program) {
       ->allow_extra_args(false);
   sub->add_flag_callback(
       "--options",
-      [] {
-        std::cout << pipeline::describe_fields();
+      [command] {
+        std::cout << pipeline::describe_fields(command->matcher);
         throw CLI::Success();
       },
-      "List what --set can change, with default, range, unit and source, and exit");
+      "List what --set can change, with the matcher's default, range, unit and source, and exit");
   add_threads_option(*sub);
   sub->footer(
       "Example:\n  dualpixel portrait out/capture -o out/portrait --mode dp+seg\n"

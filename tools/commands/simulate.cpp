@@ -58,9 +58,15 @@ nlohmann::json scene_document(const SimulateOptions& options, const std::string&
   nlohmann::json json = scenes::read_scene_document(scene);
   for (const std::string& assignment : options.overrides) apply_override(json, assignment);
   if (options.seed) apply_override(json, fmt::format("render.seed={}", *options.seed));
-  json = scenes::resolve_scene(std::move(json), scene, ready);
-  if (scenes::is_gltf(scene)) std::cout << json.dump(2) << '\n';
-  return json;
+  nlohmann::json resolved = scenes::resolve_scene(json, scene, ready);
+  if (!options.jobs.empty() && resolved != json) {
+    throw InputError(
+        printable(scene) +
+        ": with --jobs, give a scene file whose focus, model scale and exposure are numbers: they are found "
+        "for one camera, and each job may have its own");
+  }
+  if (scenes::is_gltf(scene)) std::cout << resolved.dump(2) << '\n';
+  return resolved;
 }
 
 /// The jobs of the file, or a single one without a name.

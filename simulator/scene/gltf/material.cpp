@@ -6,14 +6,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <istream>
 #include <limits>
 #include <map>
 #include <memory>
 #include <optional>
+#include <streambuf>
 #include <string_view>
 #include <tuple>
 
 #include "capture/error.h"
+#include "capture/image/png_fault.h"
 #include "simulator/scene/gltf/check.h"
 #include "simulator/scene/paged_bytes.h"
 
@@ -52,6 +55,14 @@ std::uint8_t* make_room(Texture& texture, std::int64_t texels, TexelsLeft& left)
   return paged.get();
 }
 
+/// Bytes in memory, to be read as a stream.
+struct MemoryBuffer : std::streambuf {
+  explicit MemoryBuffer(const std::vector<unsigned char>& bytes) {
+    char* first = const_cast<char*>(reinterpret_cast<const char*>(bytes.data()));  // only read
+    setg(first, first, first + bytes.size());
+  }
+};
+
 /// Decodes an image of 1 to 4 channels (gray, gray and alpha, RGB, RGBA) into `texture`.
 void decode_image(const GltfFile& file, int index, TexelsLeft& left, Texture& texture) {
   const auto fail = [&](const std::string& message) {
@@ -60,6 +71,11 @@ void decode_image(const GltfFile& file, int index, TexelsLeft& left, Texture& te
   const std::vector<unsigned char>& bytes = file.model.images[index].image;
   const std::string format = format_of(bytes);
   if (format.empty()) fail("must be a PNG or JPEG image");
+  if (format == "png") {
+    MemoryBuffer buffer(bytes);
+    std::istream png(&buffer);
+    if (const auto fault = fault_of_png(png)) fail("cannot be decoded: " + *fault);
+  }
   // The size is checked from the header, before a small file can unpack to gigabytes.
   OIIO::Filesystem::IOMemReader memory(const_cast<unsigned char*>(bytes.data()), bytes.size());
   const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format);

@@ -98,7 +98,7 @@ TEST(PortraitFields, EveryRangeIsChecked) {
 }
 
 TEST(PortraitFields, AreListedInColumns) {
-  std::istringstream lines(describe_fields());
+  std::istringstream lines(describe_fields("paper"));
   std::string line;
   std::getline(lines, line);
   const std::size_t range = line.find("range"), unit = line.find("unit"), source = line.find("source");
