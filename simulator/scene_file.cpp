@@ -273,11 +273,14 @@ CameraParts camera_parts(Fields& root, const std::string& camera_path, double fo
   const nlohmann::json none = nlohmann::json::object();
   const nlohmann::json& lens = root.has("lens") ? root.raw("lens") : none;
   const nlohmann::json& sensor = root.has("sensor") ? root.raw("sensor") : none;
+  if (camera_path.empty()) return {lens, sensor};
   const bool another = !lens.is_object() || lens.contains("file") || lens.contains("model");
-  CameraParts parts;
-  if (!camera_path.empty()) parts = read_camera_file(camera_path, focus_distance_m, !another);
+  CameraParts parts = read_camera_file(camera_path, focus_distance_m, !another);
   parts.lens = another ? lens : lens_laid_over(std::move(parts.lens), lens);
-  parts.sensor.merge_patch(sensor);
+  if (sensor.is_object())
+    parts.sensor.update(sensor);
+  else
+    parts.sensor = sensor;
   return parts;
 }
 
