@@ -192,7 +192,7 @@ void furnish_room(SceneBuilder& build, RandomStream rng, const RoomOptions& room
     add_floor_lamp(build, rng.substream(21), standing({-side * (half - 0.35f), 0, -room.deep_m + 0.45f}, 0), nits);
   if (room.mirror) {
     add_mirror(build, rng.substream(22), standing({0, 1.4f, -room.deep_m + 0.003f}, 0), {0.55f, 0.75f});
-    add_glass_screen(build, rng.substream(23), standing({0.35f, 0, -0.55f * room.deep_m}, 0.3f), {0.4f, 0.65f});
+    add_glass_screen(build, rng.substream(23), standing({0.35f, 0, -0.55f * room.deep_m}, 0), {0.4f, 0.65f});
   }
   build.shooting.key = lamps ? 0.09f : 0.14f;
   build.shooting.most_clipped = 0.06f;
