@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "capture/files.h"
 #include "capture/image/image_io.h"
@@ -32,6 +34,10 @@ void run(const evaluation::SceneExperimentOptions& options, const std::string& f
   write_png8(out.path() + "/sheet.png", measured.sheet);
   write_file(out.path() + "/scenes.json", to_json(measured, options).dump(2) + "\n");
   out.commit();
+  const auto& scenes = measured.scenes;
+  if (std::none_of(scenes.begin(), scenes.end(), [](const auto& scene) { return scene.rendered; })) {
+    throw std::runtime_error(fmt::format("{}: none of {} scenes was rendered", options.kind, options.count));
+  }
   std::cout << fmt::format("{} of {} scenes without a warning\n", options.count - failed, options.count);
 }
 
