@@ -31,13 +31,13 @@ void run(const evaluation::SceneExperimentOptions& options, const std::string& f
     for (const std::string& fault : scene.faults)
       std::cerr << fmt::format("{}, seed {}: {}\n", options.kind, scene.seed, fault);
   }
+  const auto was_rendered = [](const evaluation::DrawnSceneResult& scene) { return scene.rendered; };
+  if (std::none_of(measured.scenes.begin(), measured.scenes.end(), was_rendered)) {
+    throw std::runtime_error(fmt::format("{}: none of {} scenes was rendered", options.kind, options.count));
+  }
   write_png8(out.path() + "/sheet.png", measured.sheet);
   write_file(out.path() + "/scenes.json", to_json(measured, options).dump(2) + "\n");
   out.commit();
-  const auto& scenes = measured.scenes;
-  if (std::none_of(scenes.begin(), scenes.end(), [](const auto& scene) { return scene.rendered; })) {
-    throw std::runtime_error(fmt::format("{}: none of {} scenes was rendered", options.kind, options.count));
-  }
   std::cout << fmt::format("{} of {} scenes without a warning\n", options.count - failed, options.count);
 }
 
