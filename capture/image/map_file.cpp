@@ -53,19 +53,31 @@ Image read_integers(const std::string& path, const std::optional<IntegerScale>& 
   return map;
 }
 
-}  // namespace
+enum class MapKind { npy, pfm, picture };
 
-Image read_map(const std::string& path, const std::string& channel, const std::optional<IntegerScale>& integers) {
+MapKind map_kind(const std::string& path) {
   require_regular_file(path);
   char bytes[6] = {};
   std::ifstream(path, std::ios::binary).read(bytes, sizeof(bytes));
   const std::string_view head(bytes, sizeof(bytes));
-  if (head == "\x93NUMPY") {
+  if (head == "\x93NUMPY") return MapKind::npy;
+  return head.starts_with("Pf") || head.starts_with("PF") ? MapKind::pfm : MapKind::picture;
+}
+
+}  // namespace
+
+bool is_integer_picture(const std::string& path) {
+  return map_kind(path) == MapKind::picture && picture_size(path).format != "openexr";
+}
+
+Image read_map(const std::string& path, const std::string& channel, const std::optional<IntegerScale>& integers) {
+  const MapKind kind = map_kind(path);
+  if (kind == MapKind::npy) {
     Image map = read_npy(path);
     if (map.channels == 1) return map;
     throw InputError(fmt::format("{}: has {} channels; one is needed", printable(path), map.channels));
   }
-  if (head.starts_with("Pf") || head.starts_with("PF")) return read_pfm(path);
+  if (kind == MapKind::pfm) return read_pfm(path);
   const PictureSize picture = picture_size(path);
   if (picture.format != "openexr") return read_integers(path, integers);
   const bool named = std::find(picture.channels.begin(), picture.channels.end(), channel) != picture.channels.end();

@@ -11,6 +11,9 @@ struct IntegerScale {
   double scale = 1, offset = 0;
 };
 
+/// Whether a map is a picture of integers (PNG, TIFF), which needs an IntegerScale.
+bool is_integer_picture(const std::string& path);
+
 /// A map of one value a pixel as other programs write it, recognized by its first bytes:
 ///   NPY    float32, float64 or integers, of shape (height, width), further axes of length 1 aside; as they are
 ///   PFM    one channel ("Pf"); rows from bottom to top, as the format has it

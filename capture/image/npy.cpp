@@ -113,8 +113,10 @@ Image read_npy(const std::string& path) {
     refuse_npy(path, "is in Fortran order; save numpy.ascontiguousarray() of it");
   }
   const auto [height, width, channels] = shape_of(path, header_entry(path, header, "shape", ')'));
+  if (file.size() < start + length + height * width * channels * found->bytes) {
+    refuse_npy(path, "ends before its last value");  // before memory is taken for what is not there
+  }
   Image image(static_cast<int>(width), static_cast<int>(height), static_cast<int>(channels));
-  if (file.size() < start + length + image.data.size() * found->bytes) refuse_npy(path, "ends before its last value");
   found->convert(std::string_view(file).substr(start + length), image);
   return image;
 }

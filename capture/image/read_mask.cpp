@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "capture/error.h"
 #include "capture/image/image_io.h"
 
@@ -17,6 +20,15 @@ Image read_mask(const std::string& path) {
                                  i % mask.width, i / mask.width, mask.data[i]));
   }
   return mask;
+}
+
+void require_shape(const Image& mask, int picture_width, int picture_height, const std::string& name) {
+  constexpr double kMostStretch = 0.02;
+  const double width = picture_width, height = picture_height;
+  const double excess = std::abs(mask.width * height - mask.height * width);
+  if (excess <= std::max({kMostStretch * mask.width * height, width, height})) return;
+  throw InputError(fmt::format("{}: {} x {} pixels; must have the shape of the picture, {} x {}", name, mask.width,
+                               mask.height, picture_width, picture_height));
 }
 
 }  // namespace dualpixel

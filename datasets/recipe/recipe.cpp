@@ -88,7 +88,7 @@ Relations read_relations(Fields fields, const std::string& recipe) {
 
 /// Fields that name files do so beside the recipe, not beside each scene.
 void resolve_files(const std::string& field, const std::string& recipe, Distribution& d) {
-  if (field != "lens.file" && field != "environment.path") return;
+  if (field != "lens.file" && field != "camera.file" && field != "environment.path") return;
   for (json& value : d.values) {
     if (value.is_string()) value = absolute_beside(recipe, value.get<std::string>());
   }

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -16,7 +15,9 @@ constexpr int kBorder = 16;  // 2 tiles
 constexpr double kBrokenShare = 0.1;
 
 nlohmann::ordered_json to_json(const FailureFigures& figures) {
-  nlohmann::ordered_json json = {{"rmse_dp_px", figures.rmse_dp_px}, {"wrong_share", figures.wrong}};
+  nlohmann::ordered_json json;
+  if (figures.rmse_dp_px) json["rmse_dp_px"] = *figures.rmse_dp_px;
+  json["wrong_share"] = figures.wrong;
   if (figures.confidence) json["mean_confidence"] = *figures.confidence;
   if (!figures.sigma) return json;
   json["confident_share"] = figures.sigma->confident;
@@ -48,7 +49,7 @@ FailureFigures measure_failure(const FailureCase& failure, const DisparityMethod
   FailureFigures figures;
   SigmaFigures of_sigma;
   std::vector<float> sigmas;
-  double count = 0, finite = 0, confidence = 0;
+  double count = 0, finite = 0, squares = 0, confidence = 0;
   for (int y = kBorder; y < kFailureHeight - kBorder; ++y) {
     for (int x = kBorder; x < kFailureWidth - kBorder; ++x) {
       const float truth = failure.truth_dp_px.at(x, y);
@@ -58,7 +59,7 @@ FailureFigures measure_failure(const FailureCase& failure, const DisparityMethod
       count += 1;
       if (std::isfinite(error)) {
         finite += 1;
-        figures.rmse_dp_px += static_cast<double>(error) * error;
+        squares += static_cast<double>(error) * error;
       }
       figures.wrong += wrong;
       if (!found.confidence.empty()) confidence += found.confidence.at(x, y);
@@ -71,7 +72,7 @@ FailureFigures measure_failure(const FailureCase& failure, const DisparityMethod
       of_sigma.within_two_sigma += error < 2 * sigma;
     }
   }
-  figures.rmse_dp_px = std::sqrt(figures.rmse_dp_px / std::max(finite, 1.0));
+  if (finite > 0) figures.rmse_dp_px = std::sqrt(squares / finite);
   figures.wrong /= count;
   if (!found.confidence.empty()) figures.confidence = confidence / count;
   if (sigmas.empty()) return figures;

@@ -21,7 +21,7 @@ struct SigmaFigures {
 
 /// Over pixels that lie 2 tiles inside and whose truth is finite.
 struct FailureFigures {
-  double rmse_dp_px = 0;              ///< of the pixels with a finite disparity
+  std::optional<double> rmse_dp_px;   ///< of the pixels with a finite disparity; none where there are none
   double wrong = 0;                   ///< share of pixels that err by more than 0.5 DP px, or have no disparity
   std::optional<double> confidence;   ///< mean; none where the method has none
   std::optional<SigmaFigures> sigma;  ///< none where the method predicts no sigma

@@ -160,16 +160,19 @@ ordered_json depth_octaves(const std::vector<DrawnSceneResult>& scenes) {
   return rows;
 }
 
+bool was_rendered(const DrawnSceneResult& scene) { return scene.rendered; }
+
+/// Means over what was rendered.
 ordered_json statistics(const std::vector<DrawnSceneResult>& scenes) {
   std::vector<double> slopes, contrasts, kurtoses, depths, ranges;
   GradientMoments pooled;
   double sky = 0;
+  const auto n = static_cast<double>(std::count_if(scenes.begin(), scenes.end(), was_rendered));
   for (const DrawnSceneResult& scene : scenes) {
     if (!scene.rendered) continue;
     if (std::isfinite(scene.slope)) slopes.push_back(scene.slope);
     if (scene.gradients.square > 0) kurtoses.push_back(scene.gradients.kurtosis());
     contrasts.push_back(scene.contrast);
-    const auto n = static_cast<double>(scenes.size());
     pooled.square += scene.gradients.square / n, pooled.fourth += scene.gradients.fourth / n, sky += scene.sky / n;
     const std::array<double, 5> depth = quantiles({scene.depth_m.begin(), scene.depth_m.end()});
     depths.push_back(depth[2]);

@@ -1,6 +1,8 @@
 #include "evaluation/methods/disparity_method.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -10,6 +12,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <future>
+#include <thread>
 #include <utility>
 
 #include "capture/error.h"
@@ -51,13 +56,20 @@ struct RunFolder {
   RunFolder& operator=(const RunFolder&) = delete;
 };
 
+/// One word for the shell, whatever it holds.
+std::string shell_quoted(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted + "'";
+}
+
 /// All {placeholders} replaced by quoted paths in `folder`.
 std::string filled_in(std::string command, const std::string& folder) {
   constexpr std::pair<const char*, const char*> kFiles[] = {
       {"{left}", "left.png"}, {"{right}", "right.png"}, {"{left.npy}", "left.npy"},    {"{right.npy}", "right.npy"},
       {"{out}", "out"},       {"{sigma}", "sigma"},     {"{confidence}", "confidence"}};
   for (const auto& [placeholder, file] : kFiles) {
-    const std::string path = "'" + folder + "/" + file + "'";
+    const std::string path = shell_quoted(folder + "/" + file);
     for (std::size_t at = 0; (at = command.find(placeholder, at)) != std::string::npos; at += path.size()) {
       command.replace(at, std::string(placeholder).size(), path);
     }
@@ -76,23 +88,78 @@ void write_view(const Image& view, float white, const std::string& path) {
   write_npy(path + ".npy", scaled);
 }
 
-/// Runs a command by the shell; its standard output goes to our standard error.
-int run_shell(const std::string& command, rusage& usage) {
-  const pid_t child = fork();
-  if (child < 0) throw std::runtime_error("fork: no process could be started");
-  if (child == 0) {
-    dup2(STDERR_FILENO, STDOUT_FILENO);
-    execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
-    _exit(127);
+/// The most memory that one process of a tree has held so far, MB; 0 where all have ended.
+double peak_rss_mb_of_tree(const std::string& pid) {
+  double most_mb = 0;
+  std::ifstream status("/proc/" + pid + "/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmHWM:")) most_mb = std::strtod(line.c_str() + 6, nullptr) / 1024;
   }
-  int status = 0;
-  while (wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
+  std::error_code ended;
+  std::vector<std::string> children;
+  std::filesystem::directory_iterator thread("/proc/" + pid + "/task", ended);
+  for (; !ended && thread != std::filesystem::directory_iterator(); thread.increment(ended)) {
+    std::ifstream list(thread->path() / "children");
+    for (std::string child; list >> child;) children.push_back(child);
   }
-  return status;
+  for (const std::string& child : children) most_mb = std::max(most_mb, peak_rss_mb_of_tree(child));
+  return most_mb;
 }
 
-Image read_output(const DisparityMethod& method, const std::string& path, const char* channel, const Image& view) {
-  if (!std::filesystem::exists(path)) return {};
+/// Becomes the shell that runs `command`, with signals and input as if a shell had started it.
+[[noreturn]] void become_shell(const std::string& command) {
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  signal(SIGXFSZ, SIG_DFL);
+  dup2(open("/dev/null", O_RDONLY | O_CLOEXEC), STDIN_FILENO);
+  dup2(STDERR_FILENO, STDOUT_FILENO);
+  execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
+  _exit(127);
+}
+
+struct Ended {
+  int status = 0;
+  double cpu_s = 0, peak_rss_mb = 0;
+};
+
+/// Runs a command by the shell; its standard output goes to our standard error. Memory is looked up every 10 ms: the
+/// kernel's own figure of a child begins with what we held when it was forked.
+Ended run_shell(const std::string& command) {
+  constexpr std::chrono::milliseconds kLookEvery(10);
+  int started[2];  // closed by exec
+  if (pipe2(started, O_CLOEXEC) != 0) throw std::runtime_error("pipe: no process could be started");
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error("fork: no process could be started");
+  if (child == 0) become_shell(command);
+  close(started[1]);
+  char nothing;
+  while (read(started[0], &nothing, 1) < 0 && errno == EINTR) {
+  }
+  close(started[0]);
+  Ended ended;
+  std::promise<void> over;
+  std::thread looks([&, is_over = over.get_future()] {
+    do {
+      ended.peak_rss_mb = std::max(ended.peak_rss_mb, peak_rss_mb_of_tree(std::to_string(child)));
+    } while (is_over.wait_for(kLookEvery) == std::future_status::timeout);
+  });
+  rusage usage{};
+  while (wait4(child, &ended.status, 0, &usage) < 0 && errno == EINTR) {
+  }
+  over.set_value();
+  looks.join();
+  ended.cpu_s = cpu_seconds(usage);
+  return ended;
+}
+
+/// `name` as it was given, or with the ending that what wrote it added or asked for.
+Image read_output(const DisparityMethod& method, const std::string& name, const char* channel, const Image& view) {
+  constexpr const char* kEndings[] = {"", ".npy", ".pfm", ".exr"};
+  const auto* const ending = std::find_if(std::begin(kEndings), std::end(kEndings),
+                                          [&](const char* each) { return std::filesystem::exists(name + each); });
+  if (ending == std::end(kEndings)) return {};
+  const std::string path = name + *ending;
   Image map;
   try {
     map = read_map(path, channel);
@@ -109,13 +176,13 @@ MethodRun run_program(const DisparityMethod& method, const std::string& command,
   const RunFolder folder;
   write_view(left, white, folder.path + "/left");
   write_view(right, white, folder.path + "/right");
-  rusage usage{};
   MethodRun run;
   const Clock::time_point start = Clock::now();
-  const int status = run_shell(filled_in(command, folder.path), usage);
+  const Ended ended = run_shell(filled_in(command, folder.path));
   run.wall_s = seconds_since(start);
-  run.cpu_s = cpu_seconds(usage);
-  run.peak_rss_mb = static_cast<double>(usage.ru_maxrss) / 1024;
+  run.cpu_s = ended.cpu_s;
+  if (ended.peak_rss_mb > 0) run.peak_rss_mb = ended.peak_rss_mb;
+  const int status = ended.status;
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
     throw InputError(fmt::format("{}: its command ended with {} {}", printable(method.name),
                                  WIFEXITED(status) ? "status" : "signal",
@@ -163,6 +230,19 @@ DisparityMethod method_named(const std::string& text) {
     return run_program(name, command, left, right, sensor.white);
   };
   return method;
+}
+
+std::vector<DisparityMethod> methods_named(const std::vector<std::string>& texts,
+                                           std::vector<DisparityMethod> methods) {
+  for (const std::string& text : texts) {
+    DisparityMethod method = method_named(text);
+    const auto has_its_name = [&](const DisparityMethod& other) { return other.name == method.name; };
+    if (std::any_of(methods.begin(), methods.end(), has_its_name)) {
+      throw InputError("--method " + printable(text) + ": is there already");
+    }
+    methods.push_back(std::move(method));
+  }
+  return methods;
 }
 
 }  // namespace dualpixel::evaluation

@@ -92,8 +92,7 @@ std::vector<JudgedPixel> judged_pixels(const ViewSample& sample) {
 
 /// RegionSums over pixels, from which the figures follow.
 struct RegionSums {
-  double pixels = 0, found = 0, squares = 0, wrong = 0, within_sigma = 0;
-  bool has_sigma = false;
+  double pixels = 0, found = 0, squares = 0, wrong = 0, with_sigma = 0, within_sigma = 0;
 };
 
 void add_errors(const std::vector<JudgedPixel>& pixels, const pipeline::PixelDisparity& found,
@@ -109,8 +108,9 @@ void add_errors(const std::vector<JudgedPixel>& pixels, const pipeline::PixelDis
       if (!std::isfinite(error)) continue;
       s.found += 1;
       s.squares += static_cast<double>(error) * error;
-      s.has_sigma = !found.sigma_dp_px.empty();
-      if (s.has_sigma) s.within_sigma += error <= found.sigma_dp_px.data[i];
+      if (found.sigma_dp_px.empty() || std::isnan(found.sigma_dp_px.data[i])) continue;
+      s.with_sigma += 1;
+      s.within_sigma += error <= found.sigma_dp_px.data[i];
     }
   }
 }
@@ -119,7 +119,7 @@ SetFigures figures_of(const RegionSums& s) {
   SetFigures figures{static_cast<std::size_t>(s.pixels), s.pixels > 0 ? s.found / s.pixels : 0, {}, {}, {}};
   if (s.pixels > 0) figures.wrong = s.wrong / s.pixels;
   if (s.found > 0) figures.rmse_dp_px = std::sqrt(s.squares / s.found);
-  if (s.found > 0 && s.has_sigma) figures.within_one_sigma = s.within_sigma / s.found;
+  if (s.with_sigma > 0) figures.within_one_sigma = s.within_sigma / s.with_sigma;
   return figures;
 }
 

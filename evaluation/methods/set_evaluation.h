@@ -23,7 +23,7 @@ struct SetFigures {
   double found = 0;                        ///< share of them with a finite disparity
   std::optional<double> rmse_dp_px;        ///< of those; none where there are none, as the next
   std::optional<double> wrong;             ///< share of all that err by more than 0.5 DP px, or were not found
-  std::optional<double> within_one_sigma;  ///< of those found; none without sigma
+  std::optional<double> within_one_sigma;  ///< of those found that were given a sigma; none where none was
 };
 
 struct SetScore {

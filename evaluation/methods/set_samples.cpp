@@ -80,6 +80,8 @@ std::vector<std::string> sample_folders(const std::string& set, const std::strin
       const bool wanted = split.empty() || split == name_of(datasets::kSplits, line.split);
       if (wanted && datasets::is_there(set, line)) folders.push_back(datasets::sample_folder(set, line));
     }
+  } else if (!split.empty()) {
+    throw InputError(printable(set) + ": is no data set, which alone has splits: leave out --split");
   } else if (fs::is_directory(set, error)) {
     for (const auto& entry : fs::directory_iterator(set)) {
       if (fs::exists(entry.path() / "capture.json", error)) folders.push_back(entry.path().string());

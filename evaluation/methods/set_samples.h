@@ -16,8 +16,8 @@ struct ViewSample {
 };
 
 /// The folders of a set's samples, in the order of their names: of a data set (docs/dataset.md) those that are
-/// rendered, of the split where one is named; of any other folder the captures in it. Throws InputError where there are
-/// none.
+/// rendered, of the split where one is named; of any other folder the captures in it, which are of no split. Throws
+/// InputError where there are none.
 std::vector<std::string> sample_folders(const std::string& set, const std::string& split);
 
 /// A sample whose recipe keeps left, right, view_disparity_dp_px and view_valid (in the layouts exr and npy), or a

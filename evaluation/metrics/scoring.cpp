@@ -294,9 +294,15 @@ void require_fitting(const Capture& capture, const std::string& capture_path, co
   if (estimate.disparity_dp_px.empty() && !(estimate.confidence.empty() && estimate.sigma_dp_px.empty())) {
     problems.emplace_back("confidence and sigma: are those of a disparity, which is not given");
   }
+  const auto require_values = [&](const Image& map, const char* name, float most, const char* range) {
+    const auto outside = std::find_if(map.data.begin(), map.data.end(), [&](float v) { return v < 0 || v > most; });
+    if (outside != map.data.end()) problems.push_back(fmt::format("{}: {:g}: must lie in {}", name, *outside, range));
+  };
   require_map(estimate.disparity_dp_px, "disparity");
   require_map(estimate.confidence, "confidence");
   require_map(estimate.sigma_dp_px, "sigma");
+  require_values(estimate.confidence, "confidence", 1, "[0, 1]");
+  require_values(estimate.sigma_dp_px, "sigma", std::numeric_limits<float>::infinity(), "[0, inf]");
   const Image &portrait = estimate.portrait, &photograph = capture.truth->photograph;
   if (!portrait.empty() && photograph.empty()) {
     problems.emplace_back("portrait: the truth has no photograph");

@@ -30,7 +30,7 @@ inline constexpr double kBadPixelDpPx[] = {0.1, 0.25, 0.5};
 /// or the views', each of whose pixels then stands for the photosites that it covers. They are the first frame's.
 struct Estimate {
   Image disparity_dp_px;  ///< in DP pixels at either size; not finite: not estimated
-  Image confidence;       ///< larger is surer; "confident" from 0.5 on
+  Image confidence;       ///< 0 to 1, larger is surer; "confident" from 0.5 on
   Image sigma_dp_px;      ///< predicted standard deviation of the error; stands in for a confidence that is missing
   Image portrait;         ///< linear RGB in the truth's signal, of the full sensor's size
 };
@@ -85,7 +85,8 @@ Score score_result(const Capture& capture, const std::string& capture_path, cons
                    const std::string& result_path);
 
 /// What was found by other means than the portrait pipeline. Throws InputError where the capture holds no truth,
-/// nothing is given, confidence or sigma is given without disparity, or sizes differ: all that is wrong in one line.
+/// nothing is given, confidence or sigma is given without disparity, confidence lies outside [0, 1], sigma below 0, or
+/// sizes differ: all that is wrong in one line.
 Score score_estimate(const Capture& capture, const std::string& capture_path, const Estimate& estimate);
 
 /// score.json: disparity.<region>.<metric> (absent in mode seg), image.<metric>, stages.<name>.ms and .peak_rss_mb,

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "capture/error.h"
+#include "capture/image/read_mask.h"
 #include "pipeline/burst/merge.h"
 #include "pipeline/disparity/matchers.h"
 #include "pipeline/disparity/tile_disparity.h"
@@ -72,6 +73,14 @@ py::tuple match_capture(const HeldCapture& held, const std::string& matcher, con
   return arrays_of(std::move(found));
 }
 
+/// As the program has it.
+void require_mask_fits(const Image& mask, pipeline::Mode mode, const Camera& camera) {
+  if (mode == pipeline::Mode::dp) {
+    throw InputError("mode dp: uses no person mask; leave out mask, or choose dp+seg or seg");
+  }
+  require_shape(mask, camera.width_px, camera.height_px, "mask");
+}
+
 std::shared_ptr<HeldResult> make_portrait(const HeldCapture& held, const std::string& mode, const std::string& matcher,
                                           const Assignments& assignments, const py::object& mask,
                                           const std::vector<std::array<double, 4>>& faces, std::uint64_t seed) {
@@ -82,6 +91,7 @@ std::shared_ptr<HeldResult> make_portrait(const HeldCapture& held, const std::st
   for (const std::string& assignment : assignments) set_field(pipeline::fields(options), assignment);
   options.mode = value_named(pipeline::kModes, mode, "mode");
   options.seed = seed;
+  if (person) require_mask_fits(*person, options.mode, held.capture.camera);
   for (const auto& [x, y, width, height] : faces) options.faces.push_back({x, y, width, height});
   if (options.mode != pipeline::Mode::seg) {
     pipeline::require_matchable(held.capture.camera, "capture", "/camera/dp_downsample_x");

@@ -63,6 +63,9 @@ TEST(MapFile, ScalesIntegers) {
   ImageU16 stored(2, 1);
   stored.data = {32768, 33024};
   write_png16(folder / "m.png", stored);
+  EXPECT_TRUE(is_integer_picture(folder / "m.png"));
+  write_npy(folder / "m.npy", some_map());
+  EXPECT_FALSE(is_integer_picture(folder / "m.npy"));
   EXPECT_EQ(read_map(folder / "m.png", "d", IntegerScale{1.0 / 256, -128}).data, (std::vector<float>{0, 1}));
   EXPECT_EQ(message_of<InputError>([&] { read_map(folder / "m.png", "d"); }),
             folder / "m.png" + ": holds integers: give --scale, and --offset where 0 is not 0");
@@ -74,6 +77,7 @@ TEST(MapFile, RefusesWhatItCannotRead) {
   const std::pair<std::string, std::string> bad[] = {
       {npy_bytes("<f2", {1, 2}, four), "holds '<f2'; must be float32, float64 or integers, little endian"},
       {npy_bytes("<f4", {2, 2}, four), "ends before its last value"},
+      {npy_bytes("<f4", {65536, 65536, 4}, four), "ends before its last value"},  // 64 GiB were they there
       {npy_bytes("<f4", {7}, four),
        "has the shape (7, ); must be (height, width) or (height, width, channels), with at most 4 channels"},
       {npy_bytes("<f4", {2, 1, 3}, std::string(24, '\0')), "has 3 channels; one is needed"},

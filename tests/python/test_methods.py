@@ -67,6 +67,10 @@ def test_portrait_takes_a_mask(capture):
     np.testing.assert_array_equal(dualpixel.portrait(capture, mode="dp+seg", mask=mask).mask, mask)
     with pytest.raises(dualpixel.InputError, match="every value must lie in"):
         dualpixel.portrait(capture, mode="dp+seg", mask=2 * mask)
+    with pytest.raises(dualpixel.InputError, match="mode dp: uses no person mask"):
+        dualpixel.portrait(capture, mode="dp", mask=mask)
+    with pytest.raises(dualpixel.InputError, match="mask: 96 x 128 pixels; must have the shape of the picture"):
+        dualpixel.portrait(capture, mode="dp+seg", mask=mask.T)
 
 
 def test_score_of_known_errors(capture):

@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "capture/files.h"
+#include "capture/image/image_io.h"
 #include "capture/image/npy.h"
 #include "tests/pipeline/portrait/synthetic.h"
 #include "tests/run_program.h"
@@ -73,6 +76,32 @@ TEST(ScoreCommand, TakesFilesOfAnyProgram) {
   expect_one_line_refusal(refused);
   for (const char* file : {"none", "a.npy", "b.png"}) EXPECT_NE(refused.err.find(file), std::string::npos);
   expect_one_line_refusal(run_program(fmt::format("score '{}'", folder / "c")));
+}
+
+// A disparity of integers has a scale, and a confidence of integers is a share of 65535.
+TEST(ScoreCommand, ScalesDisparityAlone) {
+  const TemporaryFolder folder;
+  const Capture capture = pipeline::synthetic_capture();
+  write_capture(capture, folder / "c");
+  const Image& truth = capture.truth->disparity_dp_px;
+  ImageU16 steps(truth.width, truth.height), sure(truth.width, truth.height, 1, 65535);
+  for (std::size_t i = 0; i < truth.data.size(); ++i) {
+    if (std::isfinite(truth.data[i]))
+      steps.data[i] = static_cast<std::uint16_t>(std::lround(1000 * (truth.data[i] + 30)));
+  }
+  write_png16(folder / "d.png", steps);
+  write_png16(folder / "c.png", sure);
+  write_npy(folder / "d.npy", truth);
+  const std::string with_confidence = fmt::format("score '{0}/c' --confidence '{0}/c.png' ", folder.path.string());
+  const Outcome outcome = run_program(
+      fmt::format("{} --disparity '{}' --scale 0.001 --offset -30 --json", with_confidence, folder / "d.png"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const nlohmann::json score = nlohmann::json::parse(outcome.out);
+  EXPECT_LE(score["disparity"]["everything"]["rmse_px"].get<double>(), 0.001);
+  EXPECT_EQ(score["disparity"]["confident"]["pixels"], score["disparity"]["everything"]["pixels"]);
+  const Outcome refused = run_program(with_confidence + "--scale 0.001 --disparity '" + (folder / "d.npy") + "'");
+  expect_one_line_refusal(refused);
+  EXPECT_NE(refused.err.find("--scale: neither"), std::string::npos) << refused.err;
 }
 
 TEST(InfoCommand, KnowsAPortraitResult) {

@@ -1,9 +1,7 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
 
-#include "capture/error.h"
 #include "capture/files.h"
 #include "evaluation/methods/set_evaluation.h"
 #include "tools/commands/commands.h"
@@ -19,14 +17,7 @@ struct EvaluateOptions {
 };
 
 void run(const EvaluateOptions& options) {
-  std::vector<evaluation::DisparityMethod> methods;
-  std::set<std::string> names;
-  for (const std::string& text : options.methods) {
-    methods.push_back(evaluation::method_named(text));
-    if (!names.insert(methods.back().name).second) {
-      throw InputError("--method " + printable(text) + ": is there twice");
-    }
-  }
+  const std::vector<evaluation::DisparityMethod> methods = evaluation::methods_named(options.methods);
   const std::vector<std::string> folders = evaluation::sample_folders(options.set, options.split);
   NewFolder out(options.output, "evaluation.json");
   Progress bar("evaluate");
@@ -64,7 +55,9 @@ void add_evaluate(CLI::App& program) {
           "A matcher (paper, likelihood, split), or another program: NAME=COMMAND, run by the shell for each pair. "
           "{left} and {right} in it become 16-bit PNG files of the linear views, white where they clip, {left.npy} "
           "and {right.npy} float32 arrays; {out}, and where it has them {sigma} and {confidence}, are the files that "
-          "it writes: NPY, PFM or EXR, DP px, right(x + d) = left(x). Repeat for several");
+          "it writes: NPY, PFM or EXR, DP px, right(x + d) = left(x); '.npy', '.pfm' or '.exr' may follow a name. "
+          "Paths are "
+          "quoted: put no quotes around them. Repeat for several");
   command->add_option("--split", options->split, "Of a data set, this split alone")
       ->check(CLI::IsMember({"train", "validation", "test"}))
       ->type_name("SPLIT");

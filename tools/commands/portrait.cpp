@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -28,8 +26,6 @@ namespace {
 
 using pipeline::PortraitOptions;
 using pipeline::PortraitResult;
-
-constexpr double kMostStretch = 0.02;  ///< of a mask to the picture's shape
 
 /// Numbers with commas between them, as one value of the command line.
 template <std::size_t N>
@@ -123,17 +119,6 @@ Capture read_input(const PortraitCommand& command, PortraitOptions& options) {
   return capture;
 }
 
-/// A mask is stretched to the picture. What whole pixels round is no other shape: sides of a pair are even.
-void require_shape(const Image& mask, const PortraitCommand& command, const Camera& camera) {
-  const bool turned = command.pair.vertical_split;  // the user's picture is upright
-  const double width = turned ? camera.height_px : camera.width_px,
-               height = turned ? camera.width_px : camera.height_px;
-  const double excess = std::abs(mask.width * height - mask.height * width);
-  if (excess <= std::max({kMostStretch * mask.width * height, width, height})) return;
-  throw InputError(fmt::format("--mask {}: {} x {} pixels; must have the shape of the picture, {} x {}",
-                               printable(command.mask), mask.width, mask.height, width, height));
-}
-
 /// The mask that the user names, if any. Takes the truth out of the capture.
 std::optional<Image> given_mask(const PortraitCommand& command, Capture& capture) {
   std::optional<Image> mask;
@@ -143,7 +128,10 @@ std::optional<Image> given_mask(const PortraitCommand& command, Capture& capture
     capture.truth.reset();
   } else if (!command.mask.empty()) {
     mask = read_mask(command.mask);
-    require_shape(*mask, command, capture.camera);
+    const bool turned = command.pair.vertical_split;  // the user's picture is upright
+    const Camera& camera = capture.camera;
+    require_shape(*mask, turned ? camera.height_px : camera.width_px, turned ? camera.width_px : camera.height_px,
+                  "--mask " + printable(command.mask));
   }
   return mask;
 }

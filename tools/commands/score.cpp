@@ -76,6 +76,11 @@ Image read_portrait(const std::string& path) {
   return rgb;
 }
 
+/// That of a picture of integers is a share of the largest that its type holds.
+Image read_confidence(const std::string& path) {
+  return is_integer_picture(path) ? read_image(path) : read_map(path, "confidence");
+}
+
 /// All files that are missing or cannot be read are named in one line.
 void score_files(const ScoreOptions& options) {
   std::vector<std::string> problems;
@@ -89,14 +94,22 @@ void score_files(const ScoreOptions& options) {
   const std::optional<IntegerScale> integers = options.scaled ? std::optional(options.integers) : std::nullopt;
   Capture capture;
   evaluation::Estimate estimate;
+  bool any_integers = false;
   attempt([&] { capture = read_capture(options.capture, true); });
   const auto read_into = [&](Image& map, const std::string& path, const char* channel) {
-    if (!path.empty()) attempt([&] { map = read_map(path, channel, integers); });
+    if (path.empty()) return;
+    attempt([&] {
+      any_integers = any_integers || is_integer_picture(path);
+      map = read_map(path, channel, integers);
+    });
   };
   read_into(estimate.disparity_dp_px, options.disparity, "disparity_dp_px");
-  read_into(estimate.confidence, options.confidence, "confidence");
   read_into(estimate.sigma_dp_px, options.sigma, "sigma_dp_px");
+  if (!options.confidence.empty()) attempt([&] { estimate.confidence = read_confidence(options.confidence); });
   if (!options.portrait.empty()) attempt([&] { estimate.portrait = read_portrait(options.portrait); });
+  if (problems.empty() && options.scaled && !any_integers) {
+    problems.emplace_back("--scale: neither disparity nor sigma is a picture of integers; leave it out");
+  }
   if (!problems.empty()) throw InputError(fmt::format("{}", fmt::join(problems, "; ")));
   const evaluation::Score score = evaluation::score_estimate(capture, options.capture, estimate);
   print(options, score, json_text(score));
@@ -125,7 +138,8 @@ void add_score(CLI::App& program) {
   file_option("--disparity", options->disparity,
               "Instead of a result, a disparity in DP px, of the sensor's size or the views': EXR, NPY, PFM, or PNG "
               "and TIFF of integers; not finite where not estimated");
-  file_option("--confidence", options->confidence, "Its confidence, 0 to 1, in the same formats");
+  file_option("--confidence", options->confidence,
+              "Its confidence, 0 to 1, in the same formats; integers are shares of their type's largest");
   file_option("--sigma", options->sigma, "Its predicted standard deviation, DP px, in the same formats");
   file_option("--portrait", options->portrait,
               "A portrait of the sensor's size: EXR of linear RGB, 1 where the capture clips, or the same "
@@ -134,8 +148,8 @@ void add_score(CLI::App& program) {
     return command->add_option_function<double>(
         name, [options, &value](double given) { value = given, options->scaled = true; }, meaning);
   };
-  CLI::Option* scale =
-      scale_option("--scale", options->integers.scale, "Value of one step of integer files, e.g. 0.001");
+  CLI::Option* scale = scale_option("--scale", options->integers.scale,
+                                    "Value of one step of a disparity and sigma that are integers, e.g. 0.001");
   scale_option("--offset", options->integers.offset, "Value of their 0")->needs(scale);
   command->add_flag("--json", options->json, "Print JSON instead of a table");
   add_threads_option(*command);

@@ -56,7 +56,7 @@ std::string figure_table(const FailureSweep& sweep) {
   for (const FailureStep& step : sweep.steps) {
     std::vector<std::string>& row = table.rows.emplace_back(1, fmt::format("{:g}", step.value));
     for (const FailureFigures& f : step.methods) {
-      for (const std::optional<double> figure : {std::optional(f.rmse_dp_px), std::optional(f.wrong), f.confidence}) {
+      for (const std::optional<double> figure : {f.rmse_dp_px, std::optional(f.wrong), f.confidence}) {
         row.push_back(cell_of(figure, 3));
       }
       const auto of_sigma = [&](double SigmaFigures::*figure, int decimals) {

@@ -145,6 +145,14 @@ TEST(Plan, RefusesBeforeAnythingIsRendered) {
             "them");
 }
 
+TEST(Recipe, NamesFilesBesideItself) {
+  json recipe = small_recipe();
+  for (const char* field : {"lens.file", "camera.file", "environment.path"}) {
+    recipe["set"][field] = "../files/a.json";
+    EXPECT_EQ(read_recipe(recipe, "/sets/new/r.json").set.at(field).values.front(), "/sets/files/a.json");
+  }
+}
+
 TEST(Plan, StaysAsItWasWritten) {
   const TemporaryFolder folder;
   const std::string path = folder / "set";

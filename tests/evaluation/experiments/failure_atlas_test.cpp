@@ -51,8 +51,22 @@ TEST(FailureAtlas, CountsOverconfidentErrors) {
   const FailureFigures wrong = measure_failure(failure, likelihood());
   EXPECT_EQ(wrong.wrong, 1);
   EXPECT_EQ(wrong.sigma->overconfident_errors, wrong.sigma->confident);
-  EXPECT_NEAR(wrong.rmse_dp_px, 1, 0.01);
+  EXPECT_NEAR(*wrong.rmse_dp_px, 1, 0.01);
   EXPECT_FALSE(measure_failure(failure, paper()).sigma);
+}
+
+TEST(FailureAtlas, HasNoErrorWhereNothingIsFound) {
+  const FailureRow row = row_of(failure_rows(), "defocus");
+  const DisparityMethod blind = {"blind", [](const Image& left, const Image&, const pipeline::ViewSensor&) {
+                                   return MethodRun{{Image(left.width, left.height, 1, NAN), {}, {}}, 0, 0, {}};
+                                 }};
+  const FailureFigures figures = measure_failure(row.make(0), blind);
+  EXPECT_FALSE(figures.rmse_dp_px);
+  EXPECT_EQ(figures.wrong, 1);
+  const std::vector<FailureSweep> sweeps = {{row, {"blind"}, {{0, {figures}}}}};
+  const nlohmann::ordered_json json = to_json(sweeps);
+  EXPECT_FALSE(json["rows"][0]["steps"][0]["blind"].contains("rmse_dp_px"));
+  EXPECT_NE(to_page(sweeps).find("<td>–</td>"), std::string::npos);
 }
 
 /// Of one step of a row.
@@ -78,7 +92,7 @@ TEST(FailureAtlas, ThePapersMatcherHoldsAndBreaksWhereItShould) {
   for (const PaperRow& row : kRows) {
     const FailureFigures holds = figures_of(row.name, row.holds_at, paper());
     EXPECT_LT(holds.wrong, 0.01) << row.name;
-    EXPECT_LT(holds.rmse_dp_px, row.rmse_dp_px) << row.name;
+    EXPECT_LT(*holds.rmse_dp_px, row.rmse_dp_px) << row.name;
     EXPECT_GT(*holds.confidence, 0.1) << row.name;
     if (std::isnan(row.breaks_at)) continue;
     const FailureFigures broken = figures_of(row.name, row.breaks_at, paper());
@@ -86,7 +100,7 @@ TEST(FailureAtlas, ThePapersMatcherHoldsAndBreaksWhereItShould) {
     EXPECT_LT(*broken.confidence, 0.02) << row.name;
   }
   // A disparity just outside of the range is given as the range's end.
-  EXPECT_NEAR(figures_of("range", 3.25, paper()).rmse_dp_px, 0.25, 0.02);
+  EXPECT_NEAR(figures_of("range", 3.25, paper()).rmse_dp_px.value(), 0.25, 0.02);
 }
 
 /// Where a matcher is wrong with confidence, and why.
@@ -106,7 +120,7 @@ TEST(SlowFailureAtlas, AtMostOnePercentAreOverconfidentErrors) {
       bool predicts = false;
       for (const FailureStep& step : sweep.steps) {
         const FailureFigures& figures = step.methods[m];
-        EXPECT_TRUE(std::isfinite(figures.rmse_dp_px)) << sweep.row.name << " " << step.value;
+        EXPECT_TRUE(figures.rmse_dp_px && std::isfinite(*figures.rmse_dp_px)) << sweep.row.name << " " << step.value;
         if (!figures.sigma) continue;
         predicts = true;
         worst = std::max(worst, figures.sigma->overconfident_errors);

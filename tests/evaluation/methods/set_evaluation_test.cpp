@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <csignal>
+#include <cstdlib>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -31,9 +34,67 @@ TEST(ForeignMethod, GivesTheViewsAndTakesTheMaps) {
   EXPECT_EQ(run.found.sigma_dp_px.data, std::vector<float>(24, 3.0f));
   EXPECT_TRUE(run.found.confidence.empty());
   EXPECT_GT(run.wall_s, 0);
-  EXPECT_GT(*run.peak_rss_mb, 0);
   const std::string png = read_bytes(folder / "left.png");
   EXPECT_EQ(png.substr(1, 3), "PNG");
+}
+
+TEST(ForeignMethod, MayAddAnEnding) {
+  const Image view(6, 4, 1, 0.5f);
+  const std::string command = "cp {left.npy} {out}.npy && cp {left.npy} {sigma}.npy; : {right}";
+  const MethodRun run = method_named("a=" + command).run(view, view, {});
+  EXPECT_EQ(run.found.disparity_dp_px.data, view.data);
+  EXPECT_EQ(run.found.sigma_dp_px.data, view.data);
+}
+
+TEST(ForeignMethod, TakesTemporaryFoldersWithQuotes) {
+  const TemporaryFolder folder;
+  const char* const before = std::getenv("TMPDIR");
+  const std::string old = before ? before : "/tmp";
+  std::filesystem::create_directory(folder / "it's");
+  setenv("TMPDIR", (folder / "it's").c_str(), 1);
+  const Image view(6, 4, 1, 0.5f);
+  const auto run = [&] { return method_named("a=cp {left.npy} {out}; : {right}").run(view, view, {}); };
+  EXPECT_NO_THROW(run());
+  setenv("TMPDIR", old.c_str(), 1);
+}
+
+// The program blocks what it ends cleanly on; another program must end on it as usual.
+TEST(ForeignMethod, HasSignalsAndInputOfItsOwn) {
+  const Image view(6, 4, 1, 0.5f);
+  sigset_t blocked, before;
+  sigemptyset(&blocked);
+  for (const int each : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&blocked, each);
+  pthread_sigmask(SIG_BLOCK, &blocked, &before);
+  const std::string terminates = "a=kill -TERM $$; cp {left.npy} {out}; : {right}";
+  EXPECT_EQ(message_of<InputError>([&] { method_named(terminates).run(view, view, {}); }),
+            "a: its command ended with signal 15");
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  EXPECT_NO_THROW(method_named("a=cat; cp {left.npy} {out}; : {right}").run(view, view, {}));  // ends: no input
+}
+
+TEST(ForeignMethod, CountsItsOwnMemoryAlone) {
+  const std::vector<char> held(200 << 20, 1);
+  const Image view(6, 4, 1, 0.5f);
+  const auto peak_mb = [&](const std::string& command) {
+    return method_named("a=" + command + "; cp {left.npy} {out}; : {right}").run(view, view, {}).peak_rss_mb;
+  };
+  EXPECT_LT(peak_mb("true").value_or(0), 50);
+  const double sleeps_mb = peak_mb("sleep 0.1").value_or(0);
+  EXPECT_GT(sleeps_mb, 0.1);
+  EXPECT_LT(sleeps_mb, 50);
+  // dd's buffer of 64 MB, filled, in a child of the shell
+  EXPECT_GT(peak_mb("(dd if=/dev/zero bs=64M count=8 of=/dev/null; true)").value_or(0), 64);
+  EXPECT_EQ(held.back(), 1);
+}
+
+TEST(ForeignMethod, HasANameOfItsOwn) {
+  const auto message = [](const std::vector<std::string>& texts) {
+    return message_of<InputError>([&] { methods_named(texts, {method_named("paper")}); });
+  };
+  EXPECT_EQ(message({"a=p {left} {right} {out}", "b=p {left} {right} {out}", "split"}), "");
+  EXPECT_EQ(message({"a=p {left} {right} {out}", "a=q {left} {right} {out}"}),
+            "--method a=q {left} {right} {out}: is there already");
+  EXPECT_EQ(message({"paper"}), "--method paper: is there already");
 }
 
 TEST(ForeignMethod, SaysWhatIsWrong) {
@@ -97,6 +158,22 @@ TEST(SetEvaluation, CutsRegionsByTheTruth) {
   EXPECT_EQ(region(score, "1 to 2").pixels + region(score, "0.25 to 1").pixels, kPixels);
 }
 
+// Of two samples one has a sigma: the share is that of its pixels.
+TEST(SetEvaluation, CountsSigmaWhereItIsGiven) {
+  const OneCapture set;
+  write_capture(pipeline::synthetic_capture(), set.in("set/two"));
+  int calls = 0;
+  const DisparityMethod method = {"half", [&](const Image& left, const Image&, const pipeline::ViewSensor&) {
+                                    MethodRun run;
+                                    run.found.disparity_dp_px = Image(left.width, left.height);
+                                    if (calls++ == 0) run.found.sigma_dp_px = Image(left.width, left.height, 1, 9);
+                                    return run;
+                                  }};
+  const SetScore score = evaluate_set(sample_folders(set.in("set"), ""), {method}).front();
+  EXPECT_EQ(calls, 2);
+  EXPECT_EQ(region(score, "everything").within_one_sigma, 1);
+}
+
 TEST(SetEvaluation, WritesOnePage) {
   const OneCapture set;
   const SetScore score = set.score(Image(32, 12));
@@ -111,6 +188,9 @@ TEST(SetEvaluation, RefusesFoldersWithoutSamples) {
   const TemporaryFolder folder;
   EXPECT_EQ(message_of<InputError>([&] { sample_folders(folder / "none", ""); }),
             folder / "none" + ": holds no samples: must be a data set that is rendered, or a folder of captures");
+  const OneCapture set;
+  EXPECT_EQ(message_of<InputError>([&] { sample_folders(set.in("set"), "test"); }),
+            set.in("set") + ": is no data set, which alone has splits: leave out --split");
 }
 
 }  // namespace

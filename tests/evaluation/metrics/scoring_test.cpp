@@ -231,6 +231,10 @@ TEST(ScoreEstimate, SaysAllThatIsWrongAtOnce) {
             "views); portrait: 64 x 48 pixels of 1 channel: must be 64 x 48 of 3");
   EXPECT_EQ(message({.confidence = Image(64, 48), .portrait = Image(64, 48, 3)}),
             "c: confidence and sigma: are those of a disparity, which is not given");
+  EXPECT_EQ(message({.disparity_dp_px = Image(64, 48),
+                     .confidence = Image(64, 48, 1, 1.5f),
+                     .sigma_dp_px = Image(64, 48, 1, -2)}),
+            "c: confidence: 1.5: must lie in [0, 1]; sigma: -2: must lie in [0, inf]");
 }
 
 TEST(Score, IsTheSameForAnyNumberOfThreads) {

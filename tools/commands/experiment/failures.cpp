@@ -24,7 +24,7 @@ void add_experiment_failures(CLI::App& experiment) {
   command->callback([folder, programs] {
     std::vector<evaluation::DisparityMethod> methods;
     for (const pipeline::Matcher& matcher : pipeline::matchers()) methods.push_back(evaluation::method_of(matcher));
-    for (const std::string& program : *programs) methods.push_back(evaluation::method_named(program));
+    methods = evaluation::methods_named(*programs, std::move(methods));
     NewFolder out(*folder, "failures.json");
     Progress bar("failures");
     const std::vector<evaluation::FailureSweep> sweeps =

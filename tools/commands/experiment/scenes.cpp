@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "capture/files.h"
 #include "capture/image/image_io.h"
@@ -28,6 +30,10 @@ void run(const evaluation::SceneExperimentOptions& options, const std::string& f
     failed += !scene.faults.empty();
     for (const std::string& fault : scene.faults)
       std::cerr << fmt::format("{}, seed {}: {}\n", options.kind, scene.seed, fault);
+  }
+  const auto was_rendered = [](const evaluation::DrawnSceneResult& scene) { return scene.rendered; };
+  if (std::none_of(measured.scenes.begin(), measured.scenes.end(), was_rendered)) {
+    throw std::runtime_error(fmt::format("{}: none of {} scenes was rendered", options.kind, options.count));
   }
   write_png8(out.path() + "/sheet.png", measured.sheet);
   write_file(out.path() + "/scenes.json", to_json(measured, options).dump(2) + "\n");
