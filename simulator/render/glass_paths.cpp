@@ -164,8 +164,9 @@ void dim_by_glass(const RenderScene& world, const int active[kPacket], const int
     each_surface(world.scene, lanes, rays, [&](int i, const Surface& s, float magnitude) {
       const glm::vec3 direction = direction_of(rays, i);
       const float distance = rays.far[i] * glm::length(direction);
-      glm::vec3 share = passing(s, std::abs(glm::dot(s.normal, direction)) / glm::length(direction));
-      if (leaves_solid(world.scene, *s.layers, rays, i)) share *= absorbed(*s.layers, distance);
+      const bool leaves = leaves_solid(world.scene, *s.layers, rays, i);
+      glm::vec3 share = passing(s, std::abs(glm::dot(s.normal, direction)) / glm::length(direction), leaves);
+      if (leaves) share *= absorbed(*s.layers, distance);
       light.set(i, light.at(i) * share);
       far[i] -= rays.far[i];
       go_on(rays, i, s, magnitude, distance, direction);
@@ -189,7 +190,7 @@ std::optional<Hit> seen_surface(const RenderScene& world, const Ray& ray) {
     surfaces_at(world.scene, world.scene.meshes[hit->mesh], kFirst, rays, surfaces);
     const Surface s = surfaces.at(0);
     const float length = glm::length(ray.direction), cosine = std::abs(glm::dot(s.normal, ray.direction)) / length;
-    if (s.layers->solid || s.roughness >= kClearRoughness || luminance(passing(s, cosine)) < 0.5f) break;
+    if (s.layers->solid || s.roughness >= kClearRoughness || luminance(passing(s, cosine, false)) < 0.5f) break;
     before += hit->t + 1e-5f * std::max(surfaces.magnitude[0] / length, hit->t + before);
     hit = world.intersector.intersect({ray.origin + before * ray.direction, ray.direction});
   }
