@@ -66,7 +66,7 @@ struct Layers {
   float clearcoat_roughness = 0;
   glm::vec3 sheen_color{0};
   float sheen_roughness = 0;
-  float transmission = 0;         ///< share of the light that enters which passes through, instead of being diffuse
+  float transmission = 0;         ///< share of light that enters and passes, instead of being diffuse; 0 of what emits
   bool solid = false;             ///< the mesh encloses its glass; otherwise it is a thin pane
   glm::vec3 absorption_per_m{0};  ///< of solid glass
 };
