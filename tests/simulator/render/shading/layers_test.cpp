@@ -162,6 +162,31 @@ TEST(Layers, SheenTableIsTheIntegral) {
   }
 }
 
+// Charlie's lobe as published reflects up to 1.57 of the light at low roughness and grazing angles.
+TEST(Layers, SheenGainsNothingAtGrazingAngles) {
+  Layers y;
+  y.sheen_color = glm::vec3(1), y.specular = 0;  // nothing but sheen
+  Surface s;
+  s.base_color = glm::vec3(0), s.layers = &y, s.roughness = 1;
+  for (const float roughness : {0.0f, 0.15f, 0.2f, 0.25f, 1.0f}) {
+    y.sheen_roughness = roughness;
+    for (const double cosine : {0.002, 0.01, 0.02, 0.03, 0.06}) {
+      constexpr int kSide = 400;
+      double sum = 0;
+      for (int i = 0; i < kSide; ++i) {
+        for (int j = 0; j < kSide; ++j) {
+          const double root = (i + 0.5) / kSide;  // of the cosine: closer to the horizon, where sheen is
+          const glm::vec3 d = direction(root * root, 2 * M_PI * (j + 0.5) / kSide);
+          sum += bsdf(s, direction(cosine, 0), d).x * d.z * 2 * root;
+        }
+      }
+      const double reflected = 2 * M_PI * sum / (kSide * kSide);
+      EXPECT_LT(reflected, 1.005) << roughness << ", " << cosine;
+      EXPECT_GT(reflected, 0.5) << roughness << ", " << cosine;
+    }
+  }
+}
+
 TEST(Glass, RefractsBySnellAndReflectsInFullBeyondTheCriticalAngle) {
   const float sine = 0.5f;
   const glm::vec3 to_eye(sine, 0, std::sqrt(1 - sine * sine));
