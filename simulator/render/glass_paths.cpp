@@ -59,6 +59,26 @@ void go_on(RayPacket& rays, int i, const Surface& s, float magnitude, float dist
   rays.mesh[i] = kNoMesh;
 }
 
+/// Density with which light samples at the last reflection of path `i` find what lies straight ahead, beyond all glass.
+float straight_pdf(const RenderScene& world, const RayPacket& rays, const Paths& paths, int i) {
+  if (!world.lights.has_soft()) return 0;
+  const glm::vec3 origin(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]);
+  const glm::vec3 direction = glm::normalize(direction_of(rays, i));
+  float before = 0;
+  std::optional<Hit> hit = world.intersector.intersect({origin, direction});
+  for (int passage = 0; hit && passage < kMostPassages && is_glass(world.scene, hit->mesh); ++passage) {
+    before += hit->t;
+    const glm::vec3 point = glm::abs(origin + before * direction);
+    before += 1e-5f * std::max({point.x, point.y, point.z, before});
+    hit = world.intersector.intersect({origin + before * direction, direction});
+  }
+  const glm::vec3 normal = paths.normal.at(i);
+  if (!hit) return world.lights.environment_pdf(normal, direction, paths.kinds);
+  const glm::vec3 facing = geometric_normal(world.scene.meshes[hit->mesh], *hit, direction);
+  return world.lights.triangle_pdf(normal, hit->mesh, hit->triangle, paths.before_m[i] + before + hit->t,
+                                   std::abs(glm::dot(facing, direction)), paths.kinds);
+}
+
 void scale_throughput(Paths& paths, int i, glm::vec3 by) {
   paths.throughput.set(i, paths.throughput.at(i) * by);
   paths.unlit_throughput.set(i, paths.unlit_throughput.at(i) * by);
@@ -101,6 +121,9 @@ class GlassWalk {
       return;
     }
     scale_throughput(paths_, i, passage.share / goes_on);
+    const bool bends = s.layers->solid || s.roughness >= kClearRoughness;
+    const bool weighed = paths_.pdf[i] > 0 && paths_.pdf[i] < kCountedInFull;
+    if (bends && weighed && paths_.straight_pdf[i] < 0) paths_.straight_pdf[i] = straight_pdf(world_, rays_, paths_, i);
     paths_.before_m[i] += distance;
     go_on(rays_, i, s, magnitude, distance, passage.direction);
     rays_.far[i] = std::numeric_limits<float>::infinity();
