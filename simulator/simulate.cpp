@@ -154,7 +154,7 @@ double bytes_of(const Scene& scene) {
   for (const Texture& t : scene.textures) bytes += size(t.rgba) + size(t.decoded);
   for (const Mesh& m : scene.meshes) {
     bytes += size(m.positions) + size(m.normals) + size(m.uv0) + size(m.uv1) + size(m.colors) + size(m.triangles);
-    bytes += size(m.placements);
+    bytes += size(m.placements) + size(m.radii);
   }
   return bytes;
 }

@@ -59,6 +59,26 @@ void go_on(RayPacket& rays, int i, const Surface& s, float magnitude, float dist
   rays.mesh[i] = kNoMesh;
 }
 
+/// Density with which light samples at the last reflection of path `i` find what lies straight ahead, beyond all glass.
+float straight_pdf(const RenderScene& world, const RayPacket& rays, const Paths& paths, int i) {
+  if (!world.lights.has_soft()) return 0;
+  const glm::vec3 origin(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]);
+  const glm::vec3 direction = glm::normalize(direction_of(rays, i));
+  float before = 0;
+  std::optional<Hit> hit = world.intersector.intersect({origin, direction});
+  for (int passage = 0; hit && passage < kMostPassages && is_glass(world.scene, hit->mesh); ++passage) {
+    before += hit->t;
+    const glm::vec3 point = glm::abs(origin + before * direction);
+    before += 1e-5f * std::max({point.x, point.y, point.z, before});
+    hit = world.intersector.intersect({origin + before * direction, direction});
+  }
+  const glm::vec3 normal = paths.normal.at(i);
+  if (!hit) return world.lights.environment_pdf(normal, direction, paths.kinds);
+  const glm::vec3 facing = geometric_normal(world.scene.meshes[hit->mesh], *hit, direction);
+  return world.lights.triangle_pdf(normal, hit->mesh, hit->triangle, paths.before_m[i] + before + hit->t,
+                                   std::abs(glm::dot(facing, direction)), paths.kinds);
+}
+
 void scale_throughput(Paths& paths, int i, glm::vec3 by) {
   paths.throughput.set(i, paths.throughput.at(i) * by);
   paths.unlit_throughput.set(i, paths.unlit_throughput.at(i) * by);
@@ -101,6 +121,9 @@ class GlassWalk {
       return;
     }
     scale_throughput(paths_, i, passage.share / goes_on);
+    const bool bends = s.layers->solid || s.roughness >= kClearRoughness;
+    const bool weighed = paths_.pdf[i] > 0 && paths_.pdf[i] < kCountedInFull;
+    if (bends && weighed && paths_.straight_pdf[i] < 0) paths_.straight_pdf[i] = straight_pdf(world_, rays_, paths_, i);
     paths_.before_m[i] += distance;
     go_on(rays_, i, s, magnitude, distance, passage.direction);
     rays_.far[i] = std::numeric_limits<float>::infinity();
@@ -164,8 +187,9 @@ void dim_by_glass(const RenderScene& world, const int active[kPacket], const int
     each_surface(world.scene, lanes, rays, [&](int i, const Surface& s, float magnitude) {
       const glm::vec3 direction = direction_of(rays, i);
       const float distance = rays.far[i] * glm::length(direction);
-      glm::vec3 share = passing(s, std::abs(glm::dot(s.normal, direction)) / glm::length(direction));
-      if (leaves_solid(world.scene, *s.layers, rays, i)) share *= absorbed(*s.layers, distance);
+      const bool leaves = leaves_solid(world.scene, *s.layers, rays, i);
+      glm::vec3 share = passing(s, std::abs(glm::dot(s.normal, direction)) / glm::length(direction), leaves);
+      if (leaves) share *= absorbed(*s.layers, distance);
       light.set(i, light.at(i) * share);
       far[i] -= rays.far[i];
       go_on(rays, i, s, magnitude, distance, direction);
@@ -189,7 +213,7 @@ std::optional<Hit> seen_surface(const RenderScene& world, const Ray& ray) {
     surfaces_at(world.scene, world.scene.meshes[hit->mesh], kFirst, rays, surfaces);
     const Surface s = surfaces.at(0);
     const float length = glm::length(ray.direction), cosine = std::abs(glm::dot(s.normal, ray.direction)) / length;
-    if (s.layers->solid || s.roughness >= kClearRoughness || luminance(passing(s, cosine)) < 0.5f) break;
+    if (s.layers->solid || s.roughness >= kClearRoughness || luminance(passing(s, cosine, false)) < 0.5f) break;
     before += hit->t + 1e-5f * std::max(surfaces.magnitude[0] / length, hit->t + before);
     hit = world.intersector.intersect({ray.origin + before * ray.direction, ray.direction});
   }

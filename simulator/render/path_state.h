@@ -44,6 +44,9 @@ struct Paths {
   /// ... and the kinds of light that they sampled. Soft: at points of light, for which unlit surfaces are reflections.
   LightKinds kinds = LightKinds::all;
   alignas(64) float before_m[kPacket];  ///< through glass, from the reflection that `pdf` is of to the ray's start
+  /// After glass that bends: density with which light samples, which go straight, find what lies straight ahead of the
+  /// ray that `pdf` is of. Negative: not bent, so that they find what the path does.
+  alignas(64) float straight_pdf[kPacket];
   /// Between points of light on the surface that the ray meets: so much at its start, and so much more for each meter.
   alignas(64) float spacing_m[kPacket], spread[kPacket];
 };

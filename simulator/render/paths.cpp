@@ -51,6 +51,14 @@ float mis_weight(float own_pdf, float other_pdf) {
   return own_pdf > 0 ? own_pdf / (own_pdf + other_pdf) : 0;
 }
 
+/// The light sampler's density against which a path is weighed: that of what it has met, density(), or, where glass
+/// bent it, of what light samples find instead. So the weights of both add up to 1 in each direction of reflection.
+template <typename Density>
+float other_pdf(const Paths& paths, int i, Density density) {
+  if (paths.pdf[i] == kCountedInFull) return 0;
+  return paths.straight_pdf[i] < 0 ? density() : paths.straight_pdf[i];
+}
+
 void add_light(Paths& paths, int i, glm::vec3 light) {
   paths.radiance.set(i, paths.radiance.at(i) + paths.throughput.at(i) * light);
 }
@@ -60,7 +68,7 @@ void see_environment(const RenderScene& world, const RayPacket& rays, Paths& pat
   if (environment.radiance_nits.empty() || paths.pdf[i] == 0) return;
   const glm::vec3 d = glm::normalize(glm::vec3(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]));
   const float other =
-      paths.pdf[i] == kCountedInFull ? 0 : world.lights.environment_pdf(paths.normal.at(i), d, paths.kinds);
+      other_pdf(paths, i, [&] { return world.lights.environment_pdf(paths.normal.at(i), d, paths.kinds); });
   add_light(paths, i, environment_radiance(environment, d) * mis_weight(paths.pdf[i], other));
 }
 
@@ -110,10 +118,10 @@ void add_emission(const RenderScene& world, unsigned mesh_id, const int lanes[kP
   for (int i = 0; i < kPacket; ++i) {
     if (!lanes[i] || paths.pdf[i] == 0) continue;
     const float cosine = glm::dot(hits.surface.geometric_normal.at(i), hits.to_eye.at(i));
-    const float other = paths.pdf[i] == kCountedInFull
-                            ? 0
-                            : world.lights.triangle_pdf(paths.normal.at(i), mesh_id, rays.triangle[i], hits.distance[i],
-                                                        cosine, paths.kinds);
+    const float other = other_pdf(paths, i, [&] {
+      return world.lights.triangle_pdf(paths.normal.at(i), mesh_id, rays.triangle[i], hits.distance[i], cosine,
+                                       paths.kinds);
+    });
     add_light(paths, i, hits.surface.emission_nits.at(i) * mis_weight(paths.pdf[i], other));
   }
 }
@@ -243,7 +251,8 @@ glm::vec3 gathered_irradiance(const RenderScene& world, const PathOptions& optio
       paths.radiance.set(i, glm::vec3(0));
       paths.pdf[i] = pdf_counts ? bsdf_pdf(matte, matte.normal, direction) : 0;
       paths.normal.set(i, matte.normal);
-      paths.spacing_m[i] = spacing_m, paths.spread[i] = kGatherSpread, paths.before_m[i] = 0;
+      paths.spacing_m[i] = spacing_m, paths.spread[i] = kGatherSpread;
+      paths.before_m[i] = 0, paths.straight_pdf[i] = -1;
     }
     const std::uint32_t mask = packets * kPacket / 2 - 1;
     trace_paths(world, options, {static_cast<std::uint32_t>(packet) * kPacket / 2, mask, hash(key, 1)}, bounce, rays,
@@ -544,7 +553,7 @@ void sample_reflections(const int lanes[kPacket], const Hits& hits, ScatterSampl
     paths.normal.set(i, s.normal);
     paths.spacing_m[i] = hits.spacing_m[i];
     paths.spread[i] += 0.2f * s.roughness;
-    paths.before_m[i] = 0;
+    paths.before_m[i] = 0, paths.straight_pdf[i] = -1;
     set_ray(rays, i, hits.start.at(i) + way_out(hits, i, direction) * direction, direction, kInfinity);
     paths.active[i] = -1;
   }

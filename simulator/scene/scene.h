@@ -59,14 +59,14 @@ struct TextureSlot {
 /// What glTF's extensions of the metallic-roughness material add: KHR_materials_ior, _specular, _clearcoat, _sheen,
 /// _transmission and _volume. The same all over the material.
 struct Layers {
-  float ior = 1.5f;             ///< at least 1, or 0: reflects all
+  float ior = 1.5f;             ///< at least 1, or 0: head-on it reflects specular_color, and bends light as 1.5 does
   float specular = 1;           ///< of the dielectric's reflection, at all angles
   glm::vec3 specular_color{1};  ///< of the same, head-on
   float clearcoat = 0;          ///< share of the surface under a coat of ior 1.5
   float clearcoat_roughness = 0;
   glm::vec3 sheen_color{0};
   float sheen_roughness = 0;
-  float transmission = 0;         ///< share of the light that enters which passes through, instead of being diffuse
+  float transmission = 0;         ///< share of light that enters and passes, instead of being diffuse; 0 of what emits
   bool solid = false;             ///< the mesh encloses its glass; otherwise it is a thin pane
   glm::vec3 absorption_per_m{0};  ///< of solid glass
 };

@@ -17,10 +17,15 @@ float below_layers(const Layers& y, float cosine) {
   return coat * coat * (sheen > 0 ? 1 - sheen * sheen_albedo(y.sheen_roughness, cosine) : 1);
 }
 
-/// Share that goes in or out where all that is not reflected does.
-glm::vec3 tint(const Surface& s, float cosine) {
-  return s.layers->transmission * (1 - s.metallic) * below_layers(*s.layers, cosine) * s.base_color;
+/// Share that goes in or out where all that is not reflected does. Transmission is what of the light that enters is not
+/// taken by the diffuse or metallic base: of light inside, all may leave.
+glm::vec3 tint(const Surface& s, float cosine, bool leaves) {
+  const float enters = leaves ? 1 : s.layers->transmission * (1 - s.metallic);
+  return enters * below_layers(*s.layers, cosine) * s.base_color;
 }
+
+/// That light is bent by: an ior of 0 stands for full reflection, and bends nothing by itself.
+float bending_ior(const Layers& y) { return y.ior == 0 ? 1.5f : y.ior; }
 
 float reflected_at(const Layers& y, float cosine) { return largest_of(fresnel(y, cosine)); }
 
@@ -31,7 +36,9 @@ float rough_share(float n_v, float n_l, float v_h, float n_h, float alpha) {
 
 }  // namespace
 
-glm::vec3 passing(const Surface& s, float cosine) { return tint(s, cosine) * (1 - reflected_at(*s.layers, cosine)); }
+glm::vec3 passing(const Surface& s, float cosine, bool leaves) {
+  return tint(s, cosine, leaves) * (1 - reflected_at(*s.layers, cosine));
+}
 
 bool refract(glm::vec3 to_eye, glm::vec3 normal, float eta, glm::vec3& direction) {
   const float cosine = glm::dot(to_eye, normal);
@@ -44,7 +51,7 @@ bool refract(glm::vec3 to_eye, glm::vec3 normal, float eta, glm::vec3& direction
 float stays(const Surface& s, glm::vec3 to_eye) {
   constexpr float kLeast = 0.15f;  // so that what glass shows of lamps is not a few bright samples
   const float cosine = std::max(glm::dot(s.normal, to_eye), 0.0f);
-  return std::clamp(1 - largest_of(passing(s, cosine)), kLeast, 1.0f);
+  return std::clamp(1 - largest_of(passing(s, cosine, false)), kLeast, 1.0f);
 }
 
 Passage sample_passage(const Surface& s, glm::vec3 to_eye, bool leaves, float choice, float u, float v) {
@@ -54,12 +61,13 @@ Passage sample_passage(const Surface& s, glm::vec3 to_eye, bool leaves, float ch
   glm::vec3 half = clear ? s.normal : sample_ggx(s.normal, alpha, u, v);
   if (clear && glm::dot(half, to_eye) <= 0) half = s.geometric_normal;
   const float v_h = glm::dot(to_eye, half), n_v = std::max(glm::dot(s.normal, to_eye), 1e-4f);
-  if (v_h <= 0 || y.ior == 0) return {};
+  if (v_h <= 0) return {};
   const glm::vec3 back = 2 * v_h * half - to_eye;  // mirrored at the microfacet
   glm::vec3 through = -to_eye;
   bool all_reflected = false;
   if (solid) {
-    all_reflected = !refract(to_eye, half, leaves ? y.ior : 1 / y.ior, through);
+    const float ior = bending_ior(y);
+    all_reflected = !refract(to_eye, half, leaves ? ior : 1 / ior, through);
   } else if (!clear) {
     through = back - 2 * glm::dot(back, s.normal) * s.normal;
   }
@@ -71,7 +79,7 @@ Passage sample_passage(const Surface& s, glm::vec3 to_eye, bool leaves, float ch
   // Shading normals and microfacets may lead to the wrong side of the triangles.
   const float side = glm::dot(passage.direction, s.geometric_normal);
   if (reflected ? side <= 0 : side >= 0) return {};
-  passage.share = reflected ? glm::vec3(1) : tint(s, outside) * (leaves ? 1 : 1 - reflects);
+  passage.share = reflected ? glm::vec3(1) : tint(s, outside, leaves) * (leaves ? 1 : 1 - reflects);
   if (!clear) {
     const float n_l = std::max(std::abs(glm::dot(s.normal, passage.direction)), 1e-4f);
     passage.share *= rough_share(n_v, n_l, v_h, std::max(glm::dot(s.normal, half), 1e-4f), alpha);

@@ -5,15 +5,15 @@
 
 /// What light does where it passes a surface of KHR_materials_transmission: straight on through a thin pane, by Snell's
 /// law into and out of solid glass, with GGX microfacets where the surface is rough. All of it is tinted by the base
-/// color, at each surface. Glass lies in air: glass within glass bends light as if there were air between. Reflection
-/// on the outside is layers.h's.
+/// color, at each surface; `transmission` is the share that enters. Glass lies in air: glass within glass bends light
+/// as if there were air between. Reflection on the outside is layers.h's.
 namespace dualpixel::simulator {
 
 /// Below this roughness a pane is clear, and microfacets would blur less than a photosite sees.
 inline constexpr float kClearRoughness = 0.03f;
 
-/// Share of the light that passes one clear surface, either way; `cosine`: of the angle outside.
-glm::vec3 passing(const Surface& surface, float cosine);
+/// Share of the light that passes one clear surface; `cosine`: of the angle outside; `leaves`: solid glass.
+glm::vec3 passing(const Surface& surface, float cosine, bool leaves);
 
 /// Where light that comes from `to_eye`'s side goes: `eta` is the ior on that side over the other's. False: it is
 /// reflected in full. Unit vectors.

@@ -30,8 +30,13 @@ float below_surface(const Layers& y, float n_v, float n_l) {
   return passes / std::max(1 - mean, 1e-3f);
 }
 
-/// Sheen alpha; below this its lobe would hold next to no light at any angle but the last few degrees.
-float sheen_alpha(float roughness) { return std::max(roughness * roughness, 0.02f); }
+/// Below this, sheen's lobe would hold next to no light at any angle but the last few degrees.
+constexpr float kSmoothestSheen = 0.1414214f;
+
+float sheen_alpha(float roughness) {
+  const float r = std::max(roughness, kSmoothestSheen);
+  return r * r;
+}
 
 /// Estevez and Kulla 2017, the fit of equation 3 and its table.
 float charlie_lambda(float cosine, float alpha) {
@@ -51,22 +56,28 @@ float charlie(float n_v, float n_l, float n_h, float alpha) {
   return density / ((1 + charlie_lambda(n_v, alpha) + charlie_lambda(n_l, alpha)) * 4 * n_v * n_l);
 }
 
-/// Integrals of charlie() over directions of light, for roughnesses and cosines of the eye.
+/// Integrals of charlie() over directions of light, for roughnesses and cosines of the eye. Above 1 at low roughness
+/// and grazing angles: Lambda is a fit, which does not make up for 1 / (4 n_v n_l) there.
 class SheenTable {
  public:
   static constexpr int kSide = 24;
 
   SheenTable() {
     for (int r = 0; r < kSide; ++r) {
-      for (int c = 0; c < kSide; ++c) albedo_[r][c] = integral(sheen_alpha(coordinate(r)), coordinate(c));
+      for (int c = 0; c < kSide; ++c) {
+        const float root = coordinate(c);  // of the cosine: closer to the horizon
+        integral_[r][c] = integral(sheen_alpha(glm::mix(kSmoothestSheen, 1.0f, coordinate(r))), root * root);
+      }
     }
   }
 
   float at(float roughness, float cosine) const {
-    const float x = std::clamp(roughness, 0.0f, 1.0f) * (kSide - 1), y = std::clamp(cosine, 0.0f, 1.0f) * (kSide - 1);
+    const float rough = (roughness - kSmoothestSheen) / (1 - kSmoothestSheen);
+    const float x = std::clamp(rough, 0.0f, 1.0f) * (kSide - 1);
+    const float y = std::sqrt(std::clamp(cosine, 0.0f, 1.0f)) * (kSide - 1);
     const int i = std::min(static_cast<int>(x), kSide - 2), j = std::min(static_cast<int>(y), kSide - 2);
     const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
-    const auto row = [&](int k) { return glm::mix(albedo_[k][j], albedo_[k][j + 1], fy); };
+    const auto row = [&](int k) { return glm::mix(integral_[k][j], integral_[k][j + 1], fy); };
     return glm::mix(row(i), row(i + 1), fx);
   }
 
@@ -86,11 +97,16 @@ class SheenTable {
         sum += charlie(n_v, n_l, n_h, alpha) * n_l * 2 * s;
       }
     }
-    return std::min(sum * 2 * kPi / (kSteps * kSteps), 1.0f);
+    return sum * 2 * kPi / (kSteps * kSteps);
   }
 
-  std::array<std::array<float, kSide>, kSide> albedo_;
+  std::array<std::array<float, kSide>, kSide> integral_;
 };
+
+float sheen_integral(float roughness, float cosine) {
+  static const SheenTable table;
+  return table.at(roughness, cosine);
+}
 
 /// How often each lobe is sampled.
 struct LobeShares {
@@ -115,10 +131,7 @@ float coat_reflects(const Layers& y, float cosine) {
   return y.clearcoat * (kCoatReflects + (1 - kCoatReflects) * grazing_part(cosine));
 }
 
-float sheen_albedo(float roughness, float cosine) {
-  static const SheenTable table;
-  return table.at(roughness, cosine);
-}
+float sheen_albedo(float roughness, float cosine) { return std::min(sheen_integral(roughness, cosine), 1.0f); }
 
 glm::vec3 layered_bsdf(const Surface& s, glm::vec3 to_eye, glm::vec3 to_light) {
   const Layers& y = *s.layers;
@@ -134,8 +147,9 @@ glm::vec3 layered_bsdf(const Surface& s, glm::vec3 to_eye, glm::vec3 to_light) {
   const glm::vec3 metal = (s.base_color + (1.0f - s.base_color) * grazing_part(v_h)) * lobe;
   glm::vec3 f = glm::mix(dielectric, metal, s.metallic);
   if (const float sheen = largest(y.sheen_color); sheen > 0) {
-    const float most = std::max(sheen_albedo(y.sheen_roughness, n_v), sheen_albedo(y.sheen_roughness, n_l));
-    f = (1 - sheen * most) * f + y.sheen_color * charlie(n_v, n_l, n_h, sheen_alpha(y.sheen_roughness));
+    const float most = std::max(sheen_integral(y.sheen_roughness, n_v), sheen_integral(y.sheen_roughness, n_l));
+    const float lobe_of_sheen = charlie(n_v, n_l, n_h, sheen_alpha(y.sheen_roughness)) / std::max(most, 1.0f);
+    f = (1 - sheen * std::min(most, 1.0f)) * f + y.sheen_color * lobe_of_sheen;
   }
   if (y.clearcoat > 0) {
     const float coat_alpha = ggx_alpha(y.clearcoat_roughness);

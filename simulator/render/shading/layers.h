@@ -5,10 +5,11 @@
 
 /// Reflection of materials with glTF's extensions (Layers): from the outside in, a coat, sheen, and a metal or
 /// dielectric of any ior whose base is diffuse or lets light pass. GGX for coat and surface; Charlie's distribution for
-/// sheen (Estevez and Kulla 2017), as glTF has it. What a layer reflects is taken off what lies below so that the whole
-/// is reciprocal and gives back no more than it gets: below the surface's reflection by both angles (Kelemen and
-/// Szirmay-Kalos 2001), where glTF's own formula goes by the half vector and gains light at grazing angles. `surface`
-/// has layers; otherwise as in bsdf.h, which calls these.
+/// sheen (Estevez and Kulla 2017), as glTF has it, made less where it would gain light (low roughness, grazing angles).
+/// What a layer reflects is taken off what lies below so that the whole is reciprocal and gives back no more than it
+/// gets: below the surface's reflection by both angles (Kelemen and Szirmay-Kalos 2001), where glTF's own formula goes
+/// by the half vector and gains light at grazing angles. `surface` has layers; otherwise as in bsdf.h, which calls
+/// these.
 namespace dualpixel::simulator {
 
 glm::vec3 layered_bsdf(const Surface& surface, glm::vec3 to_eye, glm::vec3 to_light);

@@ -418,13 +418,15 @@ class Checker {
     numbers<3>(volume, "attenuationColor", {1, 1, 1}, 0, 1);
   }
 
-  /// Every attribute that is listed: of a type that its name allows, and one element per vertex.
-  void check_attributes(const Item& attributes, std::uint64_t vertices) const {
+  /// Every attribute that is listed: of a type that its name allows, and one element per vertex. Names that begin with
+  /// an underscore are the application's, but for the widths of lines.
+  void check_attributes(const Item& attributes, std::uint64_t vertices, bool of_lines) const {
     for (const auto& [name, value] : attributes.value.items()) {
       const std::string pointer = attributes.at + "/" + name;
       const Accessor& accessor = accessors_[index(value, pointer, "accessors")];
       const int format = accessor.normalized ? normalized(accessor.component_type) : plain(accessor.component_type);
       for (const AttributeRule& rule : kAttributeRules) {
+        if (rule.name[0] == '_' && !of_lines) continue;
         const int allowed = rule.formats | (quantized_ ? rule.quantized : 0);
         if (name.starts_with(rule.name) &&
             (!(format & allowed) || std::string(rule.types).find(accessor.type) == std::string::npos)) {
@@ -448,12 +450,13 @@ class Checker {
       primitive.fields.required("attributes");
       Item attributes = child(primitive, "attributes");
       const std::uint64_t vertices = accessors_[required_reference(attributes, "POSITION", "accessors")].count;
-      check_attributes(attributes, vertices);
+      const int mode = one_of(primitive, "mode", {0, 1, 2, 3, 4, 5, 6});
+      const bool of_lines = mode >= 1 && mode <= 3;
+      check_attributes(attributes, vertices, of_lines);
       skinned = skinned && attributes.value.contains("JOINTS_0") && attributes.value.contains("WEIGHTS_0");
       if (const auto indices = reference(primitive, "indices", "accessors")) check_indices(primitive, *indices);
       reference(primitive, "material", "materials");
-      one_of(primitive, "mode", {0, 1, 2, 3, 4, 5, 6});
-      each(primitive, "targets", [&](Item& target) { check_attributes(target, vertices); });
+      each(primitive, "targets", [&](Item& target) { check_attributes(target, vertices, of_lines); });
       const std::size_t count = array(primitive, "targets").size();
       if (count != targets.value_or(count)) {
         fail(primitive.at + "/targets",

@@ -212,7 +212,8 @@ glm::vec3 absorption_of(glm::vec3 color, float distance_m) {
   return -glm::log(glm::max(color, glm::vec3(kDarkest))) / distance_m;
 }
 
-std::optional<Layers> read_layers(const tinygltf::Material& source) {
+/// What emits is opaque.
+std::optional<Layers> read_layers(const tinygltf::Material& source, bool emits) {
   const ExtensionValues ior(source, "KHR_materials_ior"), specular(source, "KHR_materials_specular"),
       coat(source, "KHR_materials_clearcoat"), sheen(source, "KHR_materials_sheen"),
       transmission(source, "KHR_materials_transmission"), volume(source, "KHR_materials_volume");
@@ -224,7 +225,7 @@ std::optional<Layers> read_layers(const tinygltf::Material& source) {
   y.clearcoat_roughness = coat.number("clearcoatRoughnessFactor", 0);
   y.sheen_color = sheen.color("sheenColorFactor", y.sheen_color);
   y.sheen_roughness = sheen.number("sheenRoughnessFactor", 0);
-  y.transmission = transmission.number("transmissionFactor", 0);
+  y.transmission = emits ? 0 : transmission.number("transmissionFactor", 0);
   y.solid = y.transmission > 0 && volume.number("thicknessFactor", 0) > 0;
   constexpr float kFar = std::numeric_limits<float>::infinity();
   if (y.solid) {
@@ -271,7 +272,7 @@ Material read_material(const tinygltf::Material& source, TextureTable& textures)
   material.metallic_roughness_texture = textures.slot(surface.metallicRoughnessTexture, false);
   material.emissive_texture = textures.slot(source.emissiveTexture, true);
   material.normal_texture = textures.slot(source.normalTexture, false);
-  material.layers = read_layers(source);
+  material.layers = read_layers(source, material.emission_nits != glm::vec3(0));
   return material;
 }
 
@@ -284,6 +285,13 @@ void read_materials(const GltfFile& file, Scene& scene, std::int64_t texels_in_m
     if (file.model.materials[i].alphaMode == "BLEND") {
       scene.warnings.push_back(
           fmt::format("{}: /materials/{}/alphaMode: BLEND is taken as MASK at 0.5", printable(file.name), i));
+    }
+    const ExtensionValues transmission(file.model.materials[i], "KHR_materials_transmission");
+    if (scene.materials.back().emission_nits != glm::vec3(0) && transmission.number("transmissionFactor", 0) > 0) {
+      scene.warnings.push_back(
+          fmt::format("{}: /materials/{}/extensions/KHR_materials_transmission is ignored: emissive and transmissive: "
+                      "drawn opaque",
+                      printable(file.name), i));
     }
     for (const std::string& texture : unread_textures(file.model.materials[i])) {
       scene.warnings.push_back(fmt::format("{}: /materials/{}/extensions/{} is ignored: its factor holds all over",

@@ -131,6 +131,17 @@ std::vector<float> read_radii(const GltfFile& file, int accessor) {
   return radii;
 }
 
+/// Others would give Embree infinite bounds, or no width to divide by.
+float scaled_radius(const GltfFile& file, int accessor, std::size_t vertex, float radius, double scale) {
+  const double radius_m = radius * scale;
+  if (!(radius_m >= kThinnestHair_m && radius_m <= kFarthestVertex_m)) {
+    fail_gltf(file.name, fmt::format("/accessors/{}", accessor),
+              fmt::format("width of vertex {}: its half, {:g} m in the world, must be {:g} to {:g} m", vertex, radius_m,
+                          kThinnestHair_m, kFarthestVertex_m));
+  }
+  return static_cast<float>(radius_m);
+}
+
 /// Twice the area times the face normal; 0 where the triangle is a line or a point, up to float rounding.
 glm::dvec3 area_vector(const Mesh& mesh, const glm::uvec3& t) {
   const glm::dvec3 a = mesh.positions[t.x], b = mesh.positions[t.y], c = mesh.positions[t.z];
@@ -177,7 +188,10 @@ void pose_and_connect(const GltfFile& file, const tinygltf::Primitive& primitive
                             world.y, world.z, kFarthestVertex_m));
     }
     mesh.positions[i] = world;
-    if (mesh.is_hair()) mesh.radii[i] *= static_cast<float>(std::cbrt(std::abs(determinant)));
+    if (mesh.is_hair()) {
+      const int widths = accessor_of(attributes, "_WIDTH");
+      mesh.radii[i] = scaled_radius(file, widths, i, mesh.radii[i], std::cbrt(std::abs(determinant)));
+    }
     if (!mesh.normals.empty()) mesh.normals[i] = transformed_normal(matrix, mesh.normals[i], determinant);
   }
 

@@ -9,6 +9,7 @@
 namespace dualpixel::simulator {
 
 inline constexpr double kFarthestVertex_m = 1e6;  ///< from the origin
+inline constexpr double kThinnestHair_m = 1e-9;   ///< radius
 
 /// Pose of a mesh: the world matrix of its node, or, for a skinned mesh (whose node's own matrix does not count),
 /// each joint's world matrix times its inverse bind matrix.
@@ -21,8 +22,8 @@ struct MeshPose {
 /// triangles whose winding agrees with the normals even where the pose mirrors. Triangles without area are left out;
 /// `zero_area` counts them. Lines with a width at each vertex (attribute _WIDTH, meters of the mesh) are strands of
 /// hair; of other lines and points the result has none. Material, object and person are left to
-/// the caller. Throws InputError on indices beyond the vertices or joints, non-finite values, and vertices more than
-/// 1e6 m from the origin.
+/// the caller. Throws InputError on indices beyond the vertices or joints, non-finite values, vertices more than 1e6 m
+/// from the origin, and radii of hair beyond 1e-9 to 1e6 m.
 Mesh read_primitive(const GltfFile& file, int mesh, int primitive, const std::vector<double>& weights,
                     const MeshPose& pose, std::size_t& zero_area);
 

@@ -162,6 +162,31 @@ TEST(Layers, SheenTableIsTheIntegral) {
   }
 }
 
+// Charlie's lobe as published reflects up to 1.57 of the light at low roughness and grazing angles.
+TEST(Layers, SheenGainsNothingAtGrazingAngles) {
+  Layers y;
+  y.sheen_color = glm::vec3(1), y.specular = 0;  // nothing but sheen
+  Surface s;
+  s.base_color = glm::vec3(0), s.layers = &y, s.roughness = 1;
+  for (const float roughness : {0.0f, 0.15f, 0.2f, 0.25f, 1.0f}) {
+    y.sheen_roughness = roughness;
+    for (const double cosine : {0.002, 0.01, 0.02, 0.03, 0.06}) {
+      constexpr int kSide = 400;
+      double sum = 0;
+      for (int i = 0; i < kSide; ++i) {
+        for (int j = 0; j < kSide; ++j) {
+          const double root = (i + 0.5) / kSide;  // of the cosine: closer to the horizon, where sheen is
+          const glm::vec3 d = direction(root * root, 2 * M_PI * (j + 0.5) / kSide);
+          sum += bsdf(s, direction(cosine, 0), d).x * d.z * 2 * root;
+        }
+      }
+      const double reflected = 2 * M_PI * sum / (kSide * kSide);
+      EXPECT_LT(reflected, 1.005) << roughness << ", " << cosine;
+      EXPECT_GT(reflected, 0.5) << roughness << ", " << cosine;
+    }
+  }
+}
+
 TEST(Glass, RefractsBySnellAndReflectsInFullBeyondTheCriticalAngle) {
   const float sine = 0.5f;
   const glm::vec3 to_eye(sine, 0, std::sqrt(1 - sine * sine));
@@ -183,9 +208,9 @@ TEST(Glass, PassesWhatItDoesNotReflect) {
   s.base_color = glm::vec3(1), s.roughness = 0, s.layers = &y;
   for (const double cosine : {1.0, 0.7, 0.3}) {
     const glm::vec3 to_eye = direction(cosine, 0);
-    EXPECT_NEAR(passing(s, float(cosine)).x + fresnel(y, float(cosine)).x, 1, 1e-6);
+    EXPECT_NEAR(passing(s, float(cosine), false).x + fresnel(y, float(cosine)).x, 1, 1e-6);
     const Passage in = sample_passage(s, to_eye, false, 0.5f, 0, 0);
-    EXPECT_NEAR(in.share.x, passing(s, float(cosine)).x, 1e-6);
+    EXPECT_NEAR(in.share.x, passing(s, float(cosine), false).x, 1e-6);
     int reflected = 0;
     constexpr int kChoices = 10000;
     for (int i = 0; i < kChoices; ++i) {
@@ -198,6 +223,23 @@ TEST(Glass, PassesWhatItDoesNotReflect) {
     }
     EXPECT_NEAR(double(reflected) / kChoices, fresnel(y, float(cosine)).x, 2e-4);
   }
+}
+
+// A share of the light that enters is transmitted: of solid glass, half of it goes in and all of that comes out. An ior
+// of 0 reflects its specular color head-on, and lets the rest pass.
+TEST(Glass, TransmissionAndIorOfZero) {
+  Layers y;
+  y.transmission = 0.5f, y.solid = true;
+  Surface s;
+  s.base_color = glm::vec3(1), s.roughness = 0, s.layers = &y;
+  EXPECT_NEAR(passing(s, 1, false).x, 0.5 * 0.96, 1e-6);
+  EXPECT_NEAR(passing(s, 1, true).x, 0.96, 1e-6);
+  EXPECT_NEAR(sample_passage(s, {0, 0, 1}, false, 0.5f, 0, 0).share.x, 0.5 * 0.96, 1e-6);
+  EXPECT_NEAR(sample_passage(s, {0, 0, 1}, true, 0.5f, 0, 0).share.x, 1, 1e-6);
+  y.transmission = 1, y.ior = 0, y.specular_color = glm::vec3(0.25f);
+  EXPECT_NEAR(sample_passage(s, {0, 0, 1}, false, 0.5f, 0, 0).share.x, 0.75, 1e-6);
+  const Passage tilted = sample_passage(s, direction(0.8, 0), false, 0.5f, 0, 0);
+  EXPECT_NEAR(tilted.direction.x, -0.6 / 1.5, 1e-6);
 }
 
 // Rough glass in a furnace: reflection and passage together give back no more than they get, and lose little.

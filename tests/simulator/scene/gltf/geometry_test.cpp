@@ -387,5 +387,38 @@ TEST(GltfGeometry, WidthsMustBePositive) {
   EXPECT_NE(refusal([&] { gltf.read(); }).find("width 0 of vertex 1: must be above 0"), std::string::npos);
 }
 
+GltfBuilder one_strand(float width, double scale, int mode = 1) {
+  GltfBuilder gltf;
+  auto& p = gltf.primitive();
+  p["attributes"]["POSITION"] = gltf.add_accessor<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");
+  p["attributes"]["_WIDTH"] = gltf.add_accessor<float>({0.1f, width, 0.1f}, "SCALAR");
+  p["mode"] = mode;
+  gltf.root["nodes"] = {{{"mesh", 0}, {"scale", {scale, scale, scale}}}};
+  gltf.root["scenes"] = {{{"nodes", {0}}}};
+  return gltf;
+}
+
+TEST(GltfGeometry, WidthsAreBounded) {
+  EXPECT_NE(refusal([] {
+              one_strand(1e30f, 1).read();
+            }).find("/accessors/1: width of vertex 1: its half, 5e+29 m in the world, must be 1e-09 to 1e+06 m"),
+            std::string::npos);
+  EXPECT_NE(refusal([] { one_strand(1e-38f, 1e-6).read(); }).find("width of vertex 1: its half"), std::string::npos);
+  EXPECT_FLOAT_EQ(one_strand(4e-6f, 1e-3).read().meshes.at(0).radii.at(1), 2e-9f);
+}
+
+// Attributes that begin with an underscore are the application's, but for the one that makes lines strands.
+TEST(GltfGeometry, WidthsOfTrianglesAreNotChecked) {
+  for (const int mode : {1, 4}) {
+    GltfBuilder gltf = one_strand(0.1f, 1, mode);
+    gltf.primitive()["attributes"]["_WIDTH"] = 0;  // VEC3
+    if (mode == 4) {
+      EXPECT_FALSE(gltf.read().meshes.at(0).is_hair());
+    } else {
+      EXPECT_NE(refusal([&] { gltf.read(); }).find("must be SCALAR of FLOAT"), std::string::npos);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace dualpixel::simulator

@@ -100,6 +100,21 @@ TEST(GltfMaterial, Layers) {
             std::string::npos);
 }
 
+TEST(GltfMaterial, EmissiveGlassIsDrawnOpaque) {
+  GltfBuilder gltf = one_triangle();
+  const json glass = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                      {"KHR_materials_volume", {{"thicknessFactor", 0.01}}}};
+  gltf.root["materials"] = {{{"emissiveFactor", {0, 1, 0}}, {"extensions", glass}}, {{"extensions", glass}}};
+  const Scene scene = gltf.read();
+  EXPECT_FALSE(scene.materials[0].is_glass());
+  EXPECT_FALSE(scene.materials[0].layers);  // diffuse again
+  EXPECT_TRUE(scene.materials[1].is_glass());
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("/materials/0/extensions/KHR_materials_transmission is ignored: emissive and "
+                                   "transmissive: drawn opaque"),
+            std::string::npos);
+}
+
 TEST(GltfMaterial, LayersOutOfRangeAreRefused) {
   const auto refused = [](const char* extension, const char* field, const json& value) {
     GltfBuilder gltf = one_triangle();
