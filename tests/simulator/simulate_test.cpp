@@ -229,8 +229,8 @@ TEST(Simulate, StatesTheNoiseOfTruth) {
   EXPECT_EQ(nine.noise->views, one.noise->views);
   // 64 probes, each of which gives a square to 100 %
   EXPECT_NEAR(one.noise->views / std::sqrt(single), 1, 0.3);
-  // Its unit is that of the pictures, in which the light's color is neutral: red and blue, half of the photosites, err by
-  // half of what they did. Of 64 squares known to 100 % the share of green is known to some 0.1.
+  // Its unit is that of the pictures, in which the light's color is neutral: red and blue, half of the photosites, err
+  // by half of what they did. Of 64 squares known to 100 % the share of green is known to some 0.1.
   document["sensor"]["illuminant"] = {2, 1, 2};
   const Truth tinted = truth_of(1, 16, 1);
   EXPECT_NEAR(tinted.noise->photograph / one.noise->photograph, std::sqrt(0.5 + 0.5 / 4), 0.15);
