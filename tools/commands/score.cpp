@@ -154,7 +154,7 @@ void add_score(CLI::App& program) {
   command->add_flag("--json", options->json, "Print JSON instead of a table");
   add_threads_option(*command);
   command->footer(
-      "Examples:\n  dualpixel score out/capture out/dp\n"
+      "Example:\n  dualpixel score out/capture out/dp\n"
       "  dualpixel score out/capture --disparity d.npy --sigma s.npy --portrait p.png");
   command->callback([options] { run(*options); });
 }

@@ -19,7 +19,7 @@ void add_experiment_failures(CLI::App& experiment) {
       ->description("Another program beside the matchers: NAME=COMMAND; see `dualpixel evaluate --help`");
   add_threads_option(*command);
   command->footer(
-      "Examples:\n  dualpixel experiment failures -o out/failures\n"
+      "Example:\n  dualpixel experiment failures -o out/failures\n"
       "  dualpixel experiment failures -o out/failures --method 'mine=./prog {left} {right} {out}'");
   command->callback([folder, programs] {
     std::vector<evaluation::DisparityMethod> methods;
