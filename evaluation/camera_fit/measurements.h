@@ -26,25 +26,25 @@ enum class Figure {
 
 struct FigureRow {
   const char* name;  ///< in measurement files
-  Figure value;
   const char* description;
   double low, high;
-  bool relative;     ///< errors count in parts of the grid's root mean square, otherwise as they are
   double tolerance;  ///< an error of one unit in the fit
-  bool fitted;       ///< others only judge
+  Figure value;
+  bool relative;  ///< errors count in parts of the grid's root mean square, otherwise as they are
+  bool fitted;    ///< others only judge
 };
 inline constexpr double kLongest_px = 1e5;
 inline constexpr FigureRow kFigures[] = {
-    {"light", Figure::light, "of both views; any unit, the same over a grid", 0, 1e12, true, 0.02, true},
-    {"left_share", Figure::left_share, "of the light of both views", 0, 1, false, 0.02, true},
-    {"disparity_px", Figure::disparity, "right centroid minus left", -kLongest_px, kLongest_px, true, 0.04, true},
-    {"left_sigma_x_px", Figure::left_sigma_x, "width of the left kernel", 0, kLongest_px, true, 0.06, true},
-    {"right_sigma_x_px", Figure::right_sigma_x, "width of the right kernel", 0, kLongest_px, true, 0.06, true},
-    {"left_sigma_y_px", Figure::left_sigma_y, "height of the left kernel", 0, kLongest_px, true, 0.06, true},
-    {"right_sigma_y_px", Figure::right_sigma_y, "height of the right kernel", 0, kLongest_px, true, 0.06, true},
-    {"left_skew_x", Figure::left_skew_x, "skew of the left kernel", -100, 100, false, 0.1, false},
-    {"right_skew_x", Figure::right_skew_x, "skew of the right kernel", -100, 100, false, 0.1, false},
-    {"sum_sigma_ratio", Figure::sum_sigma_ratio, "sigma_x over sigma_y of both kernels", 0, 100, false, 0.06, false},
+    {"light", "of both views; any unit, the same over a grid", 0, 1e12, 0.02, Figure::light, true, true},
+    {"left_share", "of the light of both views", 0, 1, 0.02, Figure::left_share, false, true},
+    {"disparity_px", "right centroid minus left", -kLongest_px, kLongest_px, 0.04, Figure::disparity, true, true},
+    {"left_sigma_x_px", "width of the left kernel", 0, kLongest_px, 0.06, Figure::left_sigma_x, true, true},
+    {"right_sigma_x_px", "width of the right kernel", 0, kLongest_px, 0.06, Figure::right_sigma_x, true, true},
+    {"left_sigma_y_px", "height of the left kernel", 0, kLongest_px, 0.06, Figure::left_sigma_y, true, true},
+    {"right_sigma_y_px", "height of the right kernel", 0, kLongest_px, 0.06, Figure::right_sigma_y, true, true},
+    {"left_skew_x", "skew of the left kernel", -100, 100, 0.1, Figure::left_skew_x, false, false},
+    {"right_skew_x", "skew of the right kernel", -100, 100, 0.1, Figure::right_skew_x, false, false},
+    {"sum_sigma_ratio", "sigma_x over sigma_y of both kernels", 0, 100, 0.06, Figure::sum_sigma_ratio, false, false},
 };
 
 /// Figures at the places of one grid, with one focus and one depth.
