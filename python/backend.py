@@ -6,6 +6,7 @@ Options, as `pip install . --config-settings NAME=VALUE`:
 
 import base64
 import hashlib
+import os
 import re
 import subprocess
 import sys
@@ -34,8 +35,10 @@ def _compile(build, installed):
         configure = ["cmake", build]
     else:
         configure = ["cmake", "--preset", "release", "-B", build, "-DDUALPIXEL_TESTS=OFF"]
-    subprocess.run([*configure, f"-DPython3_EXECUTABLE={sys.executable}"], cwd=_ROOT, check=True)
-    subprocess.run(["cmake", "--build", build, "--target", "dualpixel_python"], check=True)
+    # pip hides the system's packages from Python here; CMake asks for them, and its folder may be one that is used again
+    env = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    subprocess.run([*configure, f"-DPython3_EXECUTABLE={sys.executable}"], cwd=_ROOT, env=env, check=True)
+    subprocess.run(["cmake", "--build", build, "--target", "dualpixel_python"], env=env, check=True)
     subprocess.run(["cmake", "--install", build, "--component", "python", "--prefix", installed, "--strip"], check=True)
 
 

@@ -32,6 +32,7 @@ Lens read_fields(Fields lens, const std::string& file, double focus_distance_m) 
   return result;
 }
 
+/// Where a lens's own fields stand.
 struct Origin {
   const nlohmann::json& json;
   std::string file, pointer;

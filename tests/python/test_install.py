@@ -27,3 +27,5 @@ def test_pip_installs_the_package(tmp_path):
     assert done.stdout.startswith(str(tmp_path / "site"))
     for name in ("py.typed", "_core.pyi"):
         assert (tmp_path / "site/dualpixel" / name).exists()
+    # the build that it was made from keeps its Python tests
+    assert "python.fast" in (build / "tests/CTestTestfile.cmake").read_text()
