@@ -88,4 +88,8 @@ Image read_map(const std::string& path, const std::string& channel, const std::o
   return std::move(read_exr(path, {named ? channel : picture.channels.front()}).front());
 }
 
+Image read_confidence(const std::string& path) {
+  return is_integer_picture(path) ? read_image(path) : read_map(path, "confidence");
+}
+
 }  // namespace dualpixel

@@ -22,4 +22,7 @@ bool is_integer_picture(const std::string& path);
 /// Values may be infinite or NaN. Throws InputError where the file cannot be used.
 Image read_map(const std::string& path, const std::string& channel, const std::optional<IntegerScale>& integers = {});
 
+/// A confidence, 0 to 1, likewise; that of a picture of integers is a share of the largest that its type holds.
+Image read_confidence(const std::string& path);
+
 }  // namespace dualpixel

@@ -20,6 +20,7 @@
 #include "pipeline/edge_aware/filter_mask.h"
 #include "pipeline/edge_aware/smooth_disparity.h"
 #include "pipeline/option_field.h"
+#include "pipeline/portrait/given_disparity.h"
 #include "pipeline/segmentation/merge_mask.h"
 #include "pipeline/segmentation/person_mask.h"
 
@@ -50,7 +51,8 @@ struct PortraitOptions {
   /// The finished picture of a camera that gives no mosaic, linear RGB, as PortraitResult::input; in place of the
   /// burst's, which must have one frame.
   std::optional<Image> picture;
-  std::optional<Calibration> calibration;  ///< of the capture's camera; matched disparity is corrected by it
+  std::optional<GivenDisparity> disparity;  ///< in place of a matcher's; not in mode seg
+  std::optional<Calibration> calibration;   ///< of the capture's camera; disparity is corrected by it
   /// Finds the people of an upright linear RGB picture where a mode needs a mask and none is given; usually
   /// pipeline::find_people. `seeds` are the faces given, or the region tapped; empty: detect them.
   std::function<FoundPeople(const Image& linear_rgb, const std::vector<Face>& seeds)> find_people;

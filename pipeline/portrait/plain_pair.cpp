@@ -97,7 +97,12 @@ bool is_colored(const Image& view) {
   return false;
 }
 
-std::uint16_t digital_number(float signal) { return static_cast<std::uint16_t>(std::lround(kFullScale * signal)); }
+ImageU16 digital_numbers(const Image& signal) {
+  ImageU16 stored(signal.width, signal.height);
+  std::transform(signal.data.begin(), signal.data.end(), stored.data.begin(),
+                 [](float value) { return static_cast<std::uint16_t>(std::lround(kFullScale * value)); });
+  return stored;
+}
 
 }  // namespace
 
@@ -106,6 +111,17 @@ Image transposed(const Image& image) {
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
       for (int c = 0; c < image.channels; ++c) result.at(y, x, c) = image.at(x, y, c);
+    }
+  }
+  return result;
+}
+
+Image even_sided(const Image& image) {
+  Image result(image.width + image.width % 2, image.height + image.height % 2, image.channels);
+  for (int y = 0; y < result.height; ++y) {
+    for (int x = 0; x < result.width; ++x) {
+      const int u = std::min(x, image.width - 1), v = std::min(y, image.height - 1);
+      for (int c = 0; c < image.channels; ++c) result.at(x, y, c) = image.at(u, v, c);
     }
   }
   return result;
@@ -145,22 +161,17 @@ PlainPairCapture read_plain_pair(const PlainPair& pair) {
     auto& [x, y, width, height] = *capture.face_px;
     capture.face_px = {y, x, height, width};
   }
-  const int width = capture.camera.width_px, height = capture.camera.height_px;
   Frame& frame = capture.frames.emplace_back();
-  frame.left = frame.right = ImageU16(width, height);
-  Image picture(width, height, 3);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const int u = std::min(x, left.width - 1), v = std::min(y, left.height - 1);
-      for (int c = 0; c < 3; ++c) {
-        const int stored = left.channels == 1 ? 0 : c;
-        picture.at(x, y, c) = 0.5f * (left.at(u, v, stored) + right.at(u, v, stored));
-      }
-      frame.left.at(x, y) = digital_number(left_gray.at(u, v));
-      frame.right.at(x, y) = digital_number(right_gray.at(u, v));
-    }
+  frame.left = digital_numbers(even_sided(left_gray));
+  frame.right = digital_numbers(even_sided(right_gray));
+  Image picture(left.width, left.height, 3);
+  for (std::size_t i = 0; i < picture.data.size(); ++i) {
+    const std::size_t stored = left.channels == 1 ? i / 3 : i;
+    picture.data[i] = 0.5f * (left.data[stored] + right.data[stored]);
   }
-  return {std::move(capture), std::move(picture)};
+  PlainPairCapture result{std::move(capture), even_sided(picture), left.width, left.height};
+  if (pair.vertical_split) std::swap(result.width, result.height);
+  return result;
 }
 
 }  // namespace dualpixel::pipeline

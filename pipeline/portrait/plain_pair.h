@@ -15,7 +15,8 @@ struct PlainPair {
 
 struct PlainPairCapture {
   Capture capture;
-  Image picture;  ///< linear RGB, the mean of the two, for the portrait to blur: see PortraitOptions
+  Image picture;              ///< linear RGB, the mean of the two, for the portrait to blur: see PortraitOptions
+  int width = 0, height = 0;  ///< of the pictures as they are stored
 };
 
 /// One frame without mosaic or truth, each pixel of the pictures a DP pixel. A view is (R + 2 G + B) / 4 in linear
@@ -34,6 +35,9 @@ struct PlainPairCapture {
 /// Pictures that are gray, in one channel or in three, are given no new noise where they are blurred: it is colored.
 /// Throws InputError where a file cannot be used, sizes differ, or a pixel is not finite or beyond [0, 1].
 PlainPairCapture read_plain_pair(const PlainPair& pair);
+
+/// With the last column or row twice where there is an odd number of them.
+Image even_sided(const Image& image);
 
 /// Columns as rows.
 Image transposed(const Image& image);

@@ -136,7 +136,7 @@ FoundPeople people_in(const Run& run) {
 void fall_back_to_disparity(Run& run, const FoundPeople& found) {
   if (run.result.mode == Mode::seg) prepare_correction(run);
   run.result.mode = Mode::dp;
-  if (!run.capture.frames[0].mosaic.empty()) {
+  if (!run.capture.frames[0].mosaic.empty() && !run.options.disparity) {
     require_matchable(run.capture.camera, "capture", "/camera/dp_downsample_x");
   }
   const std::string_view why = found.detected.empty() ? "no face found"
@@ -272,6 +272,7 @@ void encode(Run& run) { run.result.portrait_srgb = encode_for_display(run.result
 bool always(const Run&) { return true; }
 bool seeks_people(const Run& run) { return run.looks_for_people; }
 bool needs_disparity(const Run& run) { return run.result.mode != Mode::seg; }
+bool needs_matching(const Run& run) { return needs_disparity(run) && !run.options.disparity; }
 bool needs_correction(const Run& run) { return run.correction.has_value(); }
 bool needs_flattening(const Run& run) { return run.result.mode == Mode::dp_seg; }
 bool needs_mask_alone(const Run& run) { return run.result.mode == Mode::seg; }
@@ -286,7 +287,7 @@ constexpr Step kSteps[] = {
     {"merge", merge_frames, always},
     {"demosaic", develop, always},
     {"people", find_people, seeks_people},
-    {"disparity", match_views, needs_disparity},
+    {"disparity", match_views, needs_matching},
     {"calibration", correct_aberrations, needs_correction},
     {"mask", merge_mask, needs_flattening},
     {"smooth", smooth, needs_disparity},
@@ -316,6 +317,17 @@ void run_step(const Step& step, Run& run, const PortraitProgress& progress) {
   report();
 }
 
+/// In place of match_views.
+void take_disparity(Run& run) {
+  int width = run.capture.camera.dp_width(), height = run.capture.camera.dp_height();
+  if (run.options.transposed) std::swap(width, height);
+  run.matched = as_matched(*run.options.disparity, width, height);
+  if (!run.options.transposed) return;
+  for (Image* map : {&run.matched.disparity_dp_px, &run.matched.confidence, &run.matched.sigma_dp_px}) {
+    *map = transposed(*map);
+  }
+}
+
 /// Checks all input before any work, and prepares the run. `person_mask` has the capture's orientation.
 void prepare(Run& run, const std::optional<Image>& person_mask) {
   const PortraitOptions& options = run.options;
@@ -342,6 +354,7 @@ void prepare(Run& run, const std::optional<Image>& person_mask) {
       of_views ? 2 * view_white(run.capture.exposure) : *std::min_element(gains.begin(), gains.end());
   run.result.warnings = std::move(known.warnings);
   if (options.mode != Mode::seg) prepare_correction(run);
+  if (options.disparity) take_disparity(run);
   if (options.mode != Mode::dp && person_mask) {
     require_mask(*person_mask);
     run.person = &*person_mask;

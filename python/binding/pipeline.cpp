@@ -83,9 +83,15 @@ void require_mask_fits(const Image& mask, pipeline::Mode mode, const Camera& cam
 
 std::shared_ptr<HeldResult> make_portrait(const HeldCapture& held, const std::string& mode, const std::string& matcher,
                                           const Assignments& assignments, const py::object& mask,
-                                          const std::vector<std::array<double, 4>>& faces, std::uint64_t seed) {
+                                          const std::vector<std::array<double, 4>>& faces, std::uint64_t seed,
+                                          const py::object& disparity, const py::object& confidence,
+                                          const py::object& sigma) {
   std::optional<Image> person;
   if (!mask.is_none()) person = image_of(mask, "mask");
+  std::optional<pipeline::GivenDisparity> found;
+  if (!disparity.is_none()) {
+    found = {image_of(disparity, "disparity"), image_of(confidence, "confidence"), image_of(sigma, "sigma")};
+  }
   const py::gil_scoped_release released;
   PortraitOptions options = pipeline::default_options(matcher);
   for (const std::string& assignment : assignments) set_field(pipeline::fields(options), assignment);
@@ -93,7 +99,8 @@ std::shared_ptr<HeldResult> make_portrait(const HeldCapture& held, const std::st
   options.seed = seed;
   if (person) require_mask_fits(*person, options.mode, held.capture.camera);
   for (const auto& [x, y, width, height] : faces) options.faces.push_back({x, y, width, height});
-  if (options.mode != pipeline::Mode::seg) {
+  options.disparity = std::move(found);
+  if (options.mode != pipeline::Mode::seg && !options.disparity) {
     pipeline::require_matchable(held.capture.camera, "capture", "/camera/dp_downsample_x");
   }
   std::optional<pipeline::PersonNetwork> network;
@@ -107,9 +114,9 @@ std::shared_ptr<HeldResult> make_portrait(const HeldCapture& held, const std::st
   result->result = pipeline::run_portrait(held.capture, options, person);
   result->provenance = {{"program", "dualpixel " DUALPIXEL_VERSION},
                         {"mode", name_of(pipeline::kModes, result->result.mode)},
-                        {"matcher", matcher},
                         {"seed", seed},
                         {"options", changed_fields(options)}};
+  if (!options.disparity) result->provenance["matcher"] = matcher;
   return result;
 }
 
@@ -151,7 +158,8 @@ void bind_pipeline(py::module_& module) {
              py::arg("noise"), py::arg("white"));
   module.def("match_capture", match_capture, py::arg("capture"), py::arg("matcher"), py::arg("options"));
   module.def("portrait", make_portrait, py::arg("capture"), py::arg("mode"), py::arg("matcher"), py::arg("options"),
-             py::arg("mask"), py::arg("faces"), py::arg("seed"));
+             py::arg("mask"), py::arg("faces"), py::arg("seed"), py::arg("disparity"), py::arg("confidence"),
+             py::arg("sigma"));
 }
 
 }  // namespace dualpixel::python

@@ -166,6 +166,9 @@ def portrait(
     mask: Optional[npt.ArrayLike],
     faces: Sequence[tuple[float, float, float, float]],
     seed: int,
+    disparity: Optional[npt.ArrayLike],
+    confidence: Optional[npt.ArrayLike],
+    sigma: Optional[npt.ArrayLike],
 ) -> PortraitResult: ...
 def score(
     capture: Capture,

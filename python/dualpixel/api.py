@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from .errors import InputError
 from .pictures import Path
 
 Overrides = Union[Mapping[str, Any], Iterable[str]]
@@ -128,6 +129,9 @@ def portrait(
     mask: Optional[npt.ArrayLike] = None,
     faces: Iterable[tuple[float, float, float, float]] = (),
     seed: int = 1,
+    disparity: Optional[npt.ArrayLike] = None,
+    confidence: Optional[npt.ArrayLike] = None,
+    sigma: Optional[npt.ArrayLike] = None,
 ) -> _core.PortraitResult:
     """The portrait mode, all stages: burst, disparity, mask, smoothing, blur, noise. Truth is never used.
 
@@ -135,9 +139,16 @@ def portrait(
     options  e.g. {"layers.bands": 8}: what `dualpixel portrait --options` lists
     mask     of the person, 0 to 1, of any size; None: people are found where the mode needs them
     faces    x, y, width, height in photosites of people to keep sharp
+
+    disparity, confidence, sigma  of any method, in place of the matcher's: of the views' size, as those of `score`
     """
+    if disparity is None and not (confidence is None and sigma is None):
+        raise InputError("confidence and sigma: are those of a disparity, which is not given")
+    people = [tuple(face) for face in faces]
     loaded = _loaded(capture, truth=False)
-    return _core.portrait(loaded, mode, matcher, _assignments(options), mask, [tuple(face) for face in faces], seed)
+    return _core.portrait(
+        loaded, mode, matcher, _assignments(options), mask, people, seed, disparity, confidence, sigma
+    )
 
 
 def score(

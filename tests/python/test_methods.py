@@ -61,6 +61,17 @@ def test_portrait_is_the_programs(program, capture, folder, tmp_path):
     assert result.mask is None and result.portrait.shape == (96, 128, 3)
 
 
+def test_portrait_takes_a_disparity(capture):
+    plain = dualpixel.portrait(capture)
+    given = dualpixel.portrait(capture, disparity=plain.matched_disparity, confidence=plain.matched_confidence)
+    np.testing.assert_array_equal(given.portrait, plain.portrait)
+    assert "matcher" not in given.provenance
+    with pytest.raises(dualpixel.InputError, match="disparity: 3 x 2 pixels .* must be one channel of 64 x 24"):
+        dualpixel.portrait(capture, disparity=np.zeros((2, 3)))
+    with pytest.raises(dualpixel.InputError, match="not given"):
+        dualpixel.portrait(capture, sigma=np.ones((24, 64)))
+
+
 def test_portrait_takes_a_mask(capture):
     mask = np.zeros((96, 128))
     mask[30:70, 40:80] = 1

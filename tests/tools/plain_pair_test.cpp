@@ -28,7 +28,10 @@ TEST(PlainPair, ViewsAreLinearLightAndThePictureTheirMean) {
   left.at(2, 1, 0) = 0.5f;
   write_view(folder / "l.png", left);
   write_view(folder / "r.png", right);
-  const auto [capture, picture] = pipeline::read_plain_pair({.left = folder / "l.png", .right = folder / "r.png"});
+  const pipeline::PlainPairCapture pair =
+      pipeline::read_plain_pair({.left = folder / "l.png", .right = folder / "r.png"});
+  const Capture& capture = pair.capture;
+  const Image& picture = pair.picture;
   EXPECT_EQ(capture.camera.width_px, 4);  // odd sides are made even by their last row and column
   EXPECT_EQ(capture.camera.height_px, 4);
   const Frame& frame = capture.frames.at(0);

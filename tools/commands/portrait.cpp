@@ -19,6 +19,7 @@
 #include "pipeline/portrait/run_portrait.h"
 #include "pipeline/portrait/subject.h"
 #include "pipeline/segmentation/network.h"
+#include "tools/cli/map_options.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
@@ -60,6 +61,7 @@ struct PortraitCommand {
   std::string output;
   std::string mode = "dp";
   std::string matcher = "paper";
+  MapFiles maps;
   std::string mask;
   bool true_mask = false;
   bool bf16 = false;
@@ -95,6 +97,9 @@ PortraitOptions options_of(const PortraitCommand& command) {
     if (options.mode == pipeline::Mode::seg)
       throw InputError("--match-lens: needs disparity, which mode seg does not compute; choose dp or dp+seg");
   }
+  if (options.mode == pipeline::Mode::seg && command.maps.any()) {
+    throw InputError("--mode seg: uses no disparity; leave out --disparity, or choose dp or dp+seg");
+  }
   if (options.mode == pipeline::Mode::dp && command.mask_given()) {
     throw InputError("--mode dp: uses no person mask; leave out --mask and --true-mask, or choose dp+seg or seg");
   }
@@ -105,15 +110,37 @@ PortraitOptions options_of(const PortraitCommand& command) {
   return options;
 }
 
+/// The disparity that the user names, if any.
+std::optional<pipeline::GivenDisparity> given_disparity(const MapFiles& files) {
+  if (!files.any()) return {};
+  std::vector<std::string> problems;
+  DisparityMaps maps = read_maps(files, problems);
+  if (!problems.empty()) throw InputError(fmt::format("{}", fmt::join(problems, "; ")));
+  return pipeline::GivenDisparity{std::move(maps.disparity_dp_px),
+                                  std::move(maps.confidence),
+                                  std::move(maps.sigma_dp_px),
+                                  "--disparity " + printable(files.disparity),
+                                  "--confidence " + printable(files.confidence),
+                                  "--sigma " + printable(files.sigma)};
+}
+
+/// Maps of the size that the pictures have in their files get the sides of the capture.
+void make_even(pipeline::GivenDisparity& disparity, const pipeline::PlainPairCapture& pair) {
+  for (Image* map : {&disparity.disparity_dp_px, &disparity.confidence, &disparity.sigma_dp_px}) {
+    if (map->width == pair.width && map->height == pair.height) *map = pipeline::even_sided(*map);
+  }
+}
+
 /// The capture, whose picture goes to the options where it is given apart.
 Capture read_input(const PortraitCommand& command, PortraitOptions& options) {
   if (command.plain()) {
     pipeline::PlainPairCapture pair = pipeline::read_plain_pair(command.pair);
     options.picture = std::move(pair.picture);
+    if (options.disparity) make_even(*options.disparity, pair);
     return std::move(pair.capture);
   }
   Capture capture = read_capture(command.capture, command.true_mask);
-  if (options.mode != pipeline::Mode::seg) {
+  if (options.mode != pipeline::Mode::seg && !options.disparity) {
     pipeline::require_matchable(capture.camera, command.capture, "/camera/dp_downsample_x");
   }
   return capture;
@@ -166,7 +193,12 @@ nlohmann::ordered_json describe_run(const PortraitCommand& command, const Portra
   }
   provenance["mode"] = name_of(pipeline::kModes, result.mode);
   if (result.mode != options.mode) provenance["requested_mode"] = command.mode;
-  provenance["matcher"] = command.matcher;
+  if (!command.maps.any()) provenance["matcher"] = command.matcher;
+  for (const auto& [name, file] : {std::pair{"disparity", &command.maps.disparity},
+                                   {"confidence", &command.maps.confidence},
+                                   {"sigma", &command.maps.sigma}}) {
+    if (!file->empty()) provenance[name] = absolute(*file);
+  }
   provenance["seed"] = command.seed;
   if (options.match_pupil_mm) provenance["match_lens"] = command.match_lens;
   if (command.aperture.blades > 0) provenance["blades"] = command.aperture.blades;
@@ -191,6 +223,7 @@ nlohmann::ordered_json describe_run(const PortraitCommand& command, const Portra
 void run(const PortraitCommand& command) {
   PortraitOptions options = options_of(command);
   if (!command.calibration.empty()) options.calibration = evaluation::read_calibration_folder(command.calibration);
+  options.disparity = given_disparity(command.maps);
   const bool looks_for_people = options.mode != pipeline::Mode::dp && !command.mask_given();
   std::optional<pipeline::PersonNetwork> network;
   if (looks_for_people) {
@@ -219,7 +252,7 @@ void run(const PortraitCommand& command) {
     }
     options.find_people = [&](const Image& picture, const std::vector<pipeline::Face>& seeds) {
       pipeline::FoundPeople found = pipeline::find_people(picture, seeds, *network, options.seed_faces);
-      if (!anybody_seen(found) && !command.plain()) {
+      if (!anybody_seen(found) && !command.plain() && !options.disparity) {
         pipeline::require_matchable(capture.camera, command.capture, "/camera/dp_downsample_x");
       }
       return found;
@@ -234,6 +267,33 @@ void run(const PortraitCommand& command) {
   pipeline::write_result(result, describe_run(command, options, known, result), command.output);
 }
 
+/// --left, --right and what goes with them. Returns --left.
+CLI::Option* add_pair_options(CLI::App& command, pipeline::PlainPair& pair, CLI::Option* capture) {
+  CLI::Option* left =
+      command.add_option("--left", pair.left, "Instead of a capture, the left view: PNG, TIFF or JPEG, sRGB-encoded")
+          ->type_name("FILE")
+          ->excludes(capture);
+  CLI::Option* right =
+      command.add_option("--right", pair.right, "The right view: right(x + d) = left(x), d < 0 in front of the focus")
+          ->type_name("FILE")
+          ->needs(left);
+  left->needs(right);
+  command
+      .add_option("--metadata", pair.metadata,
+                  "JSON about the views: encoding (srgb, linear), black_level, white_level, noise, focus_distance_m, "
+                  "face_px")
+      ->type_name("FILE")
+      ->needs(left);
+  command
+      .add_option_function<std::string>(
+          "--split", [&pair](const std::string& split) { pair.vertical_split = split == "vertical"; },
+          "How the views were split: horizontal (default), or vertical where disparity runs down the columns")
+      ->check(CLI::IsMember({"horizontal", "vertical"}))
+      ->type_name("TEXT")
+      ->needs(left);
+  return left;
+}
+
 }  // namespace
 
 void add_portrait(CLI::App& program) {
@@ -241,27 +301,7 @@ void add_portrait(CLI::App& program) {
   CLI::App* sub =
       program.add_subcommand("portrait", "Turn a dual-pixel capture into a portrait with shallow depth of field");
   CLI::Option* capture = sub->add_option("capture", command->capture, "Capture folder")->type_name("CAPTURE_DIR");
-  pipeline::PlainPair& pair = command->pair;
-  CLI::Option* left =
-      sub->add_option("--left", pair.left, "Instead of a capture, the left view: PNG, TIFF or JPEG, sRGB-encoded")
-          ->type_name("FILE")
-          ->excludes(capture);
-  CLI::Option* right =
-      sub->add_option("--right", pair.right, "The right view: right(x + d) = left(x), d < 0 in front of the focus")
-          ->type_name("FILE")
-          ->needs(left);
-  left->needs(right);
-  sub->add_option("--metadata", pair.metadata,
-                  "JSON about the views: encoding (srgb, linear), black_level, white_level, noise, focus_distance_m, "
-                  "face_px")
-      ->type_name("FILE")
-      ->needs(left);
-  sub->add_option_function<std::string>(
-         "--split", [&pair](const std::string& split) { pair.vertical_split = split == "vertical"; },
-         "How the views were split: horizontal (default), or vertical where disparity runs down the columns")
-      ->check(CLI::IsMember({"horizontal", "vertical"}))
-      ->type_name("TEXT")
-      ->needs(left);
+  CLI::Option* left = add_pair_options(*sub, command->pair, capture);
   sub->add_option("-o,--output", command->output, "Result folder to write")->required()->type_name("DIR");
   sub->add_option("--mode", command->mode,
                   "dp: disparity alone; dp+seg: with a person mask; seg: mask alone. Without a mask, people are "
@@ -272,9 +312,14 @@ void add_portrait(CLI::App& program) {
   for (const pipeline::Matcher& matcher : pipeline::matchers()) {
     matchers += fmt::format("; {}: {}, up to {} DP px", matcher.name, matcher.description, matcher.range_dp_px({}));
   }
-  sub->add_option("--matcher", command->matcher, matchers)
-      ->check(CLI::IsMember(names_of(pipeline::matchers())))
-      ->capture_default_str();
+  CLI::Option* matcher = sub->add_option("--matcher", command->matcher, matchers)
+                             ->check(CLI::IsMember(names_of(pipeline::matchers())))
+                             ->capture_default_str();
+  CLI::Option* disparity = add_map_options(*sub, command->maps, "of the views' size, in place of a matcher's");
+  disparity->excludes(matcher);
+  for (const char* of_a_disparity : {"--confidence", "--sigma", "--scale"}) {
+    sub->get_option(of_a_disparity)->needs(disparity);
+  }
   CLI::Option* mask = sub->add_option("--mask", command->mask,
                                       "Person mask: a picture, white on the person, of the picture's shape in any size")
                           ->type_name("FILE");
@@ -333,7 +378,8 @@ void add_portrait(CLI::App& program) {
   add_threads_option(*sub);
   sub->footer(
       "Example:\n  dualpixel portrait out/capture -o out/portrait --mode dp+seg\n"
-      "  dualpixel portrait --left l.png --right r.png -o out/portrait --matcher likelihood");
+      "  dualpixel portrait --left l.png --right r.png -o out/portrait --matcher likelihood\n"
+      "  dualpixel portrait out/capture -o out/portrait --disparity d.npy --sigma s.npy");
   sub->callback([command] { run(*command); });
 }
 

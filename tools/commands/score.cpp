@@ -4,14 +4,15 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
+#include <utility>
+#include <vector>
 
 #include "capture/capture.h"
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/image/image_io.h"
-#include "capture/image/map_file.h"
 #include "evaluation/metrics/scoring.h"
+#include "tools/cli/map_options.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
@@ -21,9 +22,8 @@ struct ScoreOptions {
   std::string capture;
   std::string result;
   // files of anybody's making, instead of a result
-  std::string disparity, confidence, sigma, portrait;
-  IntegerScale integers;
-  bool scaled = false;  ///< whether `integers` was given
+  MapFiles maps;
+  std::string portrait;
   bool json = false;
 };
 
@@ -76,11 +76,6 @@ Image read_portrait(const std::string& path) {
   return rgb;
 }
 
-/// That of a picture of integers is a share of the largest that its type holds.
-Image read_confidence(const std::string& path) {
-  return is_integer_picture(path) ? read_image(path) : read_map(path, "confidence");
-}
-
 /// All files that are missing or cannot be read are named in one line.
 void score_files(const ScoreOptions& options) {
   std::vector<std::string> problems;
@@ -91,32 +86,21 @@ void score_files(const ScoreOptions& options) {
       problems.emplace_back(error.what());
     }
   };
-  const std::optional<IntegerScale> integers = options.scaled ? std::optional(options.integers) : std::nullopt;
   Capture capture;
   evaluation::Estimate estimate;
-  bool any_integers = false;
   attempt([&] { capture = read_capture(options.capture, true); });
-  const auto read_into = [&](Image& map, const std::string& path, const char* channel) {
-    if (path.empty()) return;
-    attempt([&] {
-      any_integers = any_integers || is_integer_picture(path);
-      map = read_map(path, channel, integers);
-    });
-  };
-  read_into(estimate.disparity_dp_px, options.disparity, "disparity_dp_px");
-  read_into(estimate.sigma_dp_px, options.sigma, "sigma_dp_px");
-  if (!options.confidence.empty()) attempt([&] { estimate.confidence = read_confidence(options.confidence); });
   if (!options.portrait.empty()) attempt([&] { estimate.portrait = read_portrait(options.portrait); });
-  if (problems.empty() && options.scaled && !any_integers) {
-    problems.emplace_back("--scale: neither disparity nor sigma is a picture of integers; leave it out");
-  }
+  DisparityMaps maps = read_maps(options.maps, problems);
+  estimate.disparity_dp_px = std::move(maps.disparity_dp_px);
+  estimate.confidence = std::move(maps.confidence);
+  estimate.sigma_dp_px = std::move(maps.sigma_dp_px);
   if (!problems.empty()) throw InputError(fmt::format("{}", fmt::join(problems, "; ")));
   const evaluation::Score score = evaluation::score_estimate(capture, options.capture, estimate);
   print(options, score, json_text(score));
 }
 
 void run(const ScoreOptions& options) {
-  const bool files = !(options.disparity + options.confidence + options.sigma + options.portrait).empty();
+  const bool files = options.maps.any() || !options.portrait.empty();
   if (files == !options.result.empty()) {
     throw InputError("score: give a result folder, or files by --disparity, --confidence, --sigma, --portrait");
   }
@@ -132,25 +116,12 @@ void add_score(CLI::App& program) {
   command->add_option("capture", options->capture, "Capture folder, with truth")->required()->type_name("CAPTURE_DIR");
   command->add_option("result", options->result, "Result folder; score.json is written into it")
       ->type_name("RESULT_DIR");
-  const auto file_option = [&](const std::string& name, std::string& path, const std::string& meaning) {
-    command->add_option(name, path, meaning)->type_name("FILE");
-  };
-  file_option("--disparity", options->disparity,
-              "Instead of a result, a disparity in DP px, of the sensor's size or the views': EXR, NPY, PFM, or PNG "
-              "and TIFF of integers; not finite where not estimated");
-  file_option("--confidence", options->confidence,
-              "Its confidence, 0 to 1, in the same formats; integers are shares of their type's largest");
-  file_option("--sigma", options->sigma, "Its predicted standard deviation, DP px, in the same formats");
-  file_option("--portrait", options->portrait,
-              "A portrait of the sensor's size: EXR of linear RGB, 1 where the capture clips, or the same "
-              "sRGB-encoded as PNG, TIFF or JPEG");
-  const auto scale_option = [&](const std::string& name, double& value, const std::string& meaning) {
-    return command->add_option_function<double>(
-        name, [options, &value](double given) { value = given, options->scaled = true; }, meaning);
-  };
-  CLI::Option* scale = scale_option("--scale", options->integers.scale,
-                                    "Value of one step of a disparity and sigma that are integers, e.g. 0.001");
-  scale_option("--offset", options->integers.offset, "Value of their 0")->needs(scale);
+  add_map_options(*command, options->maps, "of the sensor's size or the views'");
+  command
+      ->add_option("--portrait", options->portrait,
+                   "A portrait of the sensor's size: EXR of linear RGB, 1 where the capture clips, or the same "
+                   "sRGB-encoded as PNG, TIFF or JPEG")
+      ->type_name("FILE");
   command->add_flag("--json", options->json, "Print JSON instead of a table");
   add_threads_option(*command);
   command->footer(

@@ -254,6 +254,48 @@ TEST(Portrait, MissingOrBrokenMasksAreTheUsersErrors) {
   EXPECT_THROW(run_portrait(capture, test_options(Mode::seg), Image(4, 4, 1, NAN)), InputError);
 }
 
+TEST(Portrait, AGivenDisparityTakesTheMatchersPlace) {
+  const Capture capture = make_capture();
+  PortraitOptions options = test_options();
+  for (const bool turn : {false, true}) {
+    options.transposed = turn;
+    options.disparity.reset();
+    const PortraitResult matched = run_portrait(capture, options);
+    options.disparity = {matched.matched_disparity_dp_px, matched.matched_confidence, {}};
+    const PortraitResult given = run_portrait(capture, options);
+    EXPECT_EQ(given.portrait.data, matched.portrait.data);
+    EXPECT_EQ(given.matched_disparity_dp_px.data, matched.matched_disparity_dp_px.data);
+
+    // what was not found has no say, whatever stands beside it
+    const Image full(turn ? 96 : 256, turn ? 256 : 96, 1, 1.0f);
+    options.disparity = {full, full, {}};
+    const std::vector<float> without_hole = run_portrait(capture, options).disparity_dp_px.data;
+    options.disparity->disparity_dp_px.at(40, 40) = NAN;
+    EXPECT_EQ(run_portrait(capture, options).disparity_dp_px.data, without_hole);
+  }
+}
+
+TEST(Portrait, AGivenDisparitysConfidenceComesFromItsSigma) {
+  Image disparity(3, 1, 1, 1.0f), sigma(3, 1, 1, 0.3f);
+  disparity.at(1, 0) = NAN;
+  sigma.at(2, 0) = INFINITY;
+  const PixelDisparity matched = as_matched({disparity, {}, sigma}, 3, 1);
+  EXPECT_NEAR(matched.confidence.at(0, 0), 0.5, 1e-6);
+  EXPECT_EQ(matched.confidence.at(1, 0), 0);
+  EXPECT_EQ(matched.disparity_dp_px.at(1, 0), 0);
+  EXPECT_EQ(matched.confidence.at(2, 0), 0);
+  EXPECT_EQ(as_matched({Image(3, 1), {}, {}}, 3, 1).confidence.at(1, 0), 1);
+  sigma.at(2, 0) = -1;
+  const auto refused = [](const GivenDisparity& given) {
+    return message_of<InputError>([&] { as_matched(given, 3, 1); });
+  };
+  EXPECT_NE(refused({disparity, {}, sigma}).find("sigma: pixel (2, 0): -1"), std::string::npos);
+  EXPECT_NE(refused({disparity, Image(3, 1, 1, 2), {}}).find("confidence: pixel (0, 0): 2: must lie in [0, 1]"),
+            std::string::npos);
+  EXPECT_NE(refused({Image(2, 1), {}, {}}).find("disparity: 2 x 1 pixels of 1 channel: must be one channel of 3 x 1"),
+            std::string::npos);
+}
+
 TEST(Portrait, AGivenPictureTakesTheBurstsPlace) {
   Capture capture = make_capture();
   PortraitOptions options = test_options();

@@ -4,8 +4,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "capture/image/image_io.h"
+#include "capture/image/npy.h"
 #include "scenes/gltf/glb.h"
 #include "tests/datasets/small_recipe.h"
+#include "tests/pipeline/texture.h"
 #include "tests/run_program.h"
 
 namespace dualpixel {
@@ -92,6 +95,35 @@ TEST(OwnScenes, AFaceMayBeGivenInSharesAndRemoved) {
   expect_one_line_refusal(run_program(scene + "c'" + kTinyPictures + " --set 'face=[0.9,0.5,0.25,0.25]'"));
   expect_one_line_refusal(
       run_program(scene + "c'" + kTinyPictures + " --set 'face=[0,0,1,1]' --set 'face_px=[1,1,2,2]'"));
+}
+
+TEST(PortraitCommand, TakesADisparityOfAnyProgram) {
+  const TemporaryFolder folder;
+  const std::string in = "'" + folder.path.string() + "/";
+  write_png8(folder / "l.png", pipeline::textured(pipeline::Texture(5, 0.2), 129, 95, 0));
+  write_png8(folder / "r.png", pipeline::textured(pipeline::Texture(5, 0.2), 129, 95, 1));
+  const std::string portrait = "portrait --left " + in + "l.png' --right " + in + "r.png' ";
+  ASSERT_EQ(run_program(portrait + "-o " + in + "matched'").status, 0);
+  std::vector<Image> found = read_exr(folder / "matched/matched.exr", {"disparity_dp_px", "confidence"});
+  write_exr(folder / "d.exr", {{"any_name", found.data()}}, false);
+  write_npy(folder / "c.npy", found[1]);
+  const std::string given = portrait + "-o " + in + "given' --disparity " + in;
+  const Outcome outcome = run_program(given + "d.exr' --confidence " + in + "c.npy'");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(read_bytes(folder / "given/portrait.png"), read_bytes(folder / "matched/portrait.png"));
+  EXPECT_EQ(json::parse(read_bytes(folder / "given/result.json"))["provenance"]["disparity"], folder / "d.exr");
+
+  write_npy(folder / "stored.npy", Image(129, 95));  // as large as the pictures, whose sides are made even
+  EXPECT_EQ(run_program(given + "stored.npy'").status, 0);
+  write_npy(folder / "small.npy", Image(128, 95));
+  const Outcome small = run_program(given + "small.npy'");
+  expect_one_line_refusal(small);
+  EXPECT_NE(small.err.find("small.npy: 128 x 95 pixels of 1 channel: must be one channel of 130 x 96"),
+            std::string::npos)
+      << small.err;
+  expect_one_line_refusal(run_program(given + "d.exr' --mode seg"));
+  expect_one_line_refusal(run_program(given + "d.exr' --matcher split"));
+  expect_one_line_refusal(run_program(portrait + "-o " + in + "given' --sigma " + in + "c.npy'"));
 }
 
 TEST(EvaluateCommand, ComparesMethodsOverADataSet) {
