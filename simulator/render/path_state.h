@@ -48,6 +48,7 @@ struct Paths {
   /// ray that `pdf` is of. Negative: not bent, so that they find what the path does.
   alignas(64) float straight_pdf[kPacket];
   /// Between points of light on the surface that the ray meets: so much at its start, and so much more for each meter.
+  /// An infinite spread: the path samples all light itself.
   alignas(64) float spacing_m[kPacket], spread[kPacket];
 };
 

@@ -15,6 +15,7 @@ namespace dualpixel::simulator {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kNoPoints = kInfinity;  ///< `spread` of paths that sample all of their light themselves
 
 void set_ray(RayPacket& rays, int i, glm::vec3 origin, glm::vec3 direction, float far) {
   rays.origin_x[i] = origin.x, rays.origin_y[i] = origin.y, rays.origin_z[i] = origin.z;
@@ -228,9 +229,8 @@ glm::vec3 hard_irradiance(const RenderScene& world, const Hits& hits, std::uint6
 
 /// Mean of what arrives at a point along directions spread as their cosines, over the density 1 / pi: light that a path
 /// of reflection `bounce` and more finds. `pdf_counts`: light samples of the soft kinds could have found it, too.
-glm::vec3 gathered_irradiance(const RenderScene& world, const PathOptions& options, const Hits& hits, float spacing_m,
-                              std::uint64_t key, int samples, int bounce, bool pdf_counts) {
-  constexpr float kGatherSpread = 0.15f;  // of the distance: rays of 64 samples are about .3 apart
+glm::vec3 gathered_irradiance(const RenderScene& world, const PathOptions& options, const Hits& hits, std::uint64_t key,
+                              int samples, int bounce, bool pdf_counts) {
   Surface matte;
   matte.normal = hits.surface.normal.at(0);
   const glm::vec3 up = hits.surface.geometric_normal.at(0), start = hits.start.at(0);
@@ -251,7 +251,7 @@ glm::vec3 gathered_irradiance(const RenderScene& world, const PathOptions& optio
       paths.radiance.set(i, glm::vec3(0));
       paths.pdf[i] = pdf_counts ? bsdf_pdf(matte, matte.normal, direction) : 0;
       paths.normal.set(i, matte.normal);
-      paths.spacing_m[i] = spacing_m, paths.spread[i] = kGatherSpread;
+      paths.spacing_m[i] = 0, paths.spread[i] = kNoPoints;
       paths.before_m[i] = 0, paths.straight_pdf[i] = -1;
     }
     const std::uint32_t mask = packets * kPacket / 2 - 1;
@@ -269,33 +269,22 @@ glm::vec3 soft_irradiance(const RenderScene& world, const PathOptions& options, 
   if (!world.lights.has_soft()) return glm::vec3(0);
   if (!world.lights.has_emissive()) return sampled_irradiance(world, hits, key, samples, LightKinds::soft, false);
   return sampled_irradiance(world, hits, key, samples / 2, LightKinds::soft, true) +
-         gathered_irradiance(world, options, hits, 0, hash(key, 4), samples / 2, options.max_bounces + 1, true);
+         gathered_irradiance(world, options, hits, hash(key, 4), samples / 2, options.max_bounces + 1, true);
 }
 
-/// What is asked of light at points.
-struct LightKind {
-  int bounces = 0;       ///< reflections that it may still take before it arrives; 0: direct light
-  bool relayed = false;  ///< wanted by rays from another point, which takes the mean of many: fewer samples do
-
-  int index() const { return 2 * bounces + (relayed ? 1 : 0); }
-};
-
-/// Light at one point of a lattice.
+/// Light at one point of a lattice: direct, or, where `bounces` > 0, what arrives after 1 to `bounces` reflections.
 SurfaceLight light_at(const RenderScene& world, const PathOptions& options, const TriangleLattice& lattice,
-                      const LatticePoint& point, LightKind kind) {
+                      const LatticePoint& point, int bounces) {
   LightCache& cache = *world.light_cache;
-  const int bounces = kind.bounces;
-  const std::uint64_t key = kind.index() == 0 ? point.key : hash(point.key, kind.index()) | 1;
+  const std::uint64_t key = bounces == 0 ? point.key : hash(point.key, bounces) | 1;
   if (const auto known = cache.table.find(point.group, key)) return *known;
   Hits hits;
   surface_of(world, lattice, point, hits);
   SurfaceLight light;
-  const int fewer = lattice.fewer() + (kind.relayed ? 1 : 0);
-  const int samples = std::max(cache.options.light_samples >> (2 * fewer), 1);  // whole packets are taken
+  const int samples = std::max(cache.options.light_samples >> (2 * lattice.fewer()), 1);  // whole packets are taken
   const std::uint64_t random = hash(key, cache.scramble);
   if (bounces > 0) {
-    light.soft = gathered_irradiance(world, options, hits, lattice.spacing_m(), random, samples,
-                                     options.max_bounces - bounces + 1, false);
+    light.soft = gathered_irradiance(world, options, hits, random, samples, options.max_bounces - bounces + 1, false);
   } else {
     light.soft = soft_irradiance(world, options, hits, random, samples);
     light.hard = hard_irradiance(world, hits, random, samples);
@@ -312,8 +301,8 @@ struct InterpolatedLight {
 /// Looks up light for the hits of one packet, many of which share a triangle or even a cell of its lattice.
 class LightLookup {
  public:
-  LightLookup(const RenderScene& world, const PathOptions& options, LightKind kind)
-      : world_(world), options_(options), kind_(kind), recent_(world.light_cache->recent.local()) {}
+  LightLookup(const RenderScene& world, const PathOptions& options, int bounces)
+      : world_(world), options_(options), bounces_(bounces), recent_(world.light_cache->recent.local()) {}
 
   InterpolatedLight at(const Hit& hit, glm::vec3 direction, float spacing_m) {
     if (!lattice_.is_of(hit, direction, spacing_m)) lattice_ = TriangleLattice(world_.scene, hit, direction, spacing_m);
@@ -332,10 +321,9 @@ class LightLookup {
 
  private:
   CellLight around_cell(const LatticeCell& cell) {
-    const std::uint64_t key = lattice_.key_of(cell) + 2 * static_cast<std::uint64_t>(kind_.index());
+    const std::uint64_t key = lattice_.key_of(cell) + 2 * static_cast<std::uint64_t>(bounces_);
     if (recent_.slot(key).key == key) return recent_.slot(key);
-    const CellLight found = fetch(cell, key);
-    return recent_.slot(key) = found;  // looked up again: what fetch() traces uses cells, too
+    return recent_.slot(key) = fetch(cell, key);
   }
 
   CellLight fetch(const LatticeCell& cell, std::uint64_t key) const {
@@ -353,7 +341,7 @@ class LightLookup {
           light = found.light[k][0];
           continue;
         }
-        light = light_at(world_, options_, lattice_, lattice_.point(row.row, row.left + side, row.pieces), kind_);
+        light = light_at(world_, options_, lattice_, lattice_.point(row.row, row.left + side, row.pieces), bounces_);
         const float soft = luminance(light.soft), hard = luminance(light.hard);
         soft_low = std::min(soft_low, soft), soft_high = std::max(soft_high, soft);
         hard_low = std::min(hard_low, hard), hard_high = std::max(hard_high, hard);
@@ -366,7 +354,7 @@ class LightLookup {
 
   const RenderScene& world_;
   const PathOptions& options_;
-  const LightKind kind_;
+  const int bounces_;
   RecentCells& recent_;
   TriangleLattice lattice_;
 };
@@ -375,39 +363,48 @@ class LightLookup {
 struct KnownLight {
   int soft[kPacket], hard[kPacket];  ///< -1: all of this kind that is reflected diffusely
   float nits[kPacket];               ///< luminance of the light reflected so
+  int diffuse_by_lights[kPacket];    ///< -1: light samples alone find what is missing of it
 };
 
-constexpr int kMostBounces = 32;  ///< that are told apart on the way to a surface: beyond, next to nothing is left
+/// Near surfaces that glow, light samples alone would be far off: there the next ray looks for diffuse light, too.
+KnownLight nothing_known(const RenderScene& world, int bounces_left) {
+  KnownLight known;
+  for (int i = 0; i < kPacket; ++i) {
+    known.soft[i] = known.hard[i] = 0, known.nits[i] = 0;
+    known.diffuse_by_lights[i] = bounces_left == 0 && !world.lights.has_emissive() ? -1 : 0;
+  }
+  return known;
+}
+
+/// Whether points of light lie on the surface. Textures of normals make them vary between points.
+bool has_points(const RenderScene& world, const Material& material, const Hits& hits) {
+  return world.light_cache && !material.is_glass() && !hits.surface.hair && material.normal_texture.texture < 0;
+}
 
 void add_known_light(const RenderScene& world, const PathOptions& options, unsigned mesh_id, const int lanes[kPacket],
                      const RayPacket& rays, const Hits& hits, int bounces_left, Paths& paths, KnownLight& known) {
-  // Over that of direct light, as it has no sharp shadows. Points that rays from other points find are far enough apart
-  // as it is: a wall with points in its corners alone would lose what is reflected to its middle. They may lie as close
-  // as points of direct light for the last reflections only, as each close point asks for many of the next kind.
-  constexpr int kCloseBounces = 2;
-  const float indirect_spacing = paths.kinds == LightKinds::all ? 4.0f : bounces_left <= kCloseBounces ? 1.0f : 2.0f;
-  const Material& material = world.scene.materials[world.scene.meshes[mesh_id].material];
-  const bool possible = world.light_cache && !material.is_glass() && !hits.surface.hair &&
-                        material.normal_texture.texture < 0;  // else normals vary between points
-  const bool placed = !world.scene.meshes[mesh_id].placements.empty();
-  for (int i = 0; i < kPacket; ++i) known.soft[i] = known.hard[i] = 0, known.nits[i] = 0;
-  if (!possible) return;
-  const bool relayed = paths.kinds == LightKinds::soft;
-  LightLookup direct(world, options, {});
-  LightLookup indirect(world, options, {std::min(bounces_left, kMostBounces), relayed});
+  constexpr float kIndirectSpacing = 4;  // over that of direct light, as it has no sharp shadows
+  const Mesh& mesh = world.scene.meshes[mesh_id];
+  alignas(64) int asking[kPacket];
   for (int i = 0; i < kPacket; ++i) {
-    if (!lanes[i] || !(hits.spacing_m[i] > 0)) continue;
+    asking[i] = lanes[i] && hits.spacing_m[i] > 0 && hits.spacing_m[i] < kInfinity ? -1 : 0;
+  }
+  if (first_set(asking) == kPacket || !has_points(world, world.scene.materials[mesh.material], hits)) return;
+  LightLookup direct(world, options, 0), indirect(world, options, bounces_left);
+  for (int i = 0; i < kPacket; ++i) {
+    if (!asking[i]) continue;
     const glm::vec3 diffuse = diffuse_bsdf(hits.surface.at(i)), direction = -hits.to_eye.at(i);
     const float facing = std::abs(glm::dot(hits.surface.geometric_normal.at(i), direction));
     const float spacing_m = hits.spacing_m[i] / std::sqrt(std::max(facing, 0.1f));
-    const Hit hit{0, mesh_id, rays.triangle[i], rays.u[i], rays.v[i], placed ? rays.placement[i] : 0};
-    InterpolatedLight found = direct.at(hit, direction, spacing_m);
-    if (bounces_left > 0 && found.soft_agrees) {
-      found.light.soft += indirect.at(hit, direction, indirect_spacing * spacing_m).light.soft;
-    }
+    const Hit hit{0, mesh_id, rays.triangle[i], rays.u[i], rays.v[i], mesh.placements.empty() ? 0 : rays.placement[i]};
+    const InterpolatedLight found = direct.at(hit, direction, spacing_m);
+    if (!world.lights.has_emissive()) known.diffuse_by_lights[i] = -1;
     glm::vec3 irradiance(0);
     if (found.soft_agrees) known.soft[i] = -1, irradiance += found.light.soft;
     if (found.hard_agrees) known.hard[i] = -1, irradiance += found.light.hard;
+    if (bounces_left > 0 && (known.soft[i] || known.diffuse_by_lights[i])) {
+      irradiance += indirect.at(hit, direction, kIndirectSpacing * spacing_m).light.soft;
+    }
     known.nits[i] = luminance(diffuse * irradiance);
     add_light(paths, i, diffuse * irradiance);
   }
@@ -477,8 +474,7 @@ void turn_to_sides(const int lanes[kPacket], const Padded& numbers, SurfacePacke
 
 /// One shadow ray from each hit to a sampled point of a light of these kinds.
 void sample_lights(const RenderScene& world, const int lanes[kPacket], const Hits& hits, ScatterSamples& samples,
-                   LightKinds kinds, bool diffuse_by_lights, const KnownLight& known, const Paths& paths,
-                   ShadowRays& shadow) {
+                   LightKinds kinds, const KnownLight& known, const Paths& paths, ShadowRays& shadow) {
   constexpr float kSmall = 0.15f;  // of the light that is known: what adds less is followed by fewer rays
   const Padded &light = samples.light(), &roulette = samples.roulette();
   LightPacket l;
@@ -492,7 +488,7 @@ void sample_lights(const RenderScene& world, const int lanes[kPacket], const Hit
     }
     const Surface s = hits.surface.at(i);
     const bool hard = l.pdf[i] == 0, is_known = hard ? known.hard[i] : known.soft[i];
-    const bool without_diffuse = known.soft[i] || diffuse_by_lights;
+    const bool without_diffuse = known.soft[i] || known.diffuse_by_lights[i];
     const bool also_by_reflection = !hard && !carries_nothing(hits.surface, without_diffuse);
     glm::vec3 reflected = carried(s, to_eye, direction, without_diffuse);
     if (also_by_reflection) reflected *= mis_weight(l.pdf[i], bsdf_pdf(s, to_eye, direction));
@@ -512,10 +508,9 @@ void sample_lights(const RenderScene& world, const int lanes[kPacket], const Hit
 
 /// Light samples of the kinds that each lane still needs.
 void sample_missing_lights(const RenderScene& world, const int lanes[kPacket], const Hits& hits,
-                           ScatterSamples& samples, bool diffuse_by_lights, const KnownLight& known, const Paths& paths,
-                           ShadowRays& shadow) {
+                           ScatterSamples& samples, const KnownLight& known, const Paths& paths, ShadowRays& shadow) {
   const auto missing = [&](int i) -> std::optional<LightKinds> {
-    if (!hits.surface.lambertian || (!known.soft[i] && !diffuse_by_lights)) return LightKinds::all;
+    if (!hits.surface.lambertian || (!known.soft[i] && !known.diffuse_by_lights[i])) return LightKinds::all;
     if (known.soft[i] && known.hard[i]) return {};
     if (known.soft[i]) return LightKinds::hard;
     return known.hard[i] ? LightKinds::soft : LightKinds::all;
@@ -524,16 +519,17 @@ void sample_missing_lights(const RenderScene& world, const int lanes[kPacket], c
     alignas(64) int wanted[kPacket];
     for (int i = 0; i < kPacket; ++i) wanted[i] = lanes[i] && missing(i) == kinds ? -1 : 0;
     if (first_set(wanted) == kPacket) continue;
-    sample_lights(world, wanted, hits, samples, kinds, diffuse_by_lights, known, paths, shadow);
+    sample_lights(world, wanted, hits, samples, kinds, known, paths, shadow);
   }
 }
 
 /// The next ray of each path.
-void sample_reflections(const int lanes[kPacket], const Hits& hits, ScatterSamples& samples, bool diffuse_by_lights,
-                        const KnownLight& known, RayPacket& rays, Paths& paths) {
-  constexpr float kSmall = 0.25f;  // rays that carry less are followed less often
+void sample_reflections(const int lanes[kPacket], const Hits& hits, ScatterSamples& samples, const KnownLight& known,
+                        RayPacket& rays, Paths& paths) {
+  constexpr float kMostShared = 0.3f;  // roughness: rays beyond spread so far that few ask for the same points
+  constexpr float kSmall = 0.25f;      // rays that carry less are followed less often
   for (int i = 0; i < kPacket; ++i) {
-    const bool without_diffuse = known.soft[i] || diffuse_by_lights;
+    const bool without_diffuse = known.soft[i] || known.diffuse_by_lights[i];
     if (!lanes[i] || carries_nothing(hits.surface, without_diffuse)) continue;
     Surface s = hits.surface.at(i);
     const glm::vec3 to_eye = hits.to_eye.at(i);
@@ -552,7 +548,7 @@ void sample_reflections(const int lanes[kPacket], const Hits& hits, ScatterSampl
     paths.pdf[i] = pdf;
     paths.normal.set(i, s.normal);
     paths.spacing_m[i] = hits.spacing_m[i];
-    paths.spread[i] += 0.2f * s.roughness;
+    paths.spread[i] = s.roughness > kMostShared || !without_diffuse ? kNoPoints : paths.spread[i] + 0.2f * s.roughness;
     paths.before_m[i] = 0, paths.straight_pdf[i] = -1;
     set_ray(rays, i, hits.start.at(i) + way_out(hits, i, direction) * direction, direction, kInfinity);
     paths.active[i] = -1;
@@ -562,18 +558,16 @@ void sample_reflections(const int lanes[kPacket], const Hits& hits, ScatterSampl
 /// The paths of `lanes`, all at one mesh: emission at the hit, light known there, light samples, and the next ray.
 void scatter(const RenderScene& world, const PathOptions& options, unsigned mesh_id, const int lanes[kPacket],
              int bounces_left, ScatterSamples& samples, RayPacket& rays, Paths& paths, ShadowRays& shadow) {
-  // After the last reflection, light samples alone give what is diffuse; but near surfaces that glow they are far off.
-  const bool diffuse_by_lights = bounces_left == 0 && !world.lights.has_emissive();
   Hits hits;
   hits_at(world, mesh_id, lanes, rays, hits);
   for (int i = 0; i < kPacket; ++i) hits.distance[i] += paths.before_m[i];
   for (int i = 0; i < kPacket; ++i) hits.spacing_m[i] = paths.spacing_m[i] + paths.spread[i] * hits.distance[i];
   if (hits.surface.hair) turn_to_sides(lanes, samples.side(), hits.surface);
   if (hits.surface.emits) add_emission(world, mesh_id, lanes, rays, hits, paths);
-  KnownLight known;
+  KnownLight known = nothing_known(world, bounces_left);
   add_known_light(world, options, mesh_id, lanes, rays, hits, bounces_left, paths, known);
-  sample_missing_lights(world, lanes, hits, samples, diffuse_by_lights, known, paths, shadow);
-  sample_reflections(lanes, hits, samples, diffuse_by_lights, known, rays, paths);
+  sample_missing_lights(world, lanes, hits, samples, known, paths, shadow);
+  sample_reflections(lanes, hits, samples, known, rays, paths);
 }
 
 /// What a ray that is followed for lights alone finds on a mesh.
@@ -650,6 +644,7 @@ void trace_paths(const RenderScene& world, const PathOptions& options, const Sam
                  RayPacket& rays, Paths& paths) {
   for (; bounce <= options.max_bounces + 1 && first_set(paths.active) < kPacket; ++bounce) {
     advance(world, options, rays, paths, indices, bounce);
+    paths.kinds = LightKinds::all;
   }
 }
 
