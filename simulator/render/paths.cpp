@@ -275,13 +275,16 @@ glm::vec3 soft_irradiance(const RenderScene& world, const PathOptions& options, 
 /// Light at one point of a lattice: direct, or, where `bounces` > 0, what arrives after 1 to `bounces` reflections.
 SurfaceLight light_at(const RenderScene& world, const PathOptions& options, const TriangleLattice& lattice,
                       const LatticePoint& point, int bounces) {
+  constexpr int kMoreReflected = 4;
   LightCache& cache = *world.light_cache;
   const std::uint64_t key = bounces == 0 ? point.key : hash(point.key, bounces) | 1;
   if (const auto known = cache.table.find(point.group, key)) return *known;
   Hits hits;
   surface_of(world, lattice, point, hits);
   SurfaceLight light;
-  const int samples = std::max(cache.options.light_samples >> (2 * lattice.fewer()), 1);  // whole packets are taken
+  // Reflected light varies more from path to path, and its points are few where they are no vertices.
+  const int more = bounces > 0 && point.vertex < 0 ? kMoreReflected : 1;
+  const int samples = std::max(more * cache.options.light_samples >> (2 * lattice.fewer()), 1);  // in whole packets
   const std::uint64_t random = hash(key, cache.scramble);
   if (bounces > 0) {
     light.soft = gathered_irradiance(world, options, hits, random, samples, options.max_bounces - bounces + 1, false);
