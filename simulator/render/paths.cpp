@@ -227,15 +227,20 @@ glm::vec3 hard_irradiance(const RenderScene& world, const Hits& hits, std::uint6
   return sum.irradiance;
 }
 
+void find_nearest(const RenderScene& world, const PathOptions& options, RayPacket& rays, Paths& paths, int bounce);
+void shade(const RenderScene& world, const PathOptions& options, RayPacket& rays, Paths& paths,
+           const SampleIndices& indices, int bounce);
+
 /// Mean of what arrives at a point along directions spread as their cosines, over the density 1 / pi: light that a path
 /// of reflection `bounce` and more finds. `pdf_counts`: light samples of the soft kinds could have found it, too.
-glm::vec3 gathered_irradiance(const RenderScene& world, const PathOptions& options, const Hits& hits, std::uint64_t key,
-                              int samples, int bounce, bool pdf_counts) {
+SurfaceLight gathered_light(const RenderScene& world, const PathOptions& options, const Hits& hits, std::uint64_t key,
+                            int samples, int bounce, bool pdf_counts) {
   Surface matte;
   matte.normal = hits.surface.normal.at(0);
   const glm::vec3 up = hits.surface.geometric_normal.at(0), start = hits.start.at(0);
   const int packets = packets_of(samples);
   glm::vec3 sum(0);
+  float nearness = 0;
   for (int packet = 0; packet < packets; ++packet) {
     alignas(64) float numbers[4][kPacket];
     joint_samples(packet * kPacket, key, numbers);
@@ -255,11 +260,15 @@ glm::vec3 gathered_irradiance(const RenderScene& world, const PathOptions& optio
       paths.before_m[i] = 0, paths.straight_pdf[i] = -1;
     }
     const std::uint32_t mask = packets * kPacket / 2 - 1;
-    trace_paths(world, options, {static_cast<std::uint32_t>(packet) * kPacket / 2, mask, hash(key, 1)}, bounce, rays,
-                paths);
+    const SampleIndices indices{static_cast<std::uint32_t>(packet) * kPacket / 2, mask, hash(key, 1)};
+    find_nearest(world, options, rays, paths, bounce);
+    for (int i = 0; i < kPacket; ++i) nearness += paths.active[i] ? 1 / rays.far[i] : 0;
+    shade(world, options, rays, paths, indices, bounce);
+    trace_paths(world, options, indices, bounce + 1, rays, paths);
     for (int i = 0; i < kPacket; ++i) sum += paths.radiance.at(i);
   }
-  return sum * (kPi / static_cast<float>(packets * kPacket));
+  const auto count = static_cast<float>(packets * kPacket);
+  return {.soft = sum * (kPi / count), .from_m = count / nearness};
 }
 
 /// Of environment and emissive surfaces. Near an emissive surface light samples alone would be far off: there half of
@@ -269,25 +278,35 @@ glm::vec3 soft_irradiance(const RenderScene& world, const PathOptions& options, 
   if (!world.lights.has_soft()) return glm::vec3(0);
   if (!world.lights.has_emissive()) return sampled_irradiance(world, hits, key, samples, LightKinds::soft, false);
   return sampled_irradiance(world, hits, key, samples / 2, LightKinds::soft, true) +
-         gathered_irradiance(world, options, hits, hash(key, 4), samples / 2, options.max_bounces + 1, true);
+         gathered_light(world, options, hits, hash(key, 4), samples / 2, options.max_bounces + 1, true).soft;
 }
 
-/// Light at one point of a lattice: direct, or, where `bounces` > 0, what arrives after 1 to `bounces` reflections.
+/// Which light is looked up: direct (`bounces` 0), or what arrives after 1 to `bounces` reflections.
+struct WantedLight {
+  int bounces = 0;
+  bool refined = false;  ///< at points closer than `spacing_m` of the paths
+
+  /// Names it among the kinds of light at one point.
+  std::uint64_t id() const { return bounces == 0 ? 0 : 2 * static_cast<std::uint64_t>(bounces) + (refined ? 1 : 0); }
+};
+
+/// Light at one point of a lattice.
 SurfaceLight light_at(const RenderScene& world, const PathOptions& options, const TriangleLattice& lattice,
-                      const LatticePoint& point, int bounces) {
+                      const LatticePoint& point, WantedLight wanted) {
   constexpr int kMoreReflected = 4;
   LightCache& cache = *world.light_cache;
-  const std::uint64_t key = bounces == 0 ? point.key : hash(point.key, bounces) | 1;
+  const int bounces = wanted.bounces;
+  const std::uint64_t key = bounces == 0 ? point.key : hash(point.key, wanted.id()) | 1;
   if (const auto known = cache.table.find(point.group, key)) return *known;
   Hits hits;
   surface_of(world, lattice, point, hits);
   SurfaceLight light;
-  // Reflected light varies more from path to path, and its points are few where they are no vertices.
-  const int more = bounces > 0 && point.vertex < 0 ? kMoreReflected : 1;
+  // Reflected light varies more from path to path, and its points are few where they are neither vertices nor refined.
+  const int more = bounces > 0 && point.vertex < 0 && !wanted.refined ? kMoreReflected : 1;
   const int samples = std::max(more * cache.options.light_samples >> (2 * lattice.fewer()), 1);  // in whole packets
   const std::uint64_t random = hash(key, cache.scramble);
   if (bounces > 0) {
-    light.soft = gathered_irradiance(world, options, hits, random, samples, options.max_bounces - bounces + 1, false);
+    light = gathered_light(world, options, hits, random, samples, options.max_bounces - bounces + 1, false);
   } else {
     light.soft = soft_irradiance(world, options, hits, random, samples);
     light.hard = hard_irradiance(world, hits, random, samples);
@@ -308,11 +327,34 @@ class LightLookup {
       : world_(world), options_(options), bounces_(bounces), recent_(world.light_cache->recent.local()) {}
 
   InterpolatedLight at(const Hit& hit, glm::vec3 direction, float spacing_m) {
-    if (!lattice_.is_of(hit, direction, spacing_m)) lattice_ = TriangleLattice(world_.scene, hit, direction, spacing_m);
-    const LatticeCell cell = lattice_.cell(hit.u, hit.v);
-    const CellLight around = around_cell(cell);
+    for (int level = 0;; ++level, spacing_m /= 2) {
+      TriangleLattice& lattice = lattices_[level];
+      if (!lattice.is_of(hit, direction, spacing_m)) lattice = TriangleLattice(world_.scene, hit, direction, spacing_m);
+      const LatticeCell cell = lattice.cell(hit.u, hit.v);
+      const CellLight& around = around_cell(lattice, cell, level);
+      if (!is_coarse(lattice, around, level)) return interpolated(cell, around);
+    }
+  }
+
+ private:
+  static constexpr int kLevels = 5;
+
+  /// Whether light varies so much between these points that it takes points half as far apart. Reflected light may
+  /// vary as fast as its distance is short (Ward 1988): then its points come as close as those of direct light, and
+  /// closer only where they differ. So it is kept in corners and beside contacts.
+  bool is_coarse(const TriangleLattice& lattice, const CellLight& around, int level) const {
+    constexpr float kDirect = 0.3f, kReflected = 0.5f;
+    if (lattice.at_vertices() || level + 1 == kLevels) return false;
+    if (bounces_ == 0) return level == 0 && around.soft_difference > kDirect;
+    return around.from_m < lattice.spacing_m() && (level < 2 || around.soft_difference > kReflected);
+  }
+
+  static InterpolatedLight interpolated(const LatticeCell& cell, const CellLight& around) {
+    // Where neighbors differ by more than this share of the larger, an edge of a shadow or of a surface in contact lies
+    // between them, and light is sampled there.
+    constexpr float kSoft = 0.7f, kHard = 0.3f;
     InterpolatedLight out;
-    out.soft_agrees = around.soft_agrees, out.hard_agrees = around.hard_agrees;
+    out.soft_agrees = around.soft_difference <= kSoft, out.hard_agrees = around.hard_difference <= kHard;
     for (int k = 0; k < 2; ++k) {
       const LatticeCell::Row& row = cell.rows[k];
       const float right = row.share * row.beyond, left = row.share - right;
@@ -322,17 +364,15 @@ class LightLookup {
     return out;
   }
 
- private:
-  CellLight around_cell(const LatticeCell& cell) {
-    const std::uint64_t key = lattice_.key_of(cell) + 2 * static_cast<std::uint64_t>(bounces_);
+  const CellLight& around_cell(const TriangleLattice& lattice, const LatticeCell& cell, int level) {
+    const WantedLight wanted{bounces_, level > 0};
+    const std::uint64_t key = lattice.key_of(cell) + 2 * wanted.id();
     if (recent_.slot(key).key == key) return recent_.slot(key);
-    return recent_.slot(key) = fetch(cell, key);
+    return recent_.slot(key) = fetch(lattice, cell, wanted, key);
   }
 
-  CellLight fetch(const LatticeCell& cell, std::uint64_t key) const {
-    // Where neighbors differ by more than this share of the larger, an edge of a shadow or of a surface in contact lies
-    // between them, and light is sampled there.
-    constexpr float kSoft = 0.7f, kHard = 0.3f;
+  CellLight fetch(const TriangleLattice& lattice, const LatticeCell& cell, WantedLight wanted,
+                  std::uint64_t key) const {
     CellLight found;
     found.key = key;
     float soft_low = kInfinity, soft_high = 0, hard_low = kInfinity, hard_high = 0;
@@ -344,14 +384,15 @@ class LightLookup {
           light = found.light[k][0];
           continue;
         }
-        light = light_at(world_, options_, lattice_, lattice_.point(row.row, row.left + side, row.pieces), bounces_);
+        light = light_at(world_, options_, lattice, lattice.point(row.row, row.left + side, row.pieces), wanted);
+        found.from_m = std::min(found.from_m, light.from_m);
         const float soft = luminance(light.soft), hard = luminance(light.hard);
         soft_low = std::min(soft_low, soft), soft_high = std::max(soft_high, soft);
         hard_low = std::min(hard_low, hard), hard_high = std::max(hard_high, hard);
       }
     }
-    found.soft_agrees = soft_high - soft_low <= kSoft * soft_high;
-    found.hard_agrees = hard_high - hard_low <= kHard * hard_high;
+    if (soft_high > 0) found.soft_difference = 1 - soft_low / soft_high;
+    if (hard_high > 0) found.hard_difference = 1 - hard_low / hard_high;
     return found;
   }
 
@@ -359,7 +400,7 @@ class LightLookup {
   const PathOptions& options_;
   const int bounces_;
   RecentCells& recent_;
-  TriangleLattice lattice_;
+  TriangleLattice lattices_[kLevels];  ///< each of half the spacing of the one before
 };
 
 /// What of each lane's light was taken from points on the surface.
@@ -594,14 +635,17 @@ void add_unhidden(const RenderScene& world, const PathOptions& options, ShadowRa
   }
 }
 
-/// One step of all active paths: nearest hits, light found there, shadow rays. Beyond the last reflection, rays look
-/// for lights alone.
-void advance(const RenderScene& world, const PathOptions& options, RayPacket& rays, Paths& paths,
-             const SampleIndices& indices, int bounce) {
-  const Scene& scene = world.scene;
+void find_nearest(const RenderScene& world, const PathOptions& options, RayPacket& rays, Paths& paths, int bounce) {
   const bool coherent = bounce == 0;
   if (options.log) write_down(*options.log, paths.active, rays, false, coherent);
   world.intersector.intersect(paths.active, rays, coherent);
+}
+
+/// One step of all active paths, whose rays have met what is nearest: light found there, shadow rays. Beyond the last
+/// reflection, rays look for lights alone.
+void shade(const RenderScene& world, const PathOptions& options, RayPacket& rays, Paths& paths,
+           const SampleIndices& indices, int bounce) {
+  const Scene& scene = world.scene;
   if (world.intersector.has_glass()) {
     pass_glass(world, options, indices, options.max_bounces - bounce, rays, paths);
   }
@@ -639,6 +683,7 @@ void advance(const RenderScene& world, const PathOptions& options, RayPacket& ra
     scatter(world, options, mesh_id, lanes, options.max_bounces - bounce, samples, rays, paths, shadow);
   }
   add_unhidden(world, options, shadow, paths);
+  paths.kinds = LightKinds::all;
 }
 
 }  // namespace
@@ -646,8 +691,8 @@ void advance(const RenderScene& world, const PathOptions& options, RayPacket& ra
 void trace_paths(const RenderScene& world, const PathOptions& options, const SampleIndices& indices, int bounce,
                  RayPacket& rays, Paths& paths) {
   for (; bounce <= options.max_bounces + 1 && first_set(paths.active) < kPacket; ++bounce) {
-    advance(world, options, rays, paths, indices, bounce);
-    paths.kinds = LightKinds::all;
+    find_nearest(world, options, rays, paths, bounce);
+    shade(world, options, rays, paths, indices, bounce);
   }
 }
 

@@ -2,6 +2,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "simulator/render/light/light_table.h"
@@ -11,9 +12,10 @@ namespace dualpixel::simulator {
 
 /// Light at the points around one cell of a lattice.
 struct CellLight {
-  std::uint64_t key = 0;     ///< of the cell, for this number of reflections
-  SurfaceLight light[2][2];  ///< of each row, left and right
-  bool soft_agrees = true, hard_agrees = true;
+  std::uint64_t key = 0;                           ///< of the cell, for this number of reflections
+  SurfaceLight light[2][2];                        ///< at the points: of each row, left and right
+  float soft_difference = 0, hard_difference = 0;  ///< between the least and the largest of them, over the largest
+  float from_m = std::numeric_limits<float>::infinity();  ///< the least of them
 };
 
 /// The cells that one thread has used last: most are wanted again at once.

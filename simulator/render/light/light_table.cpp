@@ -51,7 +51,8 @@ std::optional<SurfaceLight> LightTable::find(std::uint64_t group, std::uint64_t 
     if (held != key) continue;
     const std::uint64_t soft = slot.soft.load(std::memory_order_acquire);
     if (soft == 0) return {};
-    return SurfaceLight{unpack(soft), unpack(slot.hard.load(std::memory_order_relaxed))};
+    return SurfaceLight{unpack(soft), unpack(slot.hard.load(std::memory_order_relaxed)),
+                        slot.from_m.load(std::memory_order_relaxed)};
   }
   return {};
 }
@@ -64,14 +65,15 @@ SurfaceLight LightTable::add(std::uint64_t group, std::uint64_t key, const Surfa
     std::uint64_t held = 0;
     if (slot.key.compare_exchange_strong(held, key, std::memory_order_relaxed)) {
       slot.hard.store(hard, std::memory_order_relaxed);
+      slot.from_m.store(light.from_m, std::memory_order_relaxed);
       slot.soft.store(soft, std::memory_order_release);
       points_.fetch_add(1, std::memory_order_relaxed);
-      return {unpack(soft), unpack(hard)};
+      return {unpack(soft), unpack(hard), light.from_m};
     }
-    if (held == key) return {unpack(soft), unpack(hard)};  // another thread was first
+    if (held == key) return {unpack(soft), unpack(hard), light.from_m};  // another thread was first
   }
   turned_away_.fetch_add(1, std::memory_order_relaxed);
-  return {unpack(soft), unpack(hard)};
+  return {unpack(soft), unpack(hard), light.from_m};
 }
 
 }  // namespace dualpixel::simulator

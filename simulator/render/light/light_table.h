@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <glm/glm.hpp>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -12,6 +13,9 @@ namespace dualpixel::simulator {
 struct SurfaceLight {
   glm::vec3 soft{0};  ///< of the environment and of emissive surfaces, direct or reflected
   glm::vec3 hard{0};  ///< of lights without extent: what their shadows do to it has sharp edges
+  /// Of reflected light: harmonic mean of the distances, in meters, over which it came. Infinite where it came from no
+  /// surface, or is direct.
+  float from_m = std::numeric_limits<float>::infinity();
 };
 
 /// Remembers light that has been computed, in bounded memory and for any number of threads without locks. It holds
@@ -37,6 +41,7 @@ class LightTable {
  private:
   struct alignas(32) Slot {
     std::atomic<std::uint64_t> key, soft, hard;  ///< key 0: empty; soft 0: being written
+    std::atomic<float> from_m;
   };
   struct Free {
     void operator()(Slot* slots) const { std::free(slots); }

@@ -49,6 +49,8 @@ class TriangleLattice {
   float spacing_m() const;
   /// Of the light samples that points get, the power of 4 by which these get fewer, as they lie closer: 0 to 2.
   int fewer() const { return fewer_; }
+  /// Whether points are vertices of the mesh.
+  bool at_vertices() const { return shared_; }
 
  private:
   int pieces_of(int row) const;
