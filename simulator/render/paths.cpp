@@ -149,6 +149,51 @@ void surface_of(const RenderScene& world, const TriangleLattice& lattice, const 
   hits_at(world, lattice.hit().mesh, kFirst, rays, hits);
 }
 
+struct Sent {
+  glm::vec3 direction;
+  int to = -1;  ///< as Paths::sent_to
+};
+
+/// A direction of diffuse reflection: a share of them towards bright surfaces, the others by reflected(u, v).
+template <typename Reflected>
+Sent send(const RenderScene& world, glm::vec3 start, float u, float v, Reflected reflected) {
+  const float share = world.bright.share();
+  if (u >= share) return {reflected((u - share) / (1 - share), v)};
+  const BrightSurfaces::Target target = world.bright.towards(start, u / share, v);
+  return {target.direction, target.triangle};
+}
+
+/// Density of a direction of diffuse reflection in which a ray meets `mesh` (or kNoMesh): sent there or reflected.
+float both_pdf(const RenderScene& world, float reflected_pdf, unsigned mesh, unsigned triangle, glm::vec3 direction,
+               float distance_m) {
+  const float share = world.bright.share();
+  const int met = share == 0 || mesh == kNoMesh ? -1 : world.bright.met(mesh, triangle);
+  const float sent_pdf = met < 0 ? 0 : world.bright.pdf(met, direction, distance_m);
+  return (1 - share) * reflected_pdf + share * sent_pdf;
+}
+
+/// Weighs what paths carry by the density of their directions in both ways, which is known when they have met something
+/// (balance heuristic). What hides a bright surface from a ray that was sent there is left to reflection.
+void weigh_sent(const RenderScene& world, const RayPacket& rays, Paths& paths) {
+  if (world.bright.share() == 0) return;
+  for (int i = 0; i < kPacket; ++i) {
+    if (!paths.active[i] || paths.reflected_pdf[i] == 0) continue;
+    if (paths.sent_to[i] >= 0) {
+      const int met = rays.mesh[i] == kNoMesh ? -1 : world.bright.met(rays.mesh[i], rays.triangle[i]);
+      if (met != paths.sent_to[i]) {
+        paths.active[i] = 0;
+        continue;
+      }
+    }
+    const glm::vec3 direction(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]);
+    const float weight = paths.reflected_pdf[i] / both_pdf(world, paths.reflected_pdf[i], rays.mesh[i],
+                                                           rays.triangle[i], direction, rays.far[i]);
+    paths.throughput.set(i, paths.throughput.at(i) * weight);
+    paths.unlit_throughput.set(i, paths.unlit_throughput.at(i) * weight);
+    if (paths.pdf[i] != kCountedInFull) paths.pdf[i] /= weight;
+  }
+}
+
 /// Sum over sampled lights of irradiance that nothing hides.
 struct LightSum {
   alignas(64) ShadowRays shadow{};
@@ -240,7 +285,7 @@ SurfaceLight gathered_light(const RenderScene& world, const PathOptions& options
   const glm::vec3 up = hits.surface.geometric_normal.at(0), start = hits.start.at(0);
   const int packets = packets_of(samples);
   glm::vec3 sum(0);
-  float nearness = 0;
+  float nearness = 0, reflected = 0;
   for (int packet = 0; packet < packets; ++packet) {
     alignas(64) float numbers[4][kPacket];
     joint_samples(packet * kPacket, key, numbers);
@@ -248,13 +293,18 @@ SurfaceLight gathered_light(const RenderScene& world, const PathOptions& options
     alignas(64) Paths paths;
     paths.kinds = LightKinds::soft;
     for (int i = 0; i < kPacket; ++i) {
-      const glm::vec3 direction = sample_bsdf(matte, matte.normal, numbers[0][i], numbers[1][i]);
+      const Sent sent = pdf_counts ? Sent{sample_bsdf(matte, matte.normal, numbers[0][i], numbers[1][i])}
+                                   : send(world, start, numbers[0][i], numbers[1][i],
+                                          [&](float u, float v) { return sample_bsdf(matte, matte.normal, u, v); });
+      const glm::vec3 direction = sent.direction;
+      const float pdf = bsdf_pdf(matte, matte.normal, direction);
       set_ray(rays, i, start, direction, kInfinity);
-      paths.active[i] = glm::dot(up, direction) > 0 ? -1 : 0;
+      paths.active[i] = glm::dot(up, direction) > 0 && pdf > 0 ? -1 : 0;
       paths.throughput.set(i, glm::vec3(1));
       paths.unlit_throughput.set(i, glm::vec3(1));
       paths.radiance.set(i, glm::vec3(0));
-      paths.pdf[i] = pdf_counts ? bsdf_pdf(matte, matte.normal, direction) : 0;
+      paths.pdf[i] = pdf_counts ? pdf : 0;
+      paths.reflected_pdf[i] = pdf_counts ? 0 : pdf, paths.sent_to[i] = sent.to;
       paths.normal.set(i, matte.normal);
       paths.spacing_m[i] = 0, paths.spread[i] = kNoPoints;
       paths.before_m[i] = 0, paths.straight_pdf[i] = -1;
@@ -262,13 +312,17 @@ SurfaceLight gathered_light(const RenderScene& world, const PathOptions& options
     const std::uint32_t mask = packets * kPacket / 2 - 1;
     const SampleIndices indices{static_cast<std::uint32_t>(packet) * kPacket / 2, mask, hash(key, 1)};
     find_nearest(world, options, rays, paths, bounce);
-    for (int i = 0; i < kPacket; ++i) nearness += paths.active[i] ? 1 / rays.far[i] : 0;
+    for (int i = 0; i < kPacket; ++i) {
+      if (paths.sent_to[i] >= 0) continue;
+      nearness += paths.active[i] ? 1 / rays.far[i] : 0;
+      ++reflected;
+    }
     shade(world, options, rays, paths, indices, bounce);
     trace_paths(world, options, indices, bounce + 1, rays, paths);
     for (int i = 0; i < kPacket; ++i) sum += paths.radiance.at(i);
   }
   const auto count = static_cast<float>(packets * kPacket);
-  return {.soft = sum * (kPi / count), .from_m = count / nearness};
+  return {.soft = sum * (kPi / count), .from_m = reflected / nearness};
 }
 
 /// Of environment and emissive surfaces. Near an emissive surface light samples alone would be far off: there half of
@@ -343,7 +397,7 @@ class LightLookup {
   /// vary as fast as its distance is short (Ward 1988): then its points come as close as those of direct light, and
   /// closer only where they differ. So it is kept in corners and beside contacts.
   bool is_coarse(const TriangleLattice& lattice, const CellLight& around, int level) const {
-    constexpr float kDirect = 0.3f, kReflected = 0.5f;
+    constexpr float kDirect = 0.3f, kReflected = 0.7f;
     if (lattice.at_vertices() || level + 1 == kLevels) return false;
     if (bounces_ == 0) return level == 0 && around.soft_difference > kDirect;
     return around.from_m < lattice.spacing_m() && (level < 2 || around.soft_difference > kReflected);
@@ -507,6 +561,15 @@ float way_out(const Hits& hits, int i, glm::vec3 direction) {
   return 2.5f * hits.surface.radius_m[i] / std::sqrt(std::max(1 - along * along, 0.01f));
 }
 
+/// Whether reflection spreads rays so far that few of them would ask for the same points.
+bool is_wide(const Surface& s, bool without_diffuse) {
+  constexpr float kMostShared = 0.3f;  // roughness
+  return s.roughness > kMostShared || !without_diffuse;
+}
+
+/// Whether a share of the reflected rays is sent towards bright surfaces.
+bool sends_rays(const Surface& s, bool without_diffuse) { return !s.hair && is_wide(s, without_diffuse); }
+
 /// Lets the light samples of strands look to one of both sides.
 void turn_to_sides(const int lanes[kPacket], const Padded& numbers, SurfacePacket& surface) {
   for (int i = 0; i < kPacket; ++i) {
@@ -535,7 +598,12 @@ void sample_lights(const RenderScene& world, const int lanes[kPacket], const Hit
     const bool without_diffuse = known.soft[i] || known.diffuse_by_lights[i];
     const bool also_by_reflection = !hard && !carries_nothing(hits.surface, without_diffuse);
     glm::vec3 reflected = carried(s, to_eye, direction, without_diffuse);
-    if (also_by_reflection) reflected *= mis_weight(l.pdf[i], bsdf_pdf(s, to_eye, direction));
+    if (also_by_reflection) {
+      const float pdf = bsdf_pdf(s, to_eye, direction);
+      const bool sends = sends_rays(s, without_diffuse);
+      reflected *= mis_weight(l.pdf[i],
+                              sends ? both_pdf(world, pdf, l.mesh[i], l.triangle[i], direction, l.distance_m[i]) : pdf);
+    }
     if (!is_known && without_diffuse) reflected += diffuse_bsdf(s);
     if (is_known && !without_diffuse) reflected -= diffuse_bsdf(s);
     const glm::vec3 arriving = reflected * radiance * cosine;
@@ -568,18 +636,22 @@ void sample_missing_lights(const RenderScene& world, const int lanes[kPacket], c
 }
 
 /// The next ray of each path.
-void sample_reflections(const int lanes[kPacket], const Hits& hits, ScatterSamples& samples, const KnownLight& known,
-                        RayPacket& rays, Paths& paths) {
-  constexpr float kMostShared = 0.3f;  // roughness: rays beyond spread so far that few ask for the same points
-  constexpr float kSmall = 0.25f;      // rays that carry less are followed less often
+void sample_reflections(const RenderScene& world, const int lanes[kPacket], const Hits& hits, ScatterSamples& samples,
+                        const KnownLight& known, RayPacket& rays, Paths& paths) {
+  constexpr float kSmall = 0.25f;  // rays that carry less are followed less often
   for (int i = 0; i < kPacket; ++i) {
     const bool without_diffuse = known.soft[i] || known.diffuse_by_lights[i];
     if (!lanes[i] || carries_nothing(hits.surface, without_diffuse)) continue;
     Surface s = hits.surface.at(i);
     const glm::vec3 to_eye = hits.to_eye.at(i);
     const float u = samples.reflection().u[i], v = samples.reflection().v[i];
-    const glm::vec3 direction = s.hair ? sample_strand(s, to_eye, {samples.strand().u[i], u, v, samples.strand().v[i]})
-                                       : sample_bsdf(s, to_eye, u, v);
+    const auto reflected = [&](float a, float b) {
+      if (s.hair) return sample_strand(s, to_eye, {samples.strand().u[i], a, b, samples.strand().v[i]});
+      return sample_bsdf(s, to_eye, a, b);
+    };
+    const bool sends = sends_rays(s, without_diffuse);
+    const Sent sent = sends ? send(world, hits.start.at(i), u, v, reflected) : Sent{reflected(u, v)};
+    const glm::vec3 direction = sent.direction;
     const float n_l = glm::dot(s.normal, direction);
     const float pdf = bsdf_pdf(s, to_eye, direction);
     if (!(n_l > 0) || !(glm::dot(s.geometric_normal, direction) > 0) || !(pdf > 0)) continue;
@@ -592,7 +664,8 @@ void sample_reflections(const int lanes[kPacket], const Hits& hits, ScatterSampl
     paths.pdf[i] = pdf;
     paths.normal.set(i, s.normal);
     paths.spacing_m[i] = hits.spacing_m[i];
-    paths.spread[i] = s.roughness > kMostShared || !without_diffuse ? kNoPoints : paths.spread[i] + 0.2f * s.roughness;
+    paths.reflected_pdf[i] = sends ? pdf : 0, paths.sent_to[i] = sent.to;
+    paths.spread[i] = is_wide(s, without_diffuse) ? kNoPoints : paths.spread[i] + 0.2f * s.roughness;
     paths.before_m[i] = 0, paths.straight_pdf[i] = -1;
     set_ray(rays, i, hits.start.at(i) + way_out(hits, i, direction) * direction, direction, kInfinity);
     paths.active[i] = -1;
@@ -611,7 +684,7 @@ void scatter(const RenderScene& world, const PathOptions& options, unsigned mesh
   KnownLight known = nothing_known(world, bounces_left);
   add_known_light(world, options, mesh_id, lanes, rays, hits, bounces_left, paths, known);
   sample_missing_lights(world, lanes, hits, samples, known, paths, shadow);
-  sample_reflections(lanes, hits, samples, known, rays, paths);
+  sample_reflections(world, lanes, hits, samples, known, rays, paths);
 }
 
 /// What a ray that is followed for lights alone finds on a mesh.
@@ -646,6 +719,7 @@ void find_nearest(const RenderScene& world, const PathOptions& options, RayPacke
 void shade(const RenderScene& world, const PathOptions& options, RayPacket& rays, Paths& paths,
            const SampleIndices& indices, int bounce) {
   const Scene& scene = world.scene;
+  weigh_sent(world, rays, paths);
   if (world.intersector.has_glass()) {
     pass_glass(world, options, indices, options.max_bounces - bounce, rays, paths);
   }

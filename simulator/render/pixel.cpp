@@ -67,6 +67,7 @@ void start_paths(const LensPacket& packet, int count, int odd_left, float spread
     paths.radiance.set(i, glm::vec3(0));
     paths.pdf[i] = kCountedInFull;
     paths.spacing_m[i] = 0, paths.spread[i] = spread, paths.before_m[i] = 0, paths.straight_pdf[i] = -1;
+    paths.reflected_pdf[i] = 0, paths.sent_to[i] = -1;
   }
 }
 

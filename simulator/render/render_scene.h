@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "simulator/render/intersector.h"
+#include "simulator/render/light/bright_surfaces.h"
 #include "simulator/render/light/light_cache.h"
 #include "simulator/render/shading/lights.h"
 #include "simulator/scene/scene.h"
@@ -15,11 +16,13 @@ struct RenderScene {
       : scene(source),
         intersector(source),
         lights(source, intersector.bounds().low, intersector.bounds().high),
+        bright(source, lights, intersector),
         light_cache(cache.light_spacing_px > 0 ? std::make_unique<LightCache>(cache) : nullptr) {}
 
   const Scene& scene;
   Intersector intersector;
   Lights lights;
+  BrightSurfaces bright;
   std::unique_ptr<LightCache> light_cache;  ///< null: none
 };
 

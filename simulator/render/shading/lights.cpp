@@ -64,6 +64,18 @@ Lights::Choice Lights::choice_at(glm::vec3 normal, LightKinds kinds) const {
   return choice;
 }
 
+float Lights::near_share() const {
+  float all = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const float sign : {-1.0f, 1.0f}) {
+      glm::vec3 normal(0);
+      normal[axis] = sign;
+      all += choice_at(normal, LightKinds::all).all_lux / 6;
+    }
+  }
+  return all > 0 ? near_lux_ / all : 0;
+}
+
 void Lights::sample(const int lanes[kPacket], const Vec3Packet& point, const Vec3Packet& normal, const float u[kPacket],
                     const float v[kPacket], LightPacket& out, LightKinds kinds) const {
   // `below`: the light of the lights before those in question; u * all_lux lies in one of these stretches
@@ -211,7 +223,8 @@ void Lights::sample_near(const int lanes[kPacket], const Vec3Packet& point, cons
     if (pdf[i] > 0) {
       const EmissiveTriangle& light = triangles_[chosen[i].triangle];
       const glm::vec3 nits = emission_at(scene_, scene_.meshes[light.mesh], light.triangle, chosen[i].b1, chosen[i].b2);
-      sample = {to_light.at(i), distance[i], nits / (pdf[i] * probability[i]), pdf[i] * probability[i]};
+      sample = {to_light.at(i),          distance[i], nits / (pdf[i] * probability[i]),
+                pdf[i] * probability[i], light.mesh,  light.triangle};
     }
     out.set(i, sample);
   }

@@ -17,16 +17,20 @@ struct LightSample {
   float distance_m = 0;          ///< infinity for environment and directional lights
   glm::vec3 radiance{0};         ///< radiance (or a punctual light's illuminance) over the density; 0: no light
   float pdf = 0;                 ///< solid-angle density, the choice of the light included; 0 for punctual lights
+  unsigned mesh = kNoMesh;       ///< of an emissive triangle
+  unsigned triangle = 0;
 };
 
 struct LightPacket {
   Vec3Packet direction, radiance;
   alignas(64) float distance_m[kPacket], pdf[kPacket];
+  alignas(64) unsigned mesh[kPacket], triangle[kPacket];
   void set(int i, const LightSample& s) {
     direction.set(i, s.direction);
     radiance.set(i, s.radiance);
     distance_m[i] = s.distance_m;
     pdf[i] = s.pdf;
+    mesh[i] = s.mesh, triangle[i] = s.triangle;
   }
 };
 
@@ -49,6 +53,9 @@ class Lights {
 
   bool has_soft() const { return !environment_.dark() || has_emissive(); }
   bool has_emissive() const { return !triangles_.empty(); }
+  /// What near lights throw on an average point of the scene, and its share of all light on surfaces of any direction.
+  float near_lux() const { return near_lux_; }
+  float near_share() const;
 
   /// Densities with which sample() of these kinds (not hard), at a surface with this normal, would have found what a
   /// ray met by other means.
