@@ -2,12 +2,17 @@
 // ship are as near to their measurements as docs/fit_camera.md says.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <map>
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
+#include "evaluation/camera_fit/camera_figures.h"
 #include "evaluation/camera_fit/camera_fit.h"
+#include "simulator/lens/lens_file.h"
 
 namespace dualpixel::evaluation {
 namespace {
@@ -172,6 +177,36 @@ TEST(SlowCameraFit, FindsTheShippedFullFrameCamera) {
     const json::json_pointer pointer(f.pointer);
     EXPECT_NEAR(fit.lens.at(pointer).get<double>(), shipped.at(pointer).get<double>(), 0.01 * (f.high - f.low))
         << f.pointer;
+  }
+}
+
+// Measured on a Pixel 4 (docs/fit_camera.md): disparity over 4 sigma_y of both kernels, which is alpha for a disc, is
+// .233 in the middle of the field, .203 to .232 over the rest, and the left view has .50 to .59 of the light. A ramp of
+// k = 1.19 gives .21 and .50 everywhere but for vignetting.
+TEST(PhoneLenses, SplitAsThePhoneThatWasMeasured) {
+  for (const char* name : {"phone_6p_4.2mm_f1.8", "phone_7p_4.9mm_f1.85", "phone_aberrated_4.4mm_f1.8"}) {
+    const simulator::Lens lens =
+        simulator::read_lens_file(std::string(DUALPIXEL_SOURCE_DIR "/lens_models/") + name + ".json", 0.137);
+    constexpr int kWidth = 4032, kHeight = 3024;
+    const simulator::LensSampler sampler(
+        lens, {kWidth, kHeight, 2e-3 * image_radius_mm(lens) / 5040, {kWidth / 2.0, kHeight / 2.0}});
+    double middle = 0, least = 1, most = 0, uneven = 0;
+    for (int row = 0; row < 6; ++row) {
+      for (int column = 0; column < 8; ++column) {
+        const PointFigures f =
+            trace_point(sampler, (2 * column + 1) * kWidth / 16, (2 * row + 1) * kHeight / 12, 0.717, 16384);
+        const double alpha = (f.right.centroid_m.x - f.left.centroid_m.x) / (4 * f.sum_sigma_m.y);
+        const bool central = (row == 2 || row == 3) && (column == 3 || column == 4);
+        if (central) middle += alpha / 4;
+        least = std::min(least, alpha);
+        most = std::max(most, alpha);
+        uneven = std::max(uneven, std::abs(f.left.light / (f.left.light + f.right.light) - 0.5));
+      }
+    }
+    std::printf("%s: alpha %.3f in the middle, %.3f to %.3f; left share within %.3f of a half\n", name, middle, least,
+                most, uneven);
+    EXPECT_NEAR(middle, 0.233, 0.04 * 0.233) << name;
+    EXPECT_LT(uneven, 0.09) << name;
   }
 }
 
