@@ -307,6 +307,17 @@ TEST(SlowAberrations, AreCalibratedWhereASweepEndsAndNearer) {
   }
 }
 
+// A thin lens has one disparity and no vignetting; what the sweep leaves is under the traced lenses' .03 DP px.
+TEST(SlowAberrations, OfAThinLensAreNone) {
+  simulator::Simulation simulation = small_camera("phone_thin_4.4mm_f1.8");
+  simulation.lens = simulator::refocused(simulation.lens, 0.6);
+  const AberratedField f = measure_aberrated_field(simulation);
+  EXPECT_LT(f.before_sigma_dp_px, 1e-3);
+  EXPECT_LT(f.after_sigma_dp_px, 0.03);
+  EXPECT_EQ(*std::min_element(f.light.data.begin(), f.light.data.end()), 1);
+  EXPECT_NEAR(f.left_share.at(3, 3), 0.5, 1e-3);
+}
+
 /// Deviation over the field of a plane's matched disparity, means over an eighth of the width: noise averages out.
 double spread_of_plane(const Capture& capture, const pipeline::PortraitOptions& options) {
   const Image d = resize_area(run_portrait(capture, options).matched_disparity_dp_px, 10, 8);
