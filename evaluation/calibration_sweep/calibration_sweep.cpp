@@ -115,12 +115,13 @@ pipeline::TargetMeasurement FocusSweep::measure(double distance_m, std::uint64_t
 
 std::vector<pipeline::TargetMeasurement> measure_around(const simulator::Simulation& simulation,
                                                         double focus_distance_m, const SweepOptions& options) {
-  const std::vector<double> focuses = sweep_focus_distances(options);
+  SweepOptions reaching = options;
+  reaching.nearest_focus_m = std::min(options.nearest_focus_m, focus_distance_m);
+  const std::vector<double> focuses = sweep_focus_distances(reaching);
+  const double steps = (options.focuses - 1) * reaching.nearest_focus_m / focus_distance_m;  // from infinity
+  const int far = std::clamp(static_cast<int>(steps), 0, options.focuses - 2);
   std::vector<pipeline::TargetMeasurement> measurements;
-  for (std::size_t i = 0; i < focuses.size(); ++i) {
-    const bool far = i + 1 < focuses.size() && focuses[i] >= focus_distance_m && focuses[i + 1] < focus_distance_m;
-    const bool near = i > 0 && focuses[i] < focus_distance_m && focuses[i - 1] >= focus_distance_m;
-    if (!far && !near) continue;
+  for (const int i : {far, far + 1}) {
     const FocusSweep sweep(simulation, focuses[i], options);
     for (std::size_t j = 0; j < sweep.target_distances_m().size(); ++j) {
       measurements.push_back(sweep.measure(sweep.target_distances_m()[j], simulator::hash(kSeed, i, j)));

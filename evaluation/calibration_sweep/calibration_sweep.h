@@ -54,7 +54,7 @@ class FocusSweep {
 };
 
 /// What the sweep would measure at its two focus distances around `focus_distance_m`, which are all that a correction
-/// for that one uses.
+/// for that one uses. A sweep that ends farther away is made to reach that near.
 std::vector<pipeline::TargetMeasurement> measure_around(const simulator::Simulation& simulation,
                                                         double focus_distance_m, const SweepOptions& options);
 

@@ -8,12 +8,13 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include "capture/error.h"
 #include "capture/path_beside.h"
 #include "evaluation/camera_fit/camera_figures.h"
 #include "simulator/lens/lens_file.h"
-#include "simulator/lens/lens_sampler.h"
 
 namespace dualpixel::evaluation {
 namespace {
@@ -79,17 +80,12 @@ double scale_of(const FigureRow& row, const std::vector<double>& measured) {
   return scale > 0 ? scale : 1;
 }
 
-/// Errors over tolerances at the fitted places; empty where the lens cannot be.
-Eigen::VectorXd weighted_errors(const CameraMeasurements& m, const nlohmann::json& lens) {
+/// Errors over tolerances at the fitted places; empty where some place has no light.
+Eigen::VectorXd weighted_errors(const CameraMeasurements& m, const PreparedCamera& camera) {
   std::vector<double> errors;
   for (std::size_t g = 0; g < m.grids.size(); ++g) {
     const MeasuredGrid& grid = m.grids[g];
-    std::vector<std::vector<double>> predicted;
-    try {
-      predicted = predict(m, lens, g, kFitSamples);
-    } catch (const InputError&) {
-      return {};
-    }
+    const std::vector<std::vector<double>> predicted = predict(m, camera, g, kFitSamples);
     for (std::size_t k = 0; k < grid.figures.size(); ++k) {
       const FigureRow& row = row_of(kFigures, grid.figures[k].figure);
       if (!row.fitted) continue;
@@ -116,18 +112,33 @@ nlohmann::json lens_at(const CameraMeasurements& m, const Eigen::VectorXd& at) {
   return lens;
 }
 
+/// A camera and its errors; none where the lens cannot be.
+struct Trial {
+  PreparedCamera camera;
+  Eigen::VectorXd errors;
+};
+std::optional<Trial> try_at(const CameraMeasurements& m, const Eigen::VectorXd& at, const PreparedCamera* like) {
+  try {
+    PreparedCamera camera = prepare_camera(m, lens_at(m, at), like);
+    Eigen::VectorXd errors = weighted_errors(m, camera);
+    if (errors.size() == 0) return {};
+    return Trial{std::move(camera), std::move(errors)};
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
 /// Central differences, one-sided at a bound or where the lens cannot be.
-Eigen::MatrixXd slopes_of(const CameraMeasurements& m, const Eigen::VectorXd& at, const Eigen::VectorXd& errors) {
-  Eigen::MatrixXd slopes(errors.size(), at.size());
+Eigen::MatrixXd slopes_of(const CameraMeasurements& m, const Eigen::VectorXd& at, const Trial& here) {
+  Eigen::MatrixXd slopes(here.errors.size(), at.size());
   tbb::parallel_for(Eigen::Index{0}, at.size(), [&](Eigen::Index i) {
     Eigen::VectorXd ahead = at, behind = at;
     ahead[i] = std::min(1.0, at[i] + kDifference);
     behind[i] = std::max(0.0, at[i] - kDifference);
-    Eigen::VectorXd more = weighted_errors(m, lens_at(m, ahead)), less = weighted_errors(m, lens_at(m, behind));
-    if (more.size() == 0) more = errors, ahead = at;
-    if (less.size() == 0) less = errors, behind = at;
-    const double step = ahead[i] - behind[i];
-    slopes.col(i) = step > 0 ? Eigen::VectorXd((more - less) / step) : Eigen::VectorXd::Zero(errors.size());
+    const std::optional<Trial> more = try_at(m, ahead, &here.camera), less = try_at(m, behind, &here.camera);
+    const double step = (more ? ahead[i] : at[i]) - (less ? behind[i] : at[i]);
+    slopes.col(i).setZero();
+    if (step > 0) slopes.col(i) = ((more ? more->errors : here.errors) - (less ? less->errors : here.errors)) / step;
   });
   return slopes;
 }
@@ -154,11 +165,33 @@ Eigen::VectorXd damped_step(const Eigen::MatrixXd& slopes, const Eigen::VectorXd
 
 }  // namespace
 
-std::vector<std::vector<double>> predict(const CameraMeasurements& m, const nlohmann::json& lens_json,
-                                         std::size_t index, int samples) {
+PreparedCamera prepare_camera(const CameraMeasurements& m, const nlohmann::json& lens_json,
+                              const PreparedCamera* like) {
+  PreparedCamera camera{lens_json, {}};
+  camera.optics.erase("split");
+  const bool shares = like != nullptr && like->optics == camera.optics;
+  for (std::size_t g = 0; g < m.grids.size(); ++g) {
+    const double focus_distance_m = m.grids[g].focus_distance_m;
+    const simulator::Lens lens = simulator::read_lens(lens_json, m.path, "/lens", focus_distance_m);
+    const auto same =
+        std::find_if(m.grids.begin(), m.grids.begin() + static_cast<std::ptrdiff_t>(g),
+                     [&](const MeasuredGrid& other) { return other.focus_distance_m == focus_distance_m; });
+    const auto before = static_cast<std::size_t>(same - m.grids.begin());
+    if (shares) {
+      camera.at_grid.push_back(like->at_grid[g].with_split(lens.split));
+    } else if (before < g) {
+      camera.at_grid.push_back(camera.at_grid[before]);
+    } else {
+      camera.at_grid.emplace_back(lens, simulator::sensor_grid(m.sensor));
+    }
+  }
+  return camera;
+}
+
+std::vector<std::vector<double>> predict(const CameraMeasurements& m, const PreparedCamera& camera, std::size_t index,
+                                         int samples) {
   const MeasuredGrid& grid = m.grids[index];
-  const simulator::LensSampler lens(simulator::read_lens(lens_json, m.path, "/lens", grid.focus_distance_m),
-                                    simulator::sensor_grid(m.sensor));
+  const simulator::LensSampler& lens = camera.at_grid[index];
   const std::size_t columns = grid.x.size();
   std::vector<PointFigures> points(columns * grid.y.size());
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
@@ -177,9 +210,10 @@ std::vector<std::vector<double>> predict(const CameraMeasurements& m, const nloh
 
 std::vector<FigureScore> score_camera(const CameraMeasurements& m, const nlohmann::json& lens) {
   std::vector<FigureScore> scores;
+  const PreparedCamera camera = prepare_camera(m, lens);
   for (std::size_t g = 0; g < m.grids.size(); ++g) {
     const MeasuredGrid& grid = m.grids[g];
-    const std::vector<std::vector<double>> predicted = predict(m, lens, g, kScoreSamples);
+    const std::vector<std::vector<double>> predicted = predict(m, camera, g, kScoreSamples);
     for (std::size_t k = 0; k < predicted.size(); ++k) {
       const std::vector<double>& measured = grid.figures[k].values;
       const FigureRow& row = row_of(kFigures, grid.figures[k].figure);
@@ -214,25 +248,24 @@ CameraFit fit_camera(const CameraMeasurements& m) {
     const double start = m.lens.at(nlohmann::json::json_pointer(f.pointer)).get<double>();
     at[static_cast<Eigen::Index>(i)] = (start - f.low) / (f.high - f.low);
   }
-  Eigen::VectorXd errors = weighted_errors(m, lens_at(m, at));
-  if (errors.size() == 0) {
+  std::optional<Trial> here = try_at(m, at, nullptr);
+  if (!here) {
     throw InputError(printable(m.path) + ": /lens: some place of the grids gets no light: start from another lens");
   }
   CameraFit fit;
-  const double count = static_cast<double>(errors.size());
-  fit.before = fit.after = errors.squaredNorm() / count;
+  const double count = static_cast<double>(here->errors.size());
+  fit.before = fit.after = here->errors.squaredNorm() / count;
   double damping = 1e-2, growth = 2;
   bool improved = true;
   while (improved && fit.steps < kMostSteps) {
-    const Eigen::MatrixXd slopes = slopes_of(m, at, errors);
+    const Eigen::MatrixXd slopes = slopes_of(m, at, *here);
     improved = false;
     while (!improved && damping < 1e8) {
-      const Eigen::VectorXd next = damped_step(slopes, errors, at, damping);
-      const Eigen::VectorXd next_errors = weighted_errors(m, lens_at(m, next));
-      const double cost =
-          next_errors.size() == 0 ? std::numeric_limits<double>::infinity() : next_errors.squaredNorm() / count;
+      const Eigen::VectorXd next = damped_step(slopes, here->errors, at, damping);
+      std::optional<Trial> there = try_at(m, next, &here->camera);
+      const double cost = there ? there->errors.squaredNorm() / count : std::numeric_limits<double>::infinity();
       if (cost < fit.after * (1 - kSmallestGain)) {
-        fit.after = cost, at = next, errors = next_errors, improved = true;
+        fit.after = cost, at = next, here = std::move(there), improved = true;
         damping = std::max(damping / 3, 1e-9), growth = 2;
       } else {
         damping *= growth, growth *= 2;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "evaluation/camera_fit/measurements.h"
+#include "simulator/lens/lens_sampler.h"
 
 /// A camera fitted to what was measured on a real one (docs/fit_camera.md).
 namespace dualpixel::evaluation {
@@ -22,10 +23,20 @@ struct FigureScore {
 /// Whether the fit uses a place: every second one, as on a chess board.
 inline bool is_fitted_place(std::size_t column, std::size_t row) { return (column + row) % 2 == 0; }
 
-/// One figure of each place of a grid as the lens has it, row by row; `samples` rays each. The light is scaled to fit
-/// the measured one best, since its unit is free. NaN where there is no light. Throws InputError where the lens is
-/// none.
-std::vector<std::vector<double>> predict(const CameraMeasurements& measured, const nlohmann::json& lens,
+/// A lens made ready at the focus distance of every grid.
+struct PreparedCamera {
+  nlohmann::json optics;  ///< the lens but for its split pixel
+  std::vector<simulator::LensSampler> at_grid;
+};
+
+/// Throws InputError where the lens is none. Where it differs from `like` in the split pixel alone it shares what takes
+/// long: a prescription's rays.
+PreparedCamera prepare_camera(const CameraMeasurements& measured, const nlohmann::json& lens,
+                              const PreparedCamera* like = nullptr);
+
+/// Each figure of a grid as the lens has it, row by row; `samples` rays a place. The light is scaled to fit the
+/// measured one best, since its unit is free. NaN where there is no light.
+std::vector<std::vector<double>> predict(const CameraMeasurements& measured, const PreparedCamera& camera,
                                          std::size_t grid, int samples);
 
 /// Each figure of each grid against the lens's.

@@ -63,19 +63,20 @@ AberratedField measure_aberrated_field(const simulator::Simulation& simulation) 
 }
 
 nlohmann::ordered_json to_json(const std::vector<AberratedField>& fields) {
+  const auto distance = [](double m) { return std::isfinite(m) ? nlohmann::ordered_json(m) : "inf"; };
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const AberratedField& f : fields) {
     const auto [darkest, brightest] = std::minmax_element(f.light.data.begin(), f.light.data.end());
     const auto [least, most] = std::minmax_element(f.left_share.data.begin(), f.left_share.data.end());
     const auto [near, far] = std::minmax_element(f.focus_m.data.begin(), f.focus_m.data.end());
     rows.push_back({{"lens", f.lens},
-                    {"focus_distance_m", f.focus_distance_m},
-                    {"plane_m", f.plane_m},
+                    {"focus_distance_m", distance(f.focus_distance_m)},
+                    {"plane_m", distance(f.plane_m)},
                     {"before_sigma_dp_px", f.before_sigma_dp_px},
                     {"after_sigma_dp_px", f.after_sigma_dp_px},
                     {"least_light", *darkest / *brightest},
                     {"left_share", {*least, *most}},
-                    {"focus_m", {*near, std::isfinite(*far) ? nlohmann::ordered_json(*far) : "inf"}}});
+                    {"focus_m", {distance(*near), distance(*far)}}});
   }
   return {{"format", "dualpixel-experiment-aberrations"}, {"version", 1}, {"cameras", rows}};
 }

@@ -39,6 +39,9 @@ DisparityCoefficients closed_form(const LensSampler& lens) {
   c.blur_slope_px_m = -thin.pupil_diameter_m() * thin.image_distance_m() * per_px;
   c.intercept_dp_px = alpha * c.blur_intercept_px * dp_px_per_px;
   c.slope_dp_px_m = alpha * c.blur_slope_px_m * dp_px_per_px;
+  const DisparityCoefficients traced = trace_disparity(lens, 0, 0);
+  c.left_light = traced.left_light;
+  c.right_light = traced.right_light;
   return c;
 }
 

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <type_traits>
+#include <utility>
 
 #include "simulator/lens/diffraction.h"
 #include "simulator/lens/lens_packet.h"
@@ -52,6 +53,15 @@ LensSampler::LensSampler(const Lens& lens, const SensorGrid& sensor)
     : prepared_(std::make_shared<const Prepared>(Prepared{
           lens, sensor, SampledThinLens(lens.thin), SplitSampler(lens.split, lens.thin.rim_slope()),
           sampler_of(lens, sensor), lens.diffraction ? std::optional<Diffraction>(lens.thin) : std::nullopt})) {}
+
+LensSampler::LensSampler(std::shared_ptr<const Prepared> prepared) : prepared_(std::move(prepared)) {}
+
+LensSampler LensSampler::with_split(const SplitPixel& split) const {
+  Prepared other = *prepared_;
+  other.lens.split = split;
+  other.split = SplitSampler(split, other.lens.thin.rim_slope());
+  return LensSampler(std::make_shared<const Prepared>(std::move(other)));
+}
 
 const Lens& LensSampler::lens() const { return prepared_->lens; }
 const SensorGrid& LensSampler::sensor() const { return prepared_->sensor; }

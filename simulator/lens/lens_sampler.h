@@ -20,6 +20,9 @@ class LensSampler {
   /// Prepares the model: up to a second for a prescription. Throws InputError where no light passes the lens.
   LensSampler(const Lens& lens, const SensorGrid& sensor);
 
+  /// The same lens and sensor with another split pixel. Shares what was prepared: it takes no time.
+  LensSampler with_split(const SplitPixel& split) const;
+
   /// Rays of photosite (x, y) from sixteen points s of the unit 4-cube: two coordinates on the photosite, two on the
   /// pupil. `color`: 0 R, 1 G, 2 B; it matters where has_color(). `draw`: which wavelength of the filter's band all
   /// sixteen have, where the lens has several: any number, by turns.
@@ -45,6 +48,7 @@ class LensSampler {
 
  private:
   struct Prepared;
+  explicit LensSampler(std::shared_ptr<const Prepared> prepared);
   std::shared_ptr<const Prepared> prepared_;
 };
 

@@ -100,18 +100,24 @@ Eigen::Vector4d fit_axis(const std::vector<BundleRay>& bundle) {
   return a.colPivHouseholderQr().solve(b);
 }
 
-/// Where straight chief rays would have to come from to meet the sensor, in the mean, as steeply as these do: mm from
-/// the sensor of the lens focused at infinity; 0, the focal length's, where they meet it as from behind.
-double fit_exit_pupil(const PupilBounds& bounds, const ThinLens& thin) {
-  double slopes = 0, heights = 0;
+/// From where straight chief rays meet the sensor as steeply as these do: its distance, mm from the sensor of the lens
+/// focused at infinity, and how that grows over the field. 0, the focal length's, where some meet it as from behind.
+void fit_exit_pupil(const PupilBounds& bounds, const ThinLens& thin, Aberrations& a) {
+  std::vector<double> h, growth;
+  double at_axis_mm = 0;
   for (int k = 1; k < PupilBounds::kNodes; ++k) {
-    const double height = bounds.image_radius_mm * k / (PupilBounds::kNodes - 1), m = bounds.nodes[k].chief_m;
+    const double field = k / (PupilBounds::kNodes - 1.0), m = bounds.nodes[k].chief_m;
     if (!(bounds.nodes[k].half_m > 0)) continue;
-    slopes += height * m / std::sqrt(1 - m * m);
-    heights += height * height;
+    const double distance_mm = -field * bounds.image_radius_mm * std::sqrt(1 - m * m) / m;
+    if (!(distance_mm > 0 && std::isfinite(distance_mm))) return;
+    if (h.empty()) at_axis_mm = distance_mm;
+    h.push_back(field);
+    growth.push_back(distance_mm / at_axis_mm - 1);
   }
   const double moved_mm = 1e3 * (thin.image_distance_m() - thin.focal_length_m);
-  return slopes < 0 ? std::max(-heights / slopes - moved_mm, 0.0) : 0;
+  if (!(at_axis_mm > moved_mm)) return;
+  a.exit_pupil_mm = at_axis_mm - moved_mm;
+  a.exit_pupil_growth = fit_even(h, growth, 5);
 }
 
 /// Line through (h, limit) where the limit is inside the stop; false where it hardly ever is.
@@ -193,7 +199,7 @@ std::vector<double> fit_rays(const Prescription& p, const ThinLens& thin, Aberra
     color_focus_mm[color] = -axis[0] / rim;
     color_size[color] = 0.7 * radius_mm / chief_height(bundle_at(0.7));
     if (color != 1) continue;
-    a.exit_pupil_mm = fit_exit_pupil(bounds, thin);
+    fit_exit_pupil(bounds, thin, a);
     for (int k = 1; k < 4; ++k) a.spherical_um.push_back(axis[k] * 1e3);
     field = trace_field(bundle_at, radius_mm);
   }

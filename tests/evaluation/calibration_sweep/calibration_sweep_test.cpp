@@ -9,6 +9,7 @@
 
 #include "capture/image/resample.h"
 #include "evaluation/calibration_sweep/calibration_sweep.h"
+#include "evaluation/experiments/aberrations_experiment.h"
 #include "evaluation/report/calibration_page.h"
 #include "pipeline/calibration/correction.h"
 #include "pipeline/calibration/nodes.h"
@@ -290,6 +291,31 @@ TEST(SlowCalibrationTarget, LooksAsTheRendererSeesIt) {
     EXPECT_LT(std::abs(sum / count), 0.003);
     EXPECT_LT(std::sqrt(squares / count), 0.01);
   }
+}
+
+// Sweeps end at 0.2 m; a camera that is focused there or nearer is calibrated all the same. The sweep's own tests bound
+// what a correction leaves by less than a quarter of what this lens does farther away.
+TEST(SlowAberrations, AreCalibratedWhereASweepEndsAndNearer) {
+  for (const double focus_m : {0.2, 0.15}) {
+    simulator::Simulation simulation = small_camera("phone_aberrated_4.4mm_f1.8");
+    simulation.lens = simulator::refocused(simulation.lens, focus_m);
+    const AberratedField f = measure_aberrated_field(simulation);
+    EXPECT_DOUBLE_EQ(f.focus_distance_m, focus_m);
+    std::printf("focus %.2f m: deviation %.4f, calibrated %.4f DP px\n", focus_m, f.before_sigma_dp_px,
+                f.after_sigma_dp_px);
+    EXPECT_LT(f.after_sigma_dp_px, 0.25 * f.before_sigma_dp_px) << focus_m;
+  }
+}
+
+// A thin lens has one disparity and no vignetting; what the sweep leaves is under the traced lenses' .03 DP px.
+TEST(SlowAberrations, OfAThinLensAreNone) {
+  simulator::Simulation simulation = small_camera("phone_thin_4.4mm_f1.8");
+  simulation.lens = simulator::refocused(simulation.lens, 0.6);
+  const AberratedField f = measure_aberrated_field(simulation);
+  EXPECT_LT(f.before_sigma_dp_px, 1e-3);
+  EXPECT_LT(f.after_sigma_dp_px, 0.03);
+  EXPECT_EQ(*std::min_element(f.light.data.begin(), f.light.data.end()), 1);
+  EXPECT_NEAR(f.left_share.at(3, 3), 0.5, 1e-3);
 }
 
 /// Deviation over the field of a plane's matched disparity, means over an eighth of the width: noise averages out.

@@ -6,6 +6,7 @@
 
 #include "pipeline/disparity/matchers.h"
 #include "pipeline/disparity/tile_disparity.h"
+#include "pipeline/portrait/run_portrait.h"
 #include "simulator/sampling/hash.h"
 #include "simulator/simulate.h"
 #include "tests/simulator/test_scenes.h"
@@ -103,6 +104,58 @@ TEST(SlowBlownSky, MatchersTrustLittleOfWhatClips) {
       EXPECT_GT(as_the_mosaic.wrong, own.wrong + 2 * error) << matcher.name;
     }
   }
+}
+
+/// Light of a small lamp, far beyond white, in the portrait of a capture whose background is blurred as one.
+double lamp_light(const Capture& capture, bool recover) {
+  pipeline::PortraitOptions options;
+  options.mode = pipeline::Mode::seg;
+  options.synthetic_noise = false;
+  options.defocus.bokeh.recover_highlights = recover;
+  options.defocus.mask_blur.radius_px = 40;
+  options.defocus.mask_blur.reference_width_px = kWidth;
+  const Image person = [] {
+    Image mask(kWidth, kHeight);
+    std::fill_n(mask.data.begin(), 8, 1.0f);
+    return mask;
+  }();
+  const Image portrait = pipeline::run_portrait(capture, options, person).portrait;
+  double light = 0;
+  for (int y = kHeight / 2 - 50; y < kHeight / 2 + 50; ++y) {
+    for (int x = kWidth / 2 - 50; x < kWidth / 2 + 50; ++x) light += portrait.at(x, y, 1);
+  }
+  return light;
+}
+
+// A lamp, sixteen photosites wide, is made brighter where the wells of a photosite are full: at white, at twice a
+// view's white in a picture made of views, and at less where dark current has filled two fifths of the wells, so that
+// no channel reaches white by its gain. The factor of clipped pixels is 1.9 and more (highlights.h); half of the lamp's
+// at the least are clipped.
+TEST(BlownHighlights, AreRecoveredWhereTheWellsAreFull) {
+  simulator::Scene scene;
+  scene.cameras = {{"camera", glm::mat4(1), {}}};
+  scene.materials = {simulator::testing::glowing(1e5)};
+  scene.meshes = {simulator::testing::make_quad({-0.0026f, -0.0026f, -1}, {0.0052f, 0, 0}, {0, 0.0052f, 0}, 0)};
+  nlohmann::json document = {
+      {"version", 1},
+      {"gltf", "none"},
+      {"camera", {{"focus_distance_m", 1}}},
+      {"sensor", {{"width_px", kWidth}, {"height_px", kHeight}}},
+      {"exposure", {{"time_s", 0.004}}},
+      {"burst", {{"frames", 1}}},
+      {"render",
+       {{"samples_per_pixel", 16}, {"photograph_samples_per_pixel", 1}, {"all_in_focus_samples_per_pixel", 1}}}};
+  const auto gain = [](const Capture& capture) { return lamp_light(capture, true) / lamp_light(capture, false); };
+  Capture capture = simulate(simulator::read_simulation(document, "test.json"), scene);
+  EXPECT_NEAR(view_white(capture.exposure), 0.5, 1e-6);
+  EXPECT_GT(gain(capture), 1.45);
+  capture.frames[0].mosaic = {};
+  EXPECT_GT(gain(capture), 1.45);
+  const double full_well_e = simulator::SensorOptions().full_well_e;
+  document["sensor"]["dark_current_e_per_s"] = 0.4 * full_well_e / 0.004;
+  capture = simulate(simulator::read_simulation(document, "test.json"), scene);
+  EXPECT_NEAR(view_white(capture.exposure), 0.3, 1e-6);
+  EXPECT_GT(gain(capture), 1.45);
 }
 
 }  // namespace

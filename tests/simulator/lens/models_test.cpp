@@ -6,9 +6,11 @@
 #include "capture/error.h"
 #include "capture/json_fields.h"
 #include "simulator/lens/lens_file.h"
+#include "simulator/lens/lens_packet.h"
 #include "simulator/lens/lens_sampler.h"
 #include "simulator/plan/lens_candidates.h"
 #include "simulator/plan/lens_report.h"
+#include "simulator/sampling/sobol.h"
 #include "tests/simulator/test_scenes.h"
 #include "tests/temporary_folder.h"
 
@@ -32,6 +34,31 @@ TEST(LensModels, EveryRowReadsTheModelOfItsName) {
     EXPECT_EQ(lens_candidates(lens).back().lens.model.index(), row.value) << "what it is comes last";
     const LensSampler sampler(lens, phone_sensor(16, 12, 1e-4));
     EXPECT_NEAR(sampler.lux_per_nit(), lens.thin.lux_per_nit(), 0.05 * lens.thin.lux_per_nit()) << row.name;
+  }
+}
+
+// Another split behind the same rays is the lens with that split.
+TEST(LensModels, AnotherSplitSharesTheLens) {
+  for (const LensModelRow& row : kLensModels) {
+    Lens lens = shipped_lens(row.name);
+    const SensorGrid sensor = phone_sensor(16, 12, 1e-4);
+    SplitPixel other;
+    other.kind = SplitKind::microlens;
+    other.microlens.shift = 0.1;
+    const LensSampler changed = LensSampler(lens, sensor).with_split(other);
+    lens.split = other;
+    const LensSampler made(lens, sensor);
+    EXPECT_EQ(changed.lens().split.kind, SplitKind::microlens);
+    alignas(64) float s[4][LensSampler::kRays];
+    joint_samples(0, 0, s);
+    LensPacket a, b;
+    changed.sample(3, 5, 1, s, a);
+    made.sample(3, 5, 1, s, b);
+    for (int i = 0; i < LensSampler::kRays; ++i) {
+      EXPECT_EQ(a.slope_x[i], b.slope_x[i]) << row.name;
+      EXPECT_EQ(a.left[i], b.left[i]) << row.name;
+      EXPECT_EQ(a.right[i], b.right[i]) << row.name;
+    }
   }
 }
 
