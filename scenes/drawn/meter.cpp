@@ -28,17 +28,23 @@ double rounded(double value, int digits) {
   return std::round(value / unit) * unit;
 }
 
-/// The exposure, lux seconds over nits seconds left out: seconds at ISO 100 that give the picture its key, less where
-/// too much would be white.
-double seconds_at_iso_100(const Image& picture, double signal_per_nit_s, const Shooting& shooting) {
+/// The exposure, lux seconds over nits seconds left out: seconds at ISO 100 that give the picture its key, people in it
+/// as much as all the rest, less where too much would be white.
+double seconds_at_iso_100(const Image& picture, const Image& person_mask, double signal_per_nit_s,
+                          const Shooting& shooting) {
   std::vector<double> brightest;
-  double logs = 0;
+  double logs[2] = {0, 0}, counts[2] = {0, 0};  // of the rest, of people
   for (std::size_t i = 0; i < picture.pixel_count(); ++i) {
     const float* p = &picture.data[3 * i];
     brightest.push_back(std::max({p[0], p[1], p[2], 1e-6f}) * signal_per_nit_s);
-    logs += std::log(std::max(0.25 * p[0] + 0.6 * p[1] + 0.15 * p[2], 1e-6) * signal_per_nit_s);
+    const int part = person_mask.data[i] > 0 ? 1 : 0;
+    logs[part] += std::log(std::max(0.25 * p[0] + 0.6 * p[1] + 0.15 * p[2], 1e-6) * signal_per_nit_s);
+    ++counts[part];
   }
-  const double by_key = shooting.key / std::exp(logs / static_cast<double>(picture.pixel_count()));
+  const double people = counts[1] > 0 && counts[0] > 0 ? 0.5 : counts[1] > 0 ? 1 : 0;
+  const double log_mean =
+      (1 - people) * logs[0] / std::max(counts[0], 1.0) + people * logs[1] / std::max(counts[1], 1.0);
+  const double by_key = shooting.key / std::exp(log_mean);
   const auto clipped = brightest.begin() + static_cast<std::ptrdiff_t>((1 - shooting.most_clipped) *
                                                                        static_cast<double>(brightest.size() - 1));
   std::nth_element(brightest.begin(), clipped, brightest.end());
@@ -101,9 +107,9 @@ std::vector<std::string> meter(json& scene, const std::string& scene_path, const
   options.samples_per_pixel = 32;
   options.ideal_aperture_scale = 0;
   const Image picture = simulator::undivided(simulator::render_views(world, camera, options));
-  const double seconds = seconds_at_iso_100(picture, kSignalPerNitSecond, shooting);
-  set_exposure(scene, std::exp2(stops) * seconds, kDigits);
   const Truth truth = simulator::trace_truth(world, camera);
+  const double seconds = seconds_at_iso_100(picture, truth.person_mask, kSignalPerNitSecond, shooting);
+  set_exposure(scene, std::exp2(stops) * seconds, kDigits);
   const double focus_m = shooting.focus_m ? *shooting.focus_m : focus_on_something(truth, seed);
   scene["camera"]["focus_distance_m"] = rounded(focus_m, kDigits);
 

@@ -17,7 +17,8 @@ int SceneBuilder::add(const Surface& surface) {
                        .metallic = surface.metallic,
                        .emission_nits = surface.emission_nits,
                        .transmission = surface.transmission,
-                       .solid = surface.solid};
+                       .solid = surface.solid,
+                       .subsurface = surface.subsurface};
   if (surface.texture.size > 0) material.texture = glb.add_texture(surface.texture);
   repeat_m_.push_back(surface.repeat_m);
   return glb.add_material(material);

@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kFloat = 5126;
+constexpr int kFloat = 5126, kUint = 5125;
 
 std::string word(std::size_t value) {
   const auto v = static_cast<std::uint32_t>(value);
@@ -90,6 +90,7 @@ int Glb::add_material(const GlbMaterial& from) {
     material["extensions"]["KHR_materials_volume"] = {{"thicknessFactor", 1}};
     use("KHR_materials_volume");
   }
+  if (from.subsurface > 0) material["extras"]["subsurface"] = from.subsurface;
   root_["materials"].push_back(material);
   return static_cast<int>(root_["materials"].size()) - 1;
 }
@@ -106,18 +107,21 @@ std::size_t Glb::add_accessor(const void* data, std::size_t count, int component
   return root_["accessors"].size() - 1;
 }
 
+std::size_t Glb::add_positions(const std::vector<glm::vec3>& positions) {
+  glm::vec3 low = positions.front(), high = low;
+  for (const glm::vec3& p : positions) low = glm::min(low, p), high = glm::max(high, p);
+  const std::size_t accessor = add_accessor(positions.data(), positions.size(), 3, kFloat);
+  root_["accessors"][accessor]["min"] = {low.x, low.y, low.z};
+  root_["accessors"][accessor]["max"] = {high.x, high.y, high.z};
+  return accessor;
+}
+
 json Glb::primitive(const Mesh& mesh, int material) {
-  constexpr int kUint = 5125;
-  glm::vec3 low = mesh.positions.front(), high = low;
-  for (const glm::vec3& p : mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
   json primitive = {{"material", material}};
   const auto add_floats = [&](const auto& values, int components) {
     return add_accessor(values.data(), values.size(), components, kFloat);
   };
-  const auto position = add_floats(mesh.positions, 3);
-  root_["accessors"][position]["min"] = {low.x, low.y, low.z};
-  root_["accessors"][position]["max"] = {high.x, high.y, high.z};
-  primitive["attributes"]["POSITION"] = position;
+  primitive["attributes"]["POSITION"] = add_positions(mesh.positions);
   if (!mesh.normals.empty()) primitive["attributes"]["NORMAL"] = add_floats(mesh.normals, 3);
   if (!mesh.uvs.empty()) primitive["attributes"]["TEXCOORD_0"] = add_floats(mesh.uvs, 2);
   primitive["indices"] = add_accessor(mesh.triangles.data(), mesh.triangles.size() * 3, 1, kUint);
@@ -136,8 +140,25 @@ void Glb::add_colored_person(const std::string& name, const Mesh& mesh, const st
   json colored = primitive(mesh, material);
   colored["attributes"]["COLOR_0"] = add_accessor(colors.data(), colors.size(), 3, kFloat);
   root_["meshes"].push_back({{"primitives", {colored}}});
+  add_person_node(name);
+}
+
+void Glb::add_person_node(const std::string& name) {
   root_["nodes"].push_back(
       {{"name", name}, {"mesh", root_["meshes"].size() - 1}, {"extras", {{"category", "person"}}}});
+}
+
+void Glb::add_person_hair(const std::string& name, const std::vector<glm::vec3>& points,
+                          const std::vector<float>& widths_m, const std::vector<glm::vec3>& colors,
+                          const std::vector<glm::uvec2>& segments, int material) {
+  constexpr int kLines = 1;
+  json hair = {{"material", material}, {"mode", kLines}};
+  hair["attributes"]["POSITION"] = add_positions(points);
+  hair["attributes"]["_WIDTH"] = add_accessor(widths_m.data(), widths_m.size(), 1, kFloat);
+  hair["attributes"]["COLOR_0"] = add_accessor(colors.data(), colors.size(), 3, kFloat);
+  hair["indices"] = add_accessor(segments.data(), segments.size() * 2, 1, kUint);
+  root_["meshes"].push_back({{"primitives", {hair}}});
+  add_person_node(name);
 }
 
 int Glb::add_mesh(const std::vector<std::pair<const Mesh*, int>>& parts) {

@@ -18,6 +18,7 @@ struct GlbMaterial {
   glm::vec3 emission_nits{0};
   float transmission = 0;  ///< share of the light that passes, tinted by the color
   bool solid = false;      ///< of glass through and through; otherwise a thin pane
+  float subsurface = 0;    ///< share of the diffuse light that comes from within, as of skin
 };
 
 class Glb {
@@ -32,6 +33,10 @@ class Glb {
   /// A person with a linear color for each vertex.
   void add_colored_person(const std::string& name, const Mesh& mesh, const std::vector<glm::vec3>& colors,
                           int material);
+  /// Strands of a person's hair: points with a width in meters and a linear color, and pairs of points.
+  void add_person_hair(const std::string& name, const std::vector<glm::vec3>& points,
+                       const std::vector<float>& widths_m, const std::vector<glm::vec3>& colors,
+                       const std::vector<glm::uvec2>& segments, int material);
   /// A mesh for add_instance(): parts with a material each.
   int add_mesh(const std::vector<std::pair<const Mesh*, int>>& parts);
   void add_instance(const std::string& name, int mesh, const glm::mat4& pose);
@@ -44,7 +49,10 @@ class Glb {
  private:
   int add_view(const void* data, std::size_t bytes);
   std::size_t add_accessor(const void* data, std::size_t count, int components, int type);
+  std::size_t add_positions(const std::vector<glm::vec3>& positions);
   nlohmann::json primitive(const Mesh& mesh, int material);
+  /// With the mesh that was added last.
+  void add_person_node(const std::string& name);
   void use(const std::string& extension);
   // here and not in a .cpp: code that makes the shipped scenes is inlined by its size, and rounds accordingly
   nlohmann::json root_ = {{"asset", {{"version", "2.0"}, {"generator", "dualpixel_make_scenes"}}}};

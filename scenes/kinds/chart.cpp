@@ -99,13 +99,13 @@ void add_ladder(SceneBuilder& build, RandomStream rng, float z) {
   for (int i = 0; i < kCards; ++i) {
     const float at = 0.5f * z * std::pow(6.0f, static_cast<float>(i) / (kCards - 1));
     const float left = (static_cast<float>(i) / kCards - 0.5f) * 0.8f * at, wide = 0.8f * at / kCards * 1.02f;
-    const PinkNoise grain(rng.seed(), 2, 128, 1.0f);
+    const PinkNoise grain(rng.seed(), 2, 128, 1.0f, 1, 8);
     const std::string label = fmt::format("{:.0f}", 100 * at);
     Surface print{.repeat_m = 1, .unlit = true};
     print.texture = paint(512, [&](float u, float v) {
       // a card is ten times as high as wide; its label stands in the middle, and its tone differs from its neighbors'
       const float height = 0.7f / line_width(label), x = (u - 0.15f) / height, y = (v - 0.5f) * 10 / height;
-      return glm::mix(shaded(vec3(i % 2 == 0 ? 0.34f : 0.22f), 0.35f, grain.stretched(u, v, 1, 8)), vec3(0.02f),
+      return glm::mix(shaded(vec3(i % 2 == 0 ? 0.34f : 0.22f), 0.35f, grain(u, v)), vec3(0.02f),
                       ink_at(label, x, y, 0.18f));
     });
     Mesh card;

@@ -26,7 +26,7 @@ void build_outdoors(SceneBuilder& build, const Parameters& p, RandomStream rng) 
   }
   RandomStream aim = rng.substream(3);
   const vec3 eye(build.eye.x, p.real("height_m"), 0);
-  const float turn = (street ? 0.25f : 0.3f) * aim.normal(), pitch = -0.05f + 0.06f * aim.normal();
+  const float turn = std::clamp(0.22f * aim.normal(), -0.4f, 0.4f), pitch = -0.05f + 0.06f * aim.normal();
   if (p.integer("branch") == 1)
     add_branch_in_front(build, rng.substream(4), eye, options.nearest_m * aim.uniform(0.6f, 1));
   build.shooting.clear_m = 0.5f * options.nearest_m;

@@ -56,6 +56,11 @@ void lay_place(SceneBuilder& build, RandomStream rng, const Parameters& p) {
   } else {
     lay_garden(build, rng.substream(2), options);
   }
+  if (const float nits = lamp_nits(options.light); nits > 0) {  // faces would be dark before the lamps behind them
+    RandomStream lamp = rng.substream(3);
+    const float beside = lamp.sign() * lamp.uniform(0.9f, 1.8f);
+    add_lamp_post(build, lamp.substream(1), {build.eye.x + beside, 0, lamp.uniform(0.2f, 0.8f)}, nits);
+  }
 }
 
 void build_portrait(SceneBuilder& build, const Parameters& p, RandomStream rng) {
@@ -88,7 +93,7 @@ void build_portrait(SceneBuilder& build, const Parameters& p, RandomStream rng) 
   build.camera(eye, middle + vec3(aside, -lower, 0));
   build.focus_on(middle);
   build.shooting.clear_m = 0.4f * distance;
-  build.shooting.most_clipped = 0.1f;  // faces before windows and skies
+  build.shooting.most_clipped = 0.25f;  // faces before windows and skies
   if (const nlohmann::json box = face_box(build, nearest); !box.is_null()) build.scene["face_px"] = box;
 }
 

@@ -5,8 +5,10 @@
 #include <map>
 #include <utility>
 
+#include "scenes/kinds/hair_curves.h"
 #include "scenes/people/procedural_figure.h"
 #include "scenes/people/shape/reflectance.h"
+#include "scenes/procedural/noise.h"
 
 namespace dualpixel::scenes {
 namespace {
@@ -36,13 +38,28 @@ void subdivide(SceneObject& object, bool rest_is_direction) {
   object.triangles = std::move(finer);
 }
 
+bool is_skin(const Material& material) { return material.kind == Kind::skin || material.kind == Kind::face; }
+
+/// Pores and fine lines, without which skin shines like wax: normals that waver by a few degrees over 2 mm, and spots.
+void roughen_skin(const Material& material, const std::vector<vec3>& rest, std::vector<vec3>& normals,
+                  std::vector<vec3>& colors) {
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    const vec3 p = rest[i] * 480.0f;
+    const auto wave = [&](std::uint32_t k) { return noise(material.seed + k, p) - 0.5f; };
+    normals[i] = glm::normalize(normals[i] + 0.14f * vec3(wave(31), wave(32), wave(33)));
+    colors[i] *= 1 + 0.07f * wave(34) + 0.14f * (fractal(material.seed + 35, rest[i] * 110.0f, 2) - 0.5f);
+  }
+}
+
 Surface surface_of(const Material& material) {
   Surface surface;
-  const bool skin = material.kind == Kind::skin || material.kind == Kind::face;
-  surface.roughness = material.kind == Kind::eye            ? 0.12f
-                      : skin || material.kind == Kind::hair ? 0.6f
-                      : material.gloss > 0.05f              ? 0.45f
-                                                            : 1.0f;
+  const bool skin = is_skin(material);
+  surface.subsurface = skin ? 0.8f : 0.0f;
+  surface.roughness = material.kind == Kind::eye    ? 0.12f
+                      : skin                        ? 0.5f
+                      : material.kind == Kind::hair ? 0.7f
+                      : material.gloss > 0.05f      ? 0.45f
+                                                    : 1.0f;
   return surface;
 }
 
@@ -54,12 +71,20 @@ void add_object_mesh(SceneBuilder& build, SceneObject object, const Material& ma
   mesh.normals = object.normals;
   for (vec3& n : mesh.normals) n = glm::dot(n, n) > 1e-12f ? glm::normalize(n) : vec3(0, 1, 0);
   std::vector<vec3> colors(object.positions.size());
-  tbb::parallel_for(std::size_t{0}, colors.size(), [&](std::size_t i) {
-    colors[i] = glm::clamp(reflectance(material, object.rest[i]), vec3(0), vec3(1));
-  });
+  const float shade = object.hair_m > 0 ? 0.55f : 1.0f;  // what shows between strands
+  tbb::parallel_for(std::size_t{0}, colors.size(),
+                    [&](std::size_t i) { colors[i] = shade * reflectance(material, object.rest[i]); });
+  if (is_skin(material)) roughen_skin(material, object.rest, mesh.normals, colors);
+  for (vec3& color : colors) color = glm::clamp(color, vec3(0), vec3(1));
   mesh.triangles = std::move(object.triangles);
   drop_flat_triangles(mesh);
   if (!mesh.triangles.empty()) build.glb.add_colored_person("person", mesh, colors, build.add(surface_of(material)));
+}
+
+void add_strands(SceneBuilder& build, const HairCurves& hair) {
+  if (hair.segments.empty()) return;
+  build.glb.add_person_hair("hair", hair.points, hair.widths_m, hair.colors, hair.segments,
+                            build.add({.roughness = 0.35f}));
 }
 
 }  // namespace
@@ -82,8 +107,12 @@ StandingFace add_person(SceneBuilder& build, RandomStream rng, const PersonSpot&
   for (SceneObject& object : model.objects) {
     for (vec3& p : object.positions) p += lift;
   }
-  for (SceneObject& object : model.objects)
-    add_object_mesh(build, std::move(object), model.materials[static_cast<std::size_t>(object.material)]);
+  for (SceneObject& object : model.objects) {
+    const Material& material = model.materials[static_cast<std::size_t>(object.material)];
+    if (material.kind == Kind::hair && object.hair_m == 0) continue;  // ribbons in place of strands
+    if (object.hair_m > 0) add_strands(build, grow_hair(object, material, figure, rng.substream(2)));
+    add_object_mesh(build, std::move(object), material);
+  }
   return face;
 }
 

@@ -18,11 +18,14 @@ void build_room(SceneBuilder& build, const Parameters& p, RandomStream rng) {
   room.deep_m = p.real("depth_m");
   room.furniture = p.integer("furniture");
   room.mirror = p.integer("mirror") == 1;
+  RandomStream aim = rng.substream(2), beyond = rng.substream(3);
+  const float most_beyond = std::min(8.5f - room.deep_m, 4.0f);
+  if (!room.mirror && most_beyond > 1.5f && beyond.chance(0.5f)) room.beyond_m = beyond.uniform(1.5f, most_beyond);
   furnish_room(build, rng.substream(1), room);
-  RandomStream aim = rng.substream(2);
   const float half = 0.5f * room.wide_m - 0.5f;
   const vec3 eye(half * aim.uniform(-0.8f, 0.8f), p.real("height_m"), 0.3f);
-  const vec3 target(0.5f * half * aim.uniform(-1, 1), aim.uniform(0.8f, 1.2f), -room.deep_m);
+  const vec3 target(0.5f * half * aim.uniform(-1, 1), aim.uniform(0.4f, 1.1f), -room.deep_m);
+  add_near_furniture(build, rng.substream(4), room, eye, target);
   build.camera(eye, target);
   build.shooting.clear_m = 0.6f;
 }

@@ -23,4 +23,6 @@ void set_daylight(SceneBuilder& build, RandomStream rng, const std::string& ligh
   }
 }
 
+float lamp_nits(const std::string& light) { return light == "night" ? 8000.0f : light == "dusk" ? 4500.0f : 0.0f; }
+
 }  // namespace dualpixel::scenes

@@ -230,14 +230,14 @@ void add_wall_picture(SceneBuilder& build, RandomStream rng, const glm::mat4& po
   }
   picture.add_quad({-half.x, -half.y, 0.008f}, {2 * half.x, 0, 0}, {0, 2 * half.y, 0});
   const vec3 a = paint_color(rng), b = paint_color(rng);
-  const PinkNoise shapes(rng.seed(), 2, 256, 1.6f), strokes(rng.seed(), 4, 256, 1.1f);
+  const PinkNoise shapes(rng.seed(), 2, 256, 1.6f), strokes(rng.seed(), 4, 256, 1.1f, 1, 2);
   const float margin = rng.chance(0.4f) ? 0.14f : 0.0f;
   Surface print = rng.chance(0.3f) ? page_surface(rng.substream(2), 1) : Surface{};
   if (print.texture.size == 0) {
     print.texture = paint(512, [&](float u, float v) {
       if (std::min(std::min(u, 1 - u), std::min(v, 1 - v)) < margin) return vec3(0.7f);
       const float t = std::clamp(0.5f + 0.7f * shapes(u, v) + 0.6f * (v - 0.5f), 0.0f, 1.0f);
-      return shaded(glm::mix(a, b, t), 0.15f, strokes.stretched(u, v, 1, 2));
+      return shaded(glm::mix(a, b, t), 0.15f, strokes(u, v));
     });
   }
   print.repeat_m = 1;

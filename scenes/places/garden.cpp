@@ -59,6 +59,20 @@ float beside(RandomStream& rng, float half_width, float clear) {
   return std::abs(x) < clear ? std::copysign(clear + 0.3f * half_width * rng.uniform(), x) : x;
 }
 
+/// Low plants in patches, from the foreground on.
+void add_beds(SceneBuilder& build, RandomStream rng, const Planting& planting, const PlaceOptions& options) {
+  const int beds = 3 + rng.below(4);
+  for (int i = 0; i < beds; ++i) {
+    const float z = options.nearest_m + 0.6f + 9 * rng.uniform() * rng.uniform(),
+                x = beside(rng, 0.5f + 0.5f * z, options.clear_m + 0.6f), wide = rng.uniform(0.5f, 1.6f);
+    const int shared = planting.shrubs[static_cast<std::size_t>(rng.below(static_cast<int>(planting.shrubs.size())))];
+    const int plants = 5 + rng.below(9);
+    for (int k = 0; k < plants; ++k)
+      plant(build, rng, "bed", shared, {x + wide * rng.uniform(-1, 1), -0.02f, -z - rng.uniform(0, 0.9f)},
+            rng.uniform(0.25f, 0.55f));
+  }
+}
+
 }  // namespace
 
 void lay_garden(SceneBuilder& build, RandomStream rng, const PlaceOptions& options) {
@@ -71,7 +85,7 @@ void lay_garden(SceneBuilder& build, RandomStream rng, const PlaceOptions& optio
     const float t = (static_cast<float>(i) + at.uniform()) / static_cast<float>(options.trees);
     const float z = options.nearest_m + 3 + t * t * (0.7f * options.farthest_m - 3);
     plant(build, at, "tree", planting.trees[static_cast<std::size_t>(at.below(2))],
-          {beside(at, 1 + 0.42f * z, options.clear_m + 0.4f), 0, -z}, 1);
+          {beside(at, 1 + 0.55f * z, options.clear_m + 0.4f), 0, -z}, 1);
   }
   const int edge = std::min(6 + 2 * options.trees, 40);
   for (int i = 0; i < edge; ++i) {  // the wood's edge
@@ -83,21 +97,22 @@ void lay_garden(SceneBuilder& build, RandomStream rng, const PlaceOptions& optio
   for (int i = 0; i < 8 + 3 * options.trees; ++i) {
     const float z = options.nearest_m + 1 + 22 * at.uniform() * at.uniform();
     plant(build, at, "shrub", planting.shrubs[static_cast<std::size_t>(at.below(2))],
-          {beside(at, 0.6f + 0.45f * z, options.clear_m + 0.5f), 0, -z}, 1);
+          {beside(at, 0.6f + 0.6f * z, options.clear_m + 0.5f), 0, -z}, 1);
   }
+  add_beds(build, rng.substream(9), planting, options);
   if (at.chance(0.5f)) {
     const float z = -at.uniform(5, 12), tilt = at.uniform(-2, 2), side = at.sign();
     add_fence(build, rng.substream(6), {side * 7, 0, z + tilt}, {-side * at.uniform(-0.5f, 7), 0, z - tilt});
   }
   if (at.chance(0.45f)) {
-    const int house = build_house(build, rng.substream(7), at.uniform(6, 12), at.uniform(3.4f, 7),
-                                  options.light == "night" || options.light == "dusk");
+    const int house =
+        build_house(build, rng.substream(7), at.uniform(6, 12), at.uniform(3.4f, 7), lamp_nits(options.light) > 0);
     build.place("house", house, standing({at.sign() * at.uniform(3, 9), 0, -at.uniform(12, 26)}, 0.4f * at.normal()));
   }
   if (at.chance(0.5f))
     add_bench(build, rng.substream(8),
               standing({beside(at, 2, options.clear_m + 0.6f), 0, -at.uniform(2.5f, 6)}, 0.5f * at.normal()));
-  const float nits = options.light == "night" ? 7000.0f : options.light == "dusk" ? 4000.0f : 0.0f;
+  const float nits = lamp_nits(options.light);
   for (int i = 0; i < options.lamps; ++i) {
     const float z =
         options.nearest_m + 3 + 30 * (static_cast<float>(i) + at.uniform()) / static_cast<float>(options.lamps);

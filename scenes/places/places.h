@@ -8,6 +8,9 @@ namespace dualpixel::scenes {
 /// Sun, overcast, dusk or night: environment, sun, and how bright the picture should be.
 void set_daylight(SceneBuilder& build, RandomStream rng, const std::string& light);
 
+/// Luminance of street lamps; 0 by day.
+float lamp_nits(const std::string& light);
+
 struct PlaceOptions {
   std::string light = "sun";
   int trees = 6;

@@ -12,7 +12,6 @@ namespace {
 using glm::vec2;
 using glm::vec3;
 
-constexpr float kFront = 0.6f;  ///< how far behind the camera the room goes on
 constexpr float kRight = 1.5707963f;
 
 Surface wall_surface(RandomStream& rng) {
@@ -37,19 +36,42 @@ Surface wall_surface(RandomStream& rng) {
   return surface;
 }
 
+/// The opening to the room beyond, in the back wall: its sides and its top.
+struct Opening {
+  float left, right, top;
+};
+
+Opening opening_of(const RoomOptions& room) {
+  const float half = 0.5f * std::clamp(0.4f * room.wide_m, 0.9f, 2.0f);
+  return {-half, half, 2.1f};
+}
+
+void add_back_wall(Mesh& wall, const RoomOptions& room) {
+  const auto add = [&](float left, float right, float bottom) {
+    const vec2 size(right - left, room.high_m - bottom);
+    wall.add_quad({left, bottom, -room.deep_m}, {size.x, 0, 0}, {0, size.y, 0}, size);
+  };
+  const float half = 0.5f * room.wide_m;
+  if (room.beyond_m == 0) return add(-half, half, 0);
+  const Opening opening = opening_of(room);
+  add(-half, opening.left, 0);
+  add(opening.right, half, 0);
+  add(opening.left, opening.right, opening.top);
+}
+
 void add_shell(SceneBuilder& build, RandomStream rng, const RoomOptions& room) {
-  const float half = 0.5f * room.wide_m, length = room.deep_m + kFront;
+  const float half = 0.5f * room.wide_m, length = room.deep_m + kRoomBehind_m;
   Mesh back, sides, floor, ceiling, boards;
-  back.add_quad({-half, 0, -room.deep_m}, {2 * half, 0, 0}, {0, room.high_m, 0}, {2 * half, room.high_m});
-  sides.add_quad({-half, 0, kFront}, {0, 0, -length}, {0, room.high_m, 0}, {length, room.high_m});
+  add_back_wall(back, room);
+  sides.add_quad({-half, 0, kRoomBehind_m}, {0, 0, -length}, {0, room.high_m, 0}, {length, room.high_m});
   sides.add_quad({half, 0, -room.deep_m}, {0, 0, length}, {0, room.high_m, 0}, {length, room.high_m});
-  sides.add_quad({half, 0, kFront}, {-2 * half, 0, 0}, {0, room.high_m, 0}, {2 * half, room.high_m});
-  floor.add_quad({-half, 0, kFront}, {2 * half, 0, 0}, {0, 0, -length}, {2 * half, length});
+  sides.add_quad({half, 0, kRoomBehind_m}, {-2 * half, 0, 0}, {0, room.high_m, 0}, {2 * half, room.high_m});
+  floor.add_quad({-half, 0, kRoomBehind_m}, {2 * half, 0, 0}, {0, 0, -length}, {2 * half, length});
   ceiling.add_quad({-half, room.high_m, -room.deep_m}, {2 * half, 0, 0}, {0, 0, length}, {2 * half, length});
-  add_solid_box(boards, {0, 0.05f, -room.deep_m + 0.008f}, {half, 0.05f, 0.008f}, 0.003f);
+  if (room.beyond_m == 0) add_solid_box(boards, {0, 0.05f, -room.deep_m + 0.008f}, {half, 0.05f, 0.008f}, 0.003f);
   for (const float s : {-1.0f, 1.0f})
-    add_solid_box(boards, {s * (half - 0.008f), 0.05f, 0.5f * (kFront - room.deep_m)}, {0.008f, 0.05f, 0.5f * length},
-                  0.003f);
+    add_solid_box(boards, {s * (half - 0.008f), 0.05f, 0.5f * (kRoomBehind_m - room.deep_m)},
+                  {0.008f, 0.05f, 0.5f * length}, 0.003f);
   const Surface accent = wall_surface(rng);
   build.add("back wall", back, accent);
   RandomStream other = rng.substream(9);
@@ -116,6 +138,7 @@ std::vector<Spot> spots(RandomStream& rng, const RoomOptions& room) {
   const int across = std::max(static_cast<int>(room.wide_m / 1.6f), 1);
   for (int i = 0; i < across; ++i) {
     const float x = ((static_cast<float>(i) + 0.5f) / static_cast<float>(across) * 2 - 1) * (half - 0.3f);
+    if (room.beyond_m > 0 && std::abs(x) < opening_of(room).right + 0.6f) continue;
     all.push_back({standing({x, 0, -room.deep_m + 0.32f}, 0.03f * rng.normal()), true});
   }
   for (float z = -room.deep_m + 1.6f; z < -1.2f; z += 1.5f) {
@@ -157,6 +180,36 @@ void add_piece(SceneBuilder& build, RandomStream rng, const Spot& spot, float ni
   }
 }
 
+/// The second room: its walls, the jambs of the opening, a window of its own or a lamp, something at its end.
+void add_room_beyond(SceneBuilder& build, RandomStream rng, const RoomOptions& room, float lamp_nits, float day_nits) {
+  const float half = 0.5f * room.wide_m, from = -room.deep_m - 0.12f, length = room.beyond_m;
+  const Opening opening = opening_of(room);
+  Mesh walls, floor, ceiling, jambs;
+  walls.add_quad({-half, 0, from - length}, {2 * half, 0, 0}, {0, room.high_m, 0}, {2 * half, room.high_m});
+  walls.add_quad({-half, 0, from}, {0, 0, -length}, {0, room.high_m, 0}, {length, room.high_m});
+  walls.add_quad({half, 0, from - length}, {0, 0, length}, {0, room.high_m, 0}, {length, room.high_m});
+  walls.add_quad({opening.right, 0, from}, {half - opening.right, 0, 0}, {0, room.high_m, 0}, {1, room.high_m});
+  walls.add_quad({-half, 0, from}, {half + opening.left, 0, 0}, {0, room.high_m, 0}, {1, room.high_m});
+  walls.add_quad({opening.left, opening.top, from}, {opening.right - opening.left, 0, 0},
+                 {0, room.high_m - opening.top, 0}, {1, 0.5f});
+  floor.add_quad({-half, 0, from + 0.12f}, {2 * half, 0, 0}, {0, 0, -length - 0.12f}, {2 * half, length});
+  ceiling.add_quad({-half, room.high_m, from - length}, {2 * half, 0, 0}, {0, 0, length}, {2 * half, length});
+  for (const float x : {opening.left, opening.right})
+    add_solid_box(jambs, {x, 0.5f * opening.top, from + 0.06f}, {0.03f, 0.5f * opening.top, 0.08f}, 0.004f);
+  add_solid_box(jambs, {0, opening.top, from + 0.06f}, {opening.right + 0.03f, 0.03f, 0.08f}, 0.004f);
+  build.add("walls beyond", walls, wall_surface(rng));
+  build.add("floor beyond", floor, wood_surface(rng.substream(1), wood_color(rng), rng.uniform(0.08f, 0.18f), 1.4f));
+  build.add("ceiling", ceiling, rough_surface(rng.substream(2), vec3(0.68f), 0.02f, 2, 1.4f));
+  build.add("jambs", jambs, plain_surface(rng.substream(3), vec3(0.62f), 0.5f));
+  const float side = rng.sign();
+  add_window_at(build, rng.substream(4),
+                standing({side * (half - 0.002f), 1.45f, from - 0.5f * length}, -side * kRight),
+                {std::min(0.6f, 0.3f * length), 0.65f}, day_nits);
+  if (lamp_nits > 0) add_pendant(build, rng.substream(5), {0, 1.9f, from - 0.5f * length}, room.high_m, lamp_nits);
+  const float at = opening.right * rng.uniform(-0.7f, 0.7f);
+  add_piece(build, rng.substream(6), {standing({at, 0, from - length + 0.32f}, 0.03f * rng.normal()), true}, lamp_nits);
+}
+
 }  // namespace
 
 void furnish_room(SceneBuilder& build, RandomStream rng, const RoomOptions& room) {
@@ -175,9 +228,17 @@ void furnish_room(SceneBuilder& build, RandomStream rng, const RoomOptions& room
     add_window_at(build, rng.substream(10 + i), standing({side * (half - 0.002f), 1.45f, z}, -side * kRight),
                   {at.uniform(0.4f, 0.7f), at.uniform(0.5f, 0.75f)}, day);
   }
-  if (at.chance(0.35f))
+  add_window_at(build, rng.substream(13),
+                standing({side * (half - 0.002f), 1.5f, at.uniform(0.6f, 1.2f)}, -side * kRight),
+                {at.uniform(0.5f, 0.8f), at.uniform(0.6f, 0.8f)}, day);  // beside or behind the camera
+  if (lamps)
+    add_pendant(build, rng.substream(24), {-0.4f * side * half, 1.95f, at.uniform(0.4f, 1.2f)}, room.high_m, nits);
+  if (room.beyond_m > 0) {
+    add_room_beyond(build, rng.substream(25), room, nits, day);
+  } else if (at.chance(0.35f)) {
     add_window_at(build, rng.substream(12), standing({half * at.uniform(-0.4f, 0.4f), 1.45f, -room.deep_m + 0.002f}, 0),
                   {at.uniform(0.4f, 0.7f), at.uniform(0.5f, 0.7f)}, day);
+  }
   std::vector<Spot> places = spots(at, room);
   std::vector<std::size_t> order(places.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -195,7 +256,32 @@ void furnish_room(SceneBuilder& build, RandomStream rng, const RoomOptions& room
     add_glass_screen(build, rng.substream(23), standing({0.35f, 0, -0.55f * room.deep_m}, 0), {0.4f, 0.65f});
   }
   build.shooting.key = lamps ? 0.09f : 0.14f;
-  build.shooting.most_clipped = 0.06f;
+  build.shooting.most_clipped = 0.15f;  // windows
+}
+
+void add_near_furniture(SceneBuilder& build, RandomStream rng, const RoomOptions& room, vec3 eye, vec3 target) {
+  constexpr float kHalfView = 0.43f;  // of the picture's width over the distance
+  const vec2 ahead = glm::normalize(vec2(target.x - eye.x, target.z - eye.z)), right(-ahead.y, ahead.x);
+  const float nits = room.light == "lamps" ? 9000 * room.lamp_strength : 0.0f, first = rng.sign();
+  const int pieces = 1 + rng.below(2);
+  for (int i = 0; i < pieces; ++i) {
+    RandomStream own = rng.substream(i);
+    const float kind = own.uniform(), side = i == 0 ? first : -first;
+    const bool low = kind < 0.5f;  // tables and chairs: seen farther away, under the horizon
+    const float away = low ? own.uniform(1.3f, 2.0f) : own.uniform(0.9f, 1.4f);
+    const vec2 at = vec2(eye.x, eye.z) + away * ahead + side * away * kHalfView * own.uniform(0.55f, 0.9f) * right;
+    if (std::abs(at.x) > 0.5f * room.wide_m - 0.3f || -at.y > room.deep_m - 0.7f) continue;
+    const glm::mat4 pose = standing({at.x, 0, at.y}, own.uniform(-0.6f, 0.6f));
+    if (kind < 0.3f) {
+      add_dining_table(build, own.substream(1), pose);
+    } else if (low) {
+      add_chair(build, own.substream(1), pose * standing(vec3(0), own.uniform(0, 6)));
+    } else if (kind < 0.85f) {
+      add_floor_plant(build, own.substream(1), pose);
+    } else {
+      add_floor_lamp(build, own.substream(1), pose, 0.3f * nits);
+    }
+  }
 }
 
 }  // namespace dualpixel::scenes

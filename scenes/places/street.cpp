@@ -55,12 +55,11 @@ void add_houses(SceneBuilder& build, RandomStream rng, float half_street, float 
 }  // namespace
 
 void lay_street(SceneBuilder& build, RandomStream rng, const PlaceOptions& options) {
-  const bool dark = options.light == "night" || options.light == "dusk";
   const float half_road = rng.uniform(2, 3.5f), half_street = half_road + rng.uniform(2, 4),
               farthest = 0.9f * options.farthest_m;
   const float shift = rng.uniform(-0.7f, 0.7f) * half_street;  // of the camera from the street's middle
   add_roadway(build, rng.substream(1), half_road, half_street, farthest);
-  add_houses(build, rng.substream(2), half_street, farthest, dark);
+  add_houses(build, rng.substream(2), half_street, farthest, lamp_nits(options.light) > 0);
   RandomStream at = rng.substream(3);
   const Planting planting = grow_planting(build, rng.substream(4), 1);
   for (int i = 0; i < options.trees; ++i) {
@@ -68,7 +67,7 @@ void lay_street(SceneBuilder& build, RandomStream rng, const PlaceOptions& optio
                     55 * (static_cast<float>(i) + at.uniform()) / static_cast<float>(std::max(options.trees, 1));
     plant(build, at, "tree", planting.trees[0], {at.sign() * (half_road + 0.6f), 0.06f, -z}, 0.8f);
   }
-  const float nits = options.light == "night" ? 9000.0f : options.light == "dusk" ? 5000.0f : 0.0f;
+  const float nits = lamp_nits(options.light);
   for (int i = 0; i < options.lamps; ++i) {
     const float z = options.nearest_m + 3 + 9 * static_cast<float>(i), side = i % 2 == 0 ? 1.0f : -1.0f;
     add_lamp_post(build, rng.substream(20 + i), {side * (half_road + 0.35f), 0.06f, -z}, nits);

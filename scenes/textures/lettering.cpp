@@ -222,7 +222,7 @@ Surface cover_surface(RandomStream rng, vec3 color, const std::string& title) {
 
 Surface letter_surface(RandomStream rng, vec3 color, char letter) {
   const vec3 ground = vec3(0.6f, 0.48f, 0.32f) * rng.uniform(0.8f, 1.15f);
-  const PinkNoise fiber(rng.seed(), 4, 128, 1.2f);
+  const PinkNoise fiber(rng.seed(), 4, 128, 1.2f, 4, 1);
   const std::string text(1, letter);
   Surface surface;
   surface.roughness = 0.6f;
@@ -230,7 +230,7 @@ Surface letter_surface(RandomStream rng, vec3 color, char letter) {
     const float rim = std::min(std::min(u, 1 - u), std::min(v, 1 - v));
     const float ink = ink_at(text, (u - 0.27f) / 0.56f - 0.02f, (v - 0.22f) / 0.56f, 0.2f);
     const float colored = std::max(ink, rim < 0.07f ? 1.0f : 0.0f);
-    return shaded(glm::mix(ground, color, colored), 0.09f, fiber.stretched(u, v, 4, 1));
+    return shaded(glm::mix(ground, color, colored), 0.09f, fiber(u, v));
   });
   return surface;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "capture/image/image_io.h"
 #include "scenes/procedural/noise.h"
@@ -33,33 +34,34 @@ Texture paint(int size, const std::function<glm::vec3(float, float)>& linear_col
   return texture;
 }
 
-PinkNoise::PinkNoise(std::uint32_t seed, int lowest, int highest, float slope)
-    : seed_(seed), lowest_(lowest), octaves_(1), gain_(std::exp2(1 - slope)), scale_(1) {
-  float variance = 1, weight = 1;
-  for (int cells = 2 * lowest; cells <= highest; cells *= 2) {
-    weight *= gain_;
+PinkNoise::PinkNoise(std::uint32_t seed, int lowest, int highest, float slope, int along_u, int along_v) {
+  const float gain = std::exp2(1 - slope);
+  float variance = 0, weight = 1;
+  for (int cells = lowest; cells == lowest || cells <= highest; cells *= 2, weight *= gain) {
+    Octave octave{cells * along_u, cells * along_v, weight, {}};
+    for (int j = 0; j <= octave.rows; ++j) {
+      for (int i = 0; i <= octave.columns; ++i)
+        octave.corners.push_back(hash01(seed, i == octave.columns ? 0 : i, j == octave.rows ? 0 : j));
+    }
+    octaves_.push_back(std::move(octave));
     variance += weight * weight;
-    ++octaves_;
+    ++seed;
   }
   scale_ = 1 / (kDeviation * std::sqrt(variance));
 }
 
-float PinkNoise::operator()(float u, float v) const { return stretched(u, v, 1, 1); }
-
-float PinkNoise::stretched(float u, float v, int along_u, int along_v) const {
-  float sum = 0, weight = 1;
-  int cells = lowest_;
-  for (int octave = 0; octave < octaves_; ++octave, cells *= 2, weight *= gain_) {
-    const int nu = cells * along_u, nv = cells * along_v;
-    const float x = (u - std::floor(u)) * static_cast<float>(nu), y = (v - std::floor(v)) * static_cast<float>(nv);
-    const int i = std::min(static_cast<int>(x), nu - 1), j = std::min(static_cast<int>(y), nv - 1);
+float PinkNoise::operator()(float u, float v) const {
+  u -= std::floor(u), v -= std::floor(v);
+  float sum = 0;
+  for (const Octave& octave : octaves_) {
+    const float x = u * static_cast<float>(octave.columns), y = v * static_cast<float>(octave.rows);
+    const int i = std::min(static_cast<int>(x), octave.columns - 1), j = std::min(static_cast<int>(y), octave.rows - 1);
     const float tx = x - static_cast<float>(i), ty = y - static_cast<float>(j);
     const float a = tx * tx * (3 - 2 * tx), b = ty * ty * (3 - 2 * ty);
-    const std::uint32_t seed = seed_ + static_cast<std::uint32_t>(octave);
-    const int right = i + 1 == nu ? 0 : i + 1, down = j + 1 == nv ? 0 : j + 1;
-    const float top = hash01(seed, i, j) * (1 - a) + hash01(seed, right, j) * a;
-    const float bottom = hash01(seed, i, down) * (1 - a) + hash01(seed, right, down) * a;
-    sum += weight * (top * (1 - b) + bottom * b - 0.5f);
+    const float* corner = &octave.corners[static_cast<std::size_t>(j) * (octave.columns + 1) + i];
+    const float* below = corner + octave.columns + 1;
+    const float top = corner[0] * (1 - a) + corner[1] * a, bottom = below[0] * (1 - a) + below[1] * a;
+    sum += octave.weight * (top * (1 - b) + bottom * b - 0.5f);
   }
   return sum * scale_;
 }

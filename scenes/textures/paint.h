@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "scenes/gltf/mesh.h"
 
@@ -15,15 +16,19 @@ Texture paint(int size, const std::function<glm::vec3(float u, float v)>& linear
 /// contrast, as photographs have it on the average (Field 1987); surfaces by themselves are smoother, 1.2 to 1.6.
 class PinkNoise {
  public:
-  PinkNoise(std::uint32_t seed, int lowest, int highest, float slope);
-  float operator()(float u, float v) const;
   /// Stretched: `along_u` and `along_v` times as many cells (whole numbers, so that it still repeats).
-  float stretched(float u, float v, int along_u, int along_v) const;
+  PinkNoise(std::uint32_t seed, int lowest, int highest, float slope, int along_u = 1, int along_v = 1);
+  float operator()(float u, float v) const;
 
  private:
-  std::uint32_t seed_;
-  int lowest_, octaves_;
-  float gain_, scale_;
+  /// Its random numbers at the corners of all cells: a texel asks for each of them many times.
+  struct Octave {
+    int columns, rows;
+    float weight;
+    std::vector<float> corners;  ///< one more a row and a column than cells: the first ones again
+  };
+  std::vector<Octave> octaves_;
+  float scale_;
 };
 
 /// `color` lighter or darker by e^(contrast * n): reflectance varies in proportion.

@@ -62,7 +62,7 @@ Surface metal_surface(RandomStream rng, vec3 color, float roughness) {
 Surface wood_surface(RandomStream rng, vec3 color, float board_m, float repeat_m) {
   const int boards = board_m > 0 ? parts(repeat_m, board_m) : 1;
   const std::uint32_t seed = rng.seed();
-  const PinkNoise bend(rng.seed(), 2, 16, 2.0f), fiber(rng.seed(), 8, 64, 1.1f), patch(rng.seed(), 2, 64, 1.3f);
+  const PinkNoise bend(rng.seed(), 2, 16, 2.0f), fiber(rng.seed(), 8, 64, 1.1f, 8, 1), patch(rng.seed(), 2, 64, 1.3f);
   const float rings = rng.uniform(5, 11), strength = rng.uniform(0.1f, 0.28f);
   Surface surface;
   surface.repeat_m = repeat_m;
@@ -72,10 +72,10 @@ Surface wood_surface(RandomStream rng, vec3 color, float board_m, float repeat_m
     const int board = std::min(static_cast<int>(x), boards - 1);
     const float own = hash01(seed, board), shift = hash01(seed, board, 1);
     const float in = x - static_cast<float>(board);
-    const float swirl = bend.stretched(u, v + shift, 1, 1);
+    const float swirl = bend(u, v + shift);
     const float ring = fraction((in + 0.35f * swirl) * rings + 3 * own);
     const float late = ring * ring * (ring < 0.93f ? 1.0f : (1 - ring) / 0.07f);  // late wood darkens, then it ends
-    float tone = -strength * 2.2f * late + 0.09f * fiber.stretched(u, v + shift, 8, 1) + 0.1f * patch(u, v);
+    float tone = -strength * 2.2f * late + 0.09f * fiber(u, v + shift) + 0.1f * patch(u, v);
     tone += 0.45f * (own - 0.5f);
     const float joint = board_m > 0 ? std::min(in, 1 - in) * board_m : 1.0f;
     if (joint < 0.0016f) tone -= 1.3f;
@@ -171,11 +171,11 @@ Surface woven_surface(RandomStream rng, vec3 color, vec3 second, float thread_m)
 }
 
 Surface bark_surface(RandomStream rng, vec3 color) {
-  const PinkNoise ridge(rng.seed(), 4, 64, 1.1f), grain(rng.seed(), 4, 256, 1.1f);
+  const PinkNoise ridge(rng.seed(), 4, 64, 1.1f, 4, 1), grain(rng.seed(), 4, 256, 1.1f);
   Surface surface;
   surface.repeat_m = 0.5f;
   surface.texture = paint(512, [&](float u, float v) {
-    const float crack = std::abs(ridge.stretched(u + 0.01f * grain(u, v), v, 4, 1));
+    const float crack = std::abs(ridge(u + 0.01f * grain(u, v), v));
     return shaded(color, 1, -0.8f * std::max(0.6f - crack, 0.0f) + 0.16f * grain(u, v));
   });
   return surface;

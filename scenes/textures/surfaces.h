@@ -15,6 +15,7 @@ struct Surface {
   glm::vec3 emission_nits{0};
   float transmission = 0;  ///< as in GlbMaterial
   bool solid = false;
+  float subsurface = 0;
 };
 
 /// One color, mottled a little: paint, plastic, ceramics, leather, metal.

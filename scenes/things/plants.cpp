@@ -20,12 +20,12 @@ Surface leaves_of(RandomStream& rng) {
 
 /// Skin of a fruit: two colors in patches, and specks.
 Surface fruit_skin(RandomStream rng, vec3 color, vec3 blush, float roughness) {
-  const PinkNoise patch(rng.seed(), 2, 8, 1.5f), speck(rng.seed(), 16, 256, 1.1f);
+  const PinkNoise patch(rng.seed(), 2, 8, 1.5f, 2, 1), speck(rng.seed(), 16, 256, 1.1f);
   Surface surface;
   surface.repeat_m = 0.25f;
   surface.roughness = roughness;
   surface.texture = paint(256, [&](float u, float v) {
-    const float mix = std::clamp(0.5f + 0.45f * patch.stretched(u, v, 2, 1), 0.0f, 1.0f);
+    const float mix = std::clamp(0.5f + 0.45f * patch(u, v), 0.0f, 1.0f);
     return shaded(glm::mix(color, blush, mix), 0.08f, speck(u, v));
   });
   return surface;

@@ -12,11 +12,10 @@ using glm::vec2;
 using glm::vec3;
 
 Surface paper_edges(RandomStream rng) {
-  const PinkNoise leafs(rng.seed(), 4, 64, 1.0f);
+  const PinkNoise leafs(rng.seed(), 4, 64, 1.0f, 1, 4);
   Surface surface;
   surface.repeat_m = 0.05f;
-  surface.texture =
-      paint(256, [&](float u, float v) { return shaded(vec3(0.6f, 0.56f, 0.47f), 0.1f, leafs.stretched(u, v, 1, 4)); });
+  surface.texture = paint(256, [&](float u, float v) { return shaded(vec3(0.6f, 0.56f, 0.47f), 0.1f, leafs(u, v)); });
   return surface;
 }
 

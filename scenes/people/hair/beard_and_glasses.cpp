@@ -41,6 +41,7 @@ void add_beard(SceneModel& scene, Figure& figure, RandomStream& rng) {
   SceneObject beard =
       polygonize(distance, {-0.1f, -0.2f, -0.01f}, {0.1f, 0.02f, 0.13f}, figure.head_cell_m / figure.body.head_scale);
   move_to_head(figure, beard);
+  beard.hair_m = 0.012f;
   SceneObject soft = strands(figure, beard, rng, 250, 0.02f, 0.6f, 0.0007f, 0.4f);
   Material material = figure.hair;
   material.a *= rng.uniform(0.7f, 1.3f);

@@ -21,6 +21,7 @@ void add_hair_mesh(SceneModel& scene, const Figure& figure, const Hair& hair, Ra
   SceneObject object =
       polygonize(hair.shape, {-r, low, -r - 0.06f}, {r, 0.2f + hair.shape.thick_m + hair.shape.top_m, r}, cell);
   let_hang(figure, object);
+  object.hair_m = std::max(1.5f * hair.strand_m, 0.012f);
   const float width = 0.00075f + 0.00012f * static_cast<float>(rng.below(6));
   SceneObject soft = strands(figure, object, rng, hair.strands, hair.strand_m, hair.lift, width, hair.curl);
   add_object(scene, figure, std::move(object), figure.hair);

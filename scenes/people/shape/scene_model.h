@@ -20,6 +20,7 @@ struct SceneObject {
   std::vector<glm::uvec3> triangles;
   int material = 0;        ///< index into Stage::looks
   int person = kNoPerson;  ///< index of the person it belongs to
+  float hair_m = 0;        ///< the mass of hair whose strands show about this length; 0: something else
 };
 
 /// Light from all directions: a gradient from the ground over the horizon to the zenith, and a broad lobe (a window, a

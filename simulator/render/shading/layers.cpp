@@ -108,6 +108,31 @@ float sheen_integral(float roughness, float cosine) {
   return table.at(roughness, cosine);
 }
 
+/// Chandrasekhar's H function of a deep layer, by albedo of single scattering = 1 - gamma^2 (Hapke 2002, equation 13:
+/// within 1 %).
+float chandrasekhar_h(float cosine, float gamma) {
+  const float x = std::max(cosine, 1e-4f), r = (1 - gamma) / (1 + gamma);
+  return 1 / (1 - (1 - gamma * gamma) * x * (r + (0.5f - r * x) * std::log((1 + x) / x)));
+}
+
+/// Reflection of the layer over that of a white Lambertian surface. `albedo` is of even light, to which a fit finds
+/// gamma (Chiang, Kutz and Burley 2016, supplement: no phase, no surface).
+float deep_layer(float albedo, float n_v, float n_l) {
+  const float a = std::clamp(albedo, 0.0f, 1.0f);
+  const float gamma = std::max(4.09712f + 4.20863f * a - std::sqrt(9.59217f + 41.6808f * a + 17.7126f * a * a), 0.0f);
+  return 0.25f * (1 - gamma * gamma) * chandrasekhar_h(n_v, gamma) * chandrasekhar_h(n_l, gamma) /
+         std::max(n_v + n_l, 1e-4f);
+}
+
+/// What is diffuse below the surface, times pi.
+glm::vec3 diffuse_below(const Surface& s, float n_v, float n_l) {
+  const float share = s.layers->subsurface;
+  if (share == 0) return s.base_color;
+  glm::vec3 deep;
+  for (int c = 0; c < 3; ++c) deep[c] = deep_layer(s.base_color[c], n_v, n_l);
+  return glm::mix(s.base_color, deep, share);
+}
+
 /// How often each lobe is sampled.
 struct LobeShares {
   float cosine, surface, coat;
@@ -142,7 +167,7 @@ glm::vec3 layered_bsdf(const Surface& s, glm::vec3 to_eye, glm::vec3 to_light) {
   const float n_h = std::max(glm::dot(s.normal, half), 0.0f), v_h = glm::dot(to_eye, half);
   const float alpha = ggx_alpha(s.roughness);
   const float lobe = ggx_visibility(n_l, n_v, alpha) * ggx_density(n_h, alpha);
-  const glm::vec3 diffuse = (1 - y.transmission) * below_surface(y, n_v, n_l) * s.base_color / kPi;
+  const glm::vec3 diffuse = (1 - y.transmission) * below_surface(y, n_v, n_l) * diffuse_below(s, n_v, n_l) / kPi;
   const glm::vec3 dielectric = diffuse + fresnel(y, v_h) * lobe;
   const glm::vec3 metal = (s.base_color + (1.0f - s.base_color) * grazing_part(v_h)) * lobe;
   glm::vec3 f = glm::mix(dielectric, metal, s.metallic);
@@ -166,7 +191,7 @@ glm::vec3 layered_diffuse_bsdf(const Surface& s) {
   const float sheen =
       largest(y.sheen_color) > 0 ? 1 - largest(y.sheen_color) * sheen_albedo(y.sheen_roughness, kMiddle) : 1;
   return (1 - s.metallic) * (1 - y.transmission) * below_surface(y, kMiddle, kMiddle) * sheen * coat * coat *
-         s.base_color / kPi;
+         diffuse_below(s, kMiddle, kMiddle) / kPi;
 }
 
 float layered_pdf(const Surface& s, glm::vec3 to_eye, glm::vec3 to_light) {

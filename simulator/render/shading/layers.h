@@ -10,6 +10,9 @@
 /// gets: below the surface's reflection by both angles (Kelemen and Szirmay-Kalos 2001), where glTF's own formula goes
 /// by the half vector and gains light at grazing angles. `surface` has layers; otherwise as in bsdf.h, which calls
 /// these.
+/// Skin: light that enters and comes back from within, as of a deep layer that scatters evenly (Chandrasekhar 1960,
+/// with the H function of Hapke 2002), whose reflection of even light is the base color. It is flatter than Lambert's,
+/// and brighter at grazing angles. Approximated: light comes out where it went in, so that shadows stay sharp.
 namespace dualpixel::simulator {
 
 glm::vec3 layered_bsdf(const Surface& surface, glm::vec3 to_eye, glm::vec3 to_light);

@@ -232,8 +232,11 @@ std::optional<Layers> read_layers(const tinygltf::Material& source, bool emits) 
     y.absorption_per_m =
         absorption_of(volume.color("attenuationColor", glm::vec3(1)), volume.number("attenuationDistance", kFar));
   }
+  const tinygltf::Value& extras = source.extras;
+  if (extras.IsObject() && extras.Has("subsurface"))
+    y.subsurface = static_cast<float>(extras.Get("subsurface").GetNumberAsDouble());
   const bool plain = y.ior == 1.5f && y.specular == 1 && y.specular_color == glm::vec3(1) && y.clearcoat == 0 &&
-                     y.sheen_color == glm::vec3(0) && y.transmission == 0;
+                     y.sheen_color == glm::vec3(0) && y.transmission == 0 && y.subsurface == 0;
   return plain ? std::nullopt : std::optional(y);
 }
 

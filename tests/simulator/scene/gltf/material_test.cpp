@@ -100,6 +100,20 @@ TEST(GltfMaterial, Layers) {
             std::string::npos);
 }
 
+TEST(GltfMaterial, SubsurfaceIsAnExtra) {
+  GltfBuilder gltf = one_triangle();
+  gltf.root["materials"] = {
+      {{"extras", {{"subsurface", 0.75}}}}, {{"extras", "words"}}, {{"extras", {{"subsurface", 0}}}}};
+  const Scene scene = gltf.read();
+  ASSERT_TRUE(scene.materials[0].layers);
+  EXPECT_EQ(scene.materials[0].layers->subsurface, 0.75f);
+  EXPECT_FALSE(scene.materials[1].layers);
+  EXPECT_FALSE(scene.materials[2].layers);
+  gltf.root["materials"] = {{{"extras", {{"subsurface", 1.5}}}}};
+  const std::string message = refusal([&] { gltf.read(); });
+  EXPECT_NE(message.find("/materials/0/extras/subsurface: 1.5"), std::string::npos) << message;
+}
+
 TEST(GltfMaterial, EmissiveGlassIsDrawnOpaque) {
   GltfBuilder gltf = one_triangle();
   const json glass = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
