@@ -32,6 +32,7 @@ json index_entry(const SampleLine& line, const std::string& dataset) {
       entry[field] = camera.at(field);
     }
     for (const char* field : {"time_s", "iso"}) entry[field] = sample.at("exposure").at(field);
+    if (sample.contains("missed_exposure")) entry["missed_exposure"] = sample["missed_exposure"];
     for (const json& file : sample.at("files")) entry["files"].push_back(file.at("path"));
     return entry;
   } catch (const json::exception& error) {

@@ -103,6 +103,24 @@ TEST(OwnScenes, SeveralGoToFoldersOfTheirNames) {
   expect_one_line_refusal(run_program("simulate " + planes + planes + "-o " + in + "twice'" + kTinyPictures));
 }
 
+// A camera that the second scene lacks is only known when it is loaded.
+TEST(OwnScenes, AllAreCheckedBeforeTheFirstIsRendered) {
+  const TemporaryFolder folder;
+  const std::string in = "'" + folder.path.string() + "/";
+  const std::string planes = "'" DUALPIXEL_SCENES_DIR "/slanted_planes.json' ";
+  folder.write("none.json",
+               json{{"gltf", DUALPIXEL_SCENES_DIR "/slanted_planes.glb"}, {"camera", {{"node", "none"}}}}.dump());
+  const Outcome outcome = run_program("simulate " + planes + in + "none.json' -o " + in + "out'" + kTinyPictures);
+  expect_one_line_refusal(outcome);
+  EXPECT_NE(outcome.err.find("none.json"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+
+  folder.write("jobs.jsonl", "{\"name\": \"a\"}\n{\"name\": \"b\", \"set\": {\"camera.node\": \"none\"}}\n");
+  expect_one_line_refusal(
+      run_program("simulate " + planes + "--jobs " + in + "jobs.jsonl' -o " + in + "out'" + kTinyPictures));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+}
+
 TEST(OwnScenes, AFaceMayBeGivenInSharesAndRemoved) {
   const TemporaryFolder folder;
   const std::string in = "'" + folder.path.string() + "/";
