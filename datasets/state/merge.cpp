@@ -8,6 +8,7 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
+#include "datasets/pictures/google.h"
 #include "datasets/plan/plan.h"
 #include "datasets/render/sample_folder.h"
 
@@ -60,6 +61,14 @@ void link_dpdd(const SampleLine& line, const std::string& dataset) {
   link_file(from + "/target.png", fmt::format("{}/dpdd/{}_c/target/{}.png", dataset, split, line.name));
 }
 
+void link_google(const SampleLine& line, const std::string& dataset) {
+  for (const GoogleFile& file : kGoogleFiles) {
+    link_file(
+        sample_folder(dataset, line) + "/" + file.file,
+        fmt::format("{}/google/{}/{}/{}/{}", dataset, name_of(kSplits, line.split), file.folder, line.name, file.file));
+  }
+}
+
 }  // namespace
 
 std::vector<json> merge_samples(const std::string& folder) {
@@ -70,6 +79,7 @@ std::vector<json> merge_samples(const std::string& folder) {
     index.push_back(index_entry(line, folder));
     text += index.back().dump() + "\n";
     if (line.layout == Layout::dpdd) link_dpdd(line, folder);
+    if (line.layout == Layout::google) link_google(line, folder);
   }
   if (index.empty()) throw InputError(printable(folder) + ": nothing is rendered yet");
   replace_file(folder + "/" + kIndexFile, text);
