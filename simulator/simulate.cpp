@@ -513,11 +513,14 @@ Capture simulate(const Simulation& s, const Scene& scene, const CameraView& view
   return simulate(s, world, view, stage);
 }
 
-Capture simulate(const Simulation& s, RenderScene& world, const CameraView& view, const StageCallback& stage) {
+void require_renderable(const Simulation& s, const Scene& scene) {
   require_valid(check(s), s.path);
-  check_memory(s, (s.animation ? 2 : 1) * bytes_of(world.scene));
-  if (s.animation) check_animation(s, world.scene);
+  check_memory(s, (s.animation ? 2 : 1) * bytes_of(scene));
+  if (s.animation) check_animation(s, scene);
+}
 
+Capture simulate(const Simulation& s, RenderScene& world, const CameraView& view, const StageCallback& stage) {
+  require_renderable(s, world.scene);
   Capture capture;
   capture.camera = describe_camera(s);
   capture.exposure = describe_exposure(s.sensor, s.exposure);

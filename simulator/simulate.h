@@ -35,10 +35,13 @@ CameraView place_camera(const Simulation& simulation, const Scene& scene);
 /// `stage` is called with what is being done and the fraction of it that is.
 using StageCallback = std::function<void(const std::string& stage, double fraction)>;
 
+/// Throws InputError where simulate() would before it renders anything: where an animation makes triangles appear or
+/// vanish, or where pictures and scenes would not fit into this machine's memory.
+void require_renderable(const Simulation& simulation, const Scene& scene);
+
 /// `scene` is load_scene(simulation). Where something moves, each frame is rendered at its own time with random numbers
 /// of its own; else all frames share one render. Truth is the first frame's, with the motion to the others. Throws
-/// InputError before anything is rendered where an animation makes triangles appear or vanish, or where pictures and
-/// scenes would not fit into this machine's memory.
+/// as require_renderable() does.
 Capture simulate(const Simulation& simulation, const Scene& scene, const StageCallback& stage = {});
 
 /// The same with place_camera()'s result, where the caller has it already.

@@ -9,6 +9,7 @@
 #include "capture/image/image_io.h"
 #include "capture/image/npy.h"
 #include "datasets/pictures/developed.h"
+#include "datasets/pictures/google.h"
 
 namespace dualpixel::datasets {
 namespace {
@@ -92,6 +93,13 @@ std::vector<std::string> write_dpdd(const Capture& capture, const std::string& f
   return names;
 }
 
+std::vector<std::string> write_google_files(const Capture& capture, const std::string& folder) {
+  std::vector<std::string> names;
+  for (const GoogleFile& file : kGoogleFiles) names.emplace_back(file.file);
+  write_google(capture, [&](const GoogleFile& file) { return folder + "/" + file.file; });
+  return names;
+}
+
 void write_exr_picture(const std::string& path, const Image& image) {
   if (image.channels == 1) return write_exr(path, {{"Y", &image}}, false);
   write_exr(path, {{"R", &image, 0}, {"G", &image, 1}, {"B", &image, 2}}, false);
@@ -137,6 +145,11 @@ std::uint64_t picture_bytes(const Camera& camera, Layout layout, const std::vect
     const bool dense = camera.dp_downsample_x * camera.dp_downsample_y == 1;
     return kDpddPictures * kDpddBytes * (dense ? sensor : sensor / 4);
   }
+  if (layout == Layout::google) {
+    require_google(camera, "/sensor/dp_downsample_x, dp_downsample_y: 1 x 1");
+    constexpr int kSensorBytes = 3 + 1 + 2 * sizeof(float), kViewBytes = 2 * 2;
+    return kSensorBytes * sensor + kViewBytes * views;
+  }
   std::uint64_t bytes = 0;
   for (const std::string& name : keep) {
     const PictureKind& kind = *find_named(pictures(), name);
@@ -148,6 +161,7 @@ std::uint64_t picture_bytes(const Camera& camera, Layout layout, const std::vect
 std::vector<std::string> write_pictures(const Capture& capture, Layout layout, const std::vector<std::string>& keep,
                                         const std::string& folder) {
   if (layout == Layout::dpdd) return write_dpdd(capture, folder);
+  if (layout == Layout::google) return write_google_files(capture, folder);
   std::vector<std::string> names;
   std::vector<FileTask> tasks;
   for (const std::string& name : keep) {

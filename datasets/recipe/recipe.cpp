@@ -144,8 +144,11 @@ void read_split(Fields fields, bool there, Recipe& recipe) {
 void read_keep(Fields& root, Recipe& recipe) {
   read_named(root, "layout", recipe.layout, kLayouts);
   const json& keep = root.raw("keep");
-  if (recipe.layout == Layout::dpdd) {
-    if (!keep.is_null()) root.fail("keep", "the dpdd layout has its own four pictures: leave it out");
+  if (has_own_pictures(recipe.layout)) {
+    if (!keep.is_null()) {
+      root.fail("keep",
+                fmt::format("the {} layout has its own pictures: leave it out", name_of(kLayouts, recipe.layout)));
+    }
     return;
   }
   const std::vector<std::string> names = names_of(pictures());

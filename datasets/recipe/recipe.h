@@ -60,7 +60,8 @@ struct Recipe {
   Relations relations;
   std::array<double, kSplitCount> shares{1, 0, 0};  ///< of the samples, in the order of kSplits; they add up to 1
   Layout layout = Layout::exr;
-  std::vector<std::string> keep;  ///< names of pictures (datasets/pictures/pictures.h); empty for dpdd
+  std::vector<std::string>
+      keep;  ///< names of pictures (datasets/pictures/pictures.h); empty where the layout has its own
 };
 
 inline constexpr int kMostSamples = 10'000'000;

@@ -4,7 +4,6 @@
 #include <glm/glm.hpp>
 
 #include "capture/error.h"
-#include "scenes/drawn/meter.h"
 #include "scenes/framing/free_place.h"
 #include "scenes/framing/light_meter.h"
 #include "scenes/framing/scene_document.h"
@@ -47,18 +46,20 @@ void resolve_geometry(const SampleLine& line, const simulator::ReadyScene& ready
   scene_file["camera"]["focus_distance_m"] = scenes::short_number(std::clamp(depth, kNearest_m, kFarthest_m));
 }
 
-void resolve_exposure(double mean, const json& set, const simulator::Simulation& s, simulator::ReadyScene& ready,
-                      const simulator::CameraView& camera, json& scene_file) {
-  const double seconds = scenes::metered_seconds(mean, s, ready, camera, "exposure_mean");
+std::optional<scenes::MissedExposure> resolve_exposure(double mean, const json& set, const simulator::Simulation& s,
+                                                       simulator::ReadyScene& ready,
+                                                       const simulator::CameraView& camera, json& scene_file) {
+  const scenes::MeteredExposure metered = scenes::meter_for_mean(mean, s, ready, camera, "exposure_mean");
   json& exposure = scene_file["exposure"];
   if (set.contains("exposure.iso")) {
-    exposure["time_s"] = scenes::short_number(seconds * 100 / s.exposure.iso);
+    exposure["time_s"] = scenes::short_number(metered.seconds * 100 / s.exposure.iso);
   } else if (set.contains("exposure.time_s")) {
-    exposure["iso"] = scenes::short_number(seconds * 100 / s.exposure.time_s);
+    exposure["iso"] = scenes::short_number(metered.seconds * 100 / s.exposure.time_s);
   } else {
     constexpr int kDigits = 4;
-    scenes::set_exposure(scene_file, seconds, kDigits);
+    return metered.missed(scenes::set_exposure(scene_file, metered.seconds, kDigits));
   }
+  return metered.missed();
 }
 
 }  // namespace dualpixel::datasets

@@ -1,7 +1,9 @@
 #pragma once
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "datasets/plan/sample_line.h"
+#include "scenes/drawn/meter.h"
 #include "simulator/ready_scene.h"
 #include "simulator/render/camera_view.h"
 
@@ -19,8 +21,11 @@ void resolve_geometry(const SampleLine& line, const simulator::ReadyScene& ready
 /// Sets time and gain so that the mean of the picture's signal, clipped at white, is `mean`: of the green photosites,
 /// in each of a grid of them, through the lens with its shading. The field that `set` has stays (exposure.time_s or
 /// exposure.iso); where it has neither, both follow as a phone shares light between them (scenes/drawn/meter.h).
-/// Throws InputError where the scene is black.
-void resolve_exposure(double mean, const nlohmann::json& set, const simulator::Simulation& simulation,
-                      simulator::ReadyScene& ready, const simulator::CameraView& camera, nlohmann::json& scene_file);
+/// Returns how far it is from that, where no exposure is or the camera allows none. Throws InputError where the scene
+/// is black.
+std::optional<scenes::MissedExposure> resolve_exposure(double mean, const nlohmann::json& set,
+                                                       const simulator::Simulation& simulation,
+                                                       simulator::ReadyScene& ready,
+                                                       const simulator::CameraView& camera, nlohmann::json& scene_file);
 
 }  // namespace dualpixel::datasets

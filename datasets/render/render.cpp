@@ -9,12 +9,12 @@
 #include <filesystem>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #include "capture/error.h"
 #include "capture/files.h"
 #include "datasets/plan/plan.h"
 #include "datasets/render/relations.h"
-#include "datasets/render/sample_folder.h"
 #include "scenes/framing/scene_document.h"
 #include "scenes/kinds/kinds.h"
 #include "simulator/simulate.h"
@@ -110,7 +110,8 @@ void work(Board& board, const std::vector<SampleLine>& lines) {
 
 }  // namespace
 
-Capture render_line(const SampleLine& line, const std::string& dataset, std::unique_ptr<simulator::ReadyScene>& ready) {
+RenderedSample render_line(const SampleLine& line, const std::string& dataset,
+                           std::unique_ptr<simulator::ReadyScene>& ready) {
   const bool drawn = line.scene.contains("kind");
   const std::string path = drawn ? drawn_scene(line.scene, dataset) : line.scene.at("file").get<std::string>();
   const json as_read = scenes::read_scene_document(path);
@@ -122,8 +123,10 @@ Capture render_line(const SampleLine& line, const std::string& dataset, std::uni
   resolve_geometry(line, *ready, path, scene_file);
   simulator::Simulation simulation = simulator::read_simulation(scene_file, path);
   const simulator::CameraView camera = simulator::place_camera(simulation, ready->scene);
+  std::optional<scenes::MissedExposure> missed_exposure;
   if (line.relations.contains("exposure_mean")) {
-    resolve_exposure(line.relations.at("exposure_mean"), line.set, simulation, *ready, camera, scene_file);
+    missed_exposure =
+        resolve_exposure(line.relations.at("exposure_mean"), line.set, simulation, *ready, camera, scene_file);
     simulation = simulator::read_simulation(scene_file, path);
   }
   // each picture has random numbers of its own: what is left out changes nothing in the others
@@ -133,7 +136,7 @@ Capture render_line(const SampleLine& line, const std::string& dataset, std::uni
   capture.provenance.program = "dualpixel " DUALPIXEL_VERSION;
   capture.provenance.scene_file = fs::path(path).filename().string();
   capture.provenance.gltf_xxh64 = file_hash(simulation.gltf_path);
-  return capture;
+  return {std::move(capture), missed_exposure};
 }
 
 RenderCounts render_shard(const RenderTask& task) {

@@ -4,16 +4,17 @@
 #include <memory>
 #include <string>
 
-#include "capture/capture.h"
 #include "datasets/plan/sample_line.h"
+#include "datasets/render/sample_folder.h"
 #include "datasets/render/shard.h"
 #include "simulator/ready_scene.h"
 
 namespace dualpixel::datasets {
 
-/// The capture that a line stands for. It depends on the line alone. `ready` is the scene of the last call, which is
+/// What a line stands for. It depends on the line alone. `ready` is the scene of the last call, which is
 /// loaded once for samples that share it; drawn scenes are written to DATASET/scenes. Throws InputError.
-Capture render_line(const SampleLine& line, const std::string& dataset, std::unique_ptr<simulator::ReadyScene>& ready);
+RenderedSample render_line(const SampleLine& line, const std::string& dataset,
+                           std::unique_ptr<simulator::ReadyScene>& ready);
 
 struct RenderCounts {
   int planned = 0;  ///< in this shard

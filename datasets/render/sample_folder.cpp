@@ -26,7 +26,8 @@ bool is_there(const std::string& dataset, const SampleLine& line) {
   return std::filesystem::exists(sample_folder(dataset, line) + "/" + kSampleFile, error);
 }
 
-void write_sample(const SampleLine& line, const Capture& capture, const std::string& dataset) {
+void write_sample(const SampleLine& line, const RenderedSample& sample, const std::string& dataset) {
+  const Capture& capture = sample.capture;
   const std::string path = sample_folder(dataset, line);
   NewFolder folder(path, kSampleFile);
   std::vector<std::string> files = write_pictures(capture, line.layout, line.keep, folder.path());
@@ -38,6 +39,7 @@ void write_sample(const SampleLine& line, const Capture& capture, const std::str
                                      {"camera", to_json(capture.camera)},
                                      {"exposure", to_json(capture.exposure)},
                                      {"camera_from_world", capture.frames.front().camera_from_world}};
+  if (sample.missed_exposure) document["missed_exposure"] = scenes::to_json(*sample.missed_exposure);
   if (capture.face_px) document["face_px"] = *capture.face_px;
   document["noise"]["views"] = capture.truth->noise->views;
   if (!capture.truth->all_in_focus.empty()) document["noise"]["all_in_focus"] = capture.truth->noise->all_in_focus;

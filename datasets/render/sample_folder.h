@@ -1,8 +1,10 @@
 #pragma once
+#include <optional>
 #include <string>
 
 #include "capture/capture.h"
 #include "datasets/plan/sample_line.h"
+#include "scenes/drawn/meter.h"
 
 /// A sample on the disk: DATASET/samples/NAME with its pictures and sample.json.
 namespace dualpixel::datasets {
@@ -13,12 +15,18 @@ inline constexpr const char* kSamplesFolder = "samples";
 
 std::string sample_folder(const std::string& dataset, const SampleLine& line);
 
+/// What is made of a line.
+struct RenderedSample {
+  Capture capture;
+  std::optional<scenes::MissedExposure> missed_exposure;  ///< of relations.exposure_mean
+};
+
 /// Whether the sample is there. Its folder appears in one step, so that it is whole.
 bool is_there(const std::string& dataset, const SampleLine& line);
 
-/// Writes the line's pictures of `capture` and sample.json: the line, the scene file that `capture` was made of,
+/// Writes the line's pictures of the capture and sample.json: the line, the scene file that the capture was made of,
 /// camera, exposure and a manifest of sizes and hashes. Throws InputError where it cannot be written.
-void write_sample(const SampleLine& line, const Capture& capture, const std::string& dataset);
+void write_sample(const SampleLine& line, const RenderedSample& sample, const std::string& dataset);
 
 /// Why the sample is not as it was written from this line; empty where it is.
 std::string fault_of_sample(const std::string& dataset, const SampleLine& line);

@@ -8,6 +8,7 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
+#include "datasets/pictures/google.h"
 #include "datasets/plan/plan.h"
 #include "datasets/render/sample_folder.h"
 
@@ -32,6 +33,7 @@ json index_entry(const SampleLine& line, const std::string& dataset) {
       entry[field] = camera.at(field);
     }
     for (const char* field : {"time_s", "iso"}) entry[field] = sample.at("exposure").at(field);
+    if (sample.contains("missed_exposure")) entry["missed_exposure"] = sample["missed_exposure"];
     for (const json& file : sample.at("files")) entry["files"].push_back(file.at("path"));
     return entry;
   } catch (const json::exception& error) {
@@ -59,6 +61,14 @@ void link_dpdd(const SampleLine& line, const std::string& dataset) {
   link_file(from + "/target.png", fmt::format("{}/dpdd/{}_c/target/{}.png", dataset, split, line.name));
 }
 
+void link_google(const SampleLine& line, const std::string& dataset) {
+  for (const GoogleFile& file : kGoogleFiles) {
+    link_file(
+        sample_folder(dataset, line) + "/" + file.file,
+        fmt::format("{}/google/{}/{}/{}/{}", dataset, name_of(kSplits, line.split), file.folder, line.name, file.file));
+  }
+}
+
 }  // namespace
 
 std::vector<json> merge_samples(const std::string& folder) {
@@ -69,6 +79,7 @@ std::vector<json> merge_samples(const std::string& folder) {
     index.push_back(index_entry(line, folder));
     text += index.back().dump() + "\n";
     if (line.layout == Layout::dpdd) link_dpdd(line, folder);
+    if (line.layout == Layout::google) link_google(line, folder);
   }
   if (index.empty()) throw InputError(printable(folder) + ": nothing is rendered yet");
   replace_file(folder + "/" + kIndexFile, text);

@@ -11,7 +11,8 @@ inline constexpr const char* kIndexFile = "index.jsonl";
 
 /// Joins what is rendered of a data set: writes index.jsonl, one line a sample in order of their names, with split,
 /// folder, files, camera, exposure and statistics, and returns the lines. Of the dpdd layout it also lays the pictures
-/// out as DPDD has them, by hard links: dpdd/{train,val,test}_{c,l,r}/source/NAME.png and dpdd/{...}_c/target/NAME.png.
+/// out as DPDD has them, by hard links: dpdd/{train,val,test}_{c,l,r}/source/NAME.png and dpdd/{...}_c/target/NAME.png;
+/// of the google layout likewise google/{train,validation,test}/FOLDER/NAME/FILE (datasets/pictures/google.h).
 /// Throws InputError where the folder is no data set, a sample cannot be read, or nothing is rendered.
 std::vector<nlohmann::json> merge_samples(const std::string& folder);
 

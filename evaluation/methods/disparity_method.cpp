@@ -1,20 +1,13 @@
 #include "evaluation/methods/disparity_method.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
+#include <ctime>
 #include <filesystem>
-#include <fstream>
-#include <future>
-#include <thread>
 #include <utility>
 
 #include "capture/error.h"
@@ -22,6 +15,7 @@
 #include "capture/image/map_file.h"
 #include "capture/image/npy.h"
 #include "capture/names.h"
+#include "evaluation/methods/child_process.h"
 #include "pipeline/disparity/tile_disparity.h"
 
 namespace dualpixel::evaluation {
@@ -31,30 +25,7 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-double cpu_seconds(const rusage& usage) {
-  const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * t.tv_usec; };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
-double own_cpu_seconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return cpu_seconds(usage);
-}
-
-/// A folder for one run, removed with it.
-struct RunFolder {
-  std::string path;
-  RunFolder() : path((std::filesystem::temp_directory_path() / "dualpixel-method-XXXXXX").string()) {
-    if (!mkdtemp(path.data())) throw InputError(printable(path) + ": cannot be made");
-  }
-  ~RunFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-  RunFolder(const RunFolder&) = delete;
-  RunFolder& operator=(const RunFolder&) = delete;
-};
+double own_cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 /// One word for the shell, whatever it holds.
 std::string shell_quoted(const std::string& text) {
@@ -88,71 +59,6 @@ void write_view(const Image& view, float white, const std::string& path) {
   write_npy(path + ".npy", scaled);
 }
 
-/// The most memory that one process of a tree has held so far, MB; 0 where all have ended.
-double peak_rss_mb_of_tree(const std::string& pid) {
-  double most_mb = 0;
-  std::ifstream status("/proc/" + pid + "/status");
-  for (std::string line; std::getline(status, line);) {
-    if (line.starts_with("VmHWM:")) most_mb = std::strtod(line.c_str() + 6, nullptr) / 1024;
-  }
-  std::error_code ended;
-  std::vector<std::string> children;
-  std::filesystem::directory_iterator thread("/proc/" + pid + "/task", ended);
-  for (; !ended && thread != std::filesystem::directory_iterator(); thread.increment(ended)) {
-    std::ifstream list(thread->path() / "children");
-    for (std::string child; list >> child;) children.push_back(child);
-  }
-  for (const std::string& child : children) most_mb = std::max(most_mb, peak_rss_mb_of_tree(child));
-  return most_mb;
-}
-
-/// Becomes the shell that runs `command`, with signals and input as if a shell had started it.
-[[noreturn]] void become_shell(const std::string& command) {
-  sigset_t none;
-  sigemptyset(&none);
-  sigprocmask(SIG_SETMASK, &none, nullptr);
-  signal(SIGXFSZ, SIG_DFL);
-  dup2(open("/dev/null", O_RDONLY | O_CLOEXEC), STDIN_FILENO);
-  dup2(STDERR_FILENO, STDOUT_FILENO);
-  execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
-  _exit(127);
-}
-
-struct Ended {
-  int status = 0;
-  double cpu_s = 0, peak_rss_mb = 0;
-};
-
-/// Runs a command by the shell; its standard output goes to our standard error. Memory is looked up every 10 ms: the
-/// kernel's own figure of a child begins with what we held when it was forked.
-Ended run_shell(const std::string& command) {
-  constexpr std::chrono::milliseconds kLookEvery(10);
-  int started[2];  // closed by exec
-  if (pipe2(started, O_CLOEXEC) != 0) throw std::runtime_error("pipe: no process could be started");
-  const pid_t child = fork();
-  if (child < 0) throw std::runtime_error("fork: no process could be started");
-  if (child == 0) become_shell(command);
-  close(started[1]);
-  char nothing;
-  while (read(started[0], &nothing, 1) < 0 && errno == EINTR) {
-  }
-  close(started[0]);
-  Ended ended;
-  std::promise<void> over;
-  std::thread looks([&, is_over = over.get_future()] {
-    do {
-      ended.peak_rss_mb = std::max(ended.peak_rss_mb, peak_rss_mb_of_tree(std::to_string(child)));
-    } while (is_over.wait_for(kLookEvery) == std::future_status::timeout);
-  });
-  rusage usage{};
-  while (wait4(child, &ended.status, 0, &usage) < 0 && errno == EINTR) {
-  }
-  over.set_value();
-  looks.join();
-  ended.cpu_s = cpu_seconds(usage);
-  return ended;
-}
-
 /// `name` as it was given, or with the ending that what wrote it added or asked for.
 Image read_output(const DisparityMethod& method, const std::string& name, const char* channel, const Image& view) {
   constexpr const char* kEndings[] = {"", ".npy", ".pfm", ".exr"};
@@ -173,12 +79,12 @@ Image read_output(const DisparityMethod& method, const std::string& name, const 
 
 MethodRun run_program(const DisparityMethod& method, const std::string& command, const Image& left, const Image& right,
                       float white) {
-  const RunFolder folder;
-  write_view(left, white, folder.path + "/left");
-  write_view(right, white, folder.path + "/right");
+  const ScratchFolder folder;
+  write_view(left, white, folder.path() + "/left");
+  write_view(right, white, folder.path() + "/right");
   MethodRun run;
   const Clock::time_point start = Clock::now();
-  const Ended ended = run_shell(filled_in(command, folder.path));
+  const Ended ended = run_shell(filled_in(command, folder.path()));
   run.wall_s = seconds_since(start);
   run.cpu_s = ended.cpu_s;
   if (ended.peak_rss_mb > 0) run.peak_rss_mb = ended.peak_rss_mb;
@@ -188,9 +94,9 @@ MethodRun run_program(const DisparityMethod& method, const std::string& command,
                                  WIFEXITED(status) ? "status" : "signal",
                                  WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status)));
   }
-  run.found.disparity_dp_px = read_output(method, folder.path + "/out", "disparity_dp_px", left);
-  run.found.confidence = read_output(method, folder.path + "/confidence", "confidence", left);
-  run.found.sigma_dp_px = read_output(method, folder.path + "/sigma", "sigma_dp_px", left);
+  run.found.disparity_dp_px = read_output(method, folder.path() + "/out", "disparity_dp_px", left);
+  run.found.confidence = read_output(method, folder.path() + "/confidence", "confidence", left);
+  run.found.sigma_dp_px = read_output(method, folder.path() + "/sigma", "sigma_dp_px", left);
   if (run.found.disparity_dp_px.empty()) throw InputError(printable(method.name) + ": its command wrote no {out}");
   return run;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "capture/image/image_io.h"
 #include "datasets/render/sample_folder.h"
@@ -100,15 +101,21 @@ std::string plots_of(const std::vector<json>& index) {
 }
 
 Table splits_table(const std::vector<json>& index) {
-  std::map<std::string, std::pair<int, std::map<json, int>>> splits;
+  struct Split {
+    int samples = 0, missed_exposures = 0;
+    std::set<json> scenes;
+  };
+  std::map<std::string, Split> splits;
   for (const json& sample : index) {
-    auto& [count, scenes] = splits[sample.at("split")];
-    ++count;
-    ++scenes[sample.at("scene")];
+    Split& split = splits[sample.at("split")];
+    ++split.samples;
+    split.missed_exposures += sample.contains("missed_exposure") ? 1 : 0;
+    split.scenes.insert(sample.at("scene"));
   }
-  Table table{{"split", "samples", "scenes"}, {}};
+  Table table{{"split", "samples", "scenes", "mean exposure missed"}, {}};
   for (const auto& [name, split] : splits) {
-    table.rows.push_back({name, std::to_string(split.first), std::to_string(split.second.size())});
+    table.rows.push_back({name, std::to_string(split.samples), std::to_string(split.scenes.size()),
+                          std::to_string(split.missed_exposures)});
   }
   return table;
 }

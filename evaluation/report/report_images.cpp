@@ -1,7 +1,5 @@
 #include "evaluation/report/report_images.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -13,6 +11,7 @@
 #include <stdexcept>
 
 #include "capture/image/image_io.h"
+#include "capture/image/jpeg.h"
 
 namespace dualpixel::evaluation {
 namespace {
@@ -116,19 +115,6 @@ float percentile(const Image& image, double share) {
   const auto nth = finite.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(finite.size() - 1));
   std::nth_element(finite.begin(), nth, finite.end());
   return *nth;
-}
-
-std::string jpeg(const Image& srgb, int quality) {
-  OIIO::ImageSpec spec(srgb.width, srgb.height, srgb.channels, OIIO::TypeDesc::UINT8);
-  spec["compression"] = fmt::format("jpeg:{}", quality);
-  std::vector<unsigned char> bytes;
-  OIIO::Filesystem::IOVecOutput memory(bytes);
-  const auto output = OIIO::ImageOutput::create("jpeg");
-  if (!output || !output->set_ioproxy(&memory) || !output->open("report.jpg", spec) ||
-      !output->write_image(OIIO::TypeDesc::FLOAT, srgb.data.data()) || !output->close()) {
-    throw std::runtime_error("this build of OpenImageIO cannot write JPEG");
-  }
-  return {bytes.begin(), bytes.end()};
 }
 
 std::string jpeg_data_uri(const Image& srgb, int quality) {

@@ -21,9 +21,7 @@ Image gray_levels(const Image& values, float limit);
 /// The value below which `share` (0..1) of the finite values lie; 0 where there are none.
 float percentile(const Image& image, double share);
 
-/// An sRGB picture (0..1, one or three channels) as a JPEG file's bytes; quality 0..100.
-std::string jpeg(const Image& srgb, int quality);
-/// The same as "data:image/jpeg;base64,...".
+/// jpeg() as "data:image/jpeg;base64,...".
 std::string jpeg_data_uri(const Image& srgb, int quality = 85);
 
 }  // namespace dualpixel::evaluation

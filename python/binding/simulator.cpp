@@ -35,20 +35,34 @@ simulator::StageCallback reporting_to(const py::object& progress) {
   };
 }
 
-std::shared_ptr<HeldCapture> simulate_scene(const std::string& text, const std::string& path,
-                                            const std::vector<std::string>& overrides, const py::object& progress) {
-  const simulator::StageCallback report = reporting_to(progress);
-  const py::gil_scoped_release released;
+Capture render_scene(const std::string& text, const std::string& path, const std::vector<std::string>& overrides,
+                     const simulator::StageCallback& report, std::vector<std::string>& warnings) {
   std::unique_ptr<simulator::ReadyScene> ready;
-  const simulator::Simulation simulation =
-      simulator::read_simulation(scenes::resolve_scene(document_of(text, path, overrides), path, ready), path);
+  const simulator::Simulation simulation = simulator::read_simulation(
+      scenes::resolve_scene(document_of(text, path, overrides), path, ready, warnings), path);
   make_ready(simulation, ready);
+  warnings.insert(warnings.end(), ready->scene.warnings.begin(), ready->scene.warnings.end());
   Capture capture =
       simulator::simulate(simulation, ready->world, simulator::place_camera(simulation, ready->scene), report);
   capture.provenance.program = "dualpixel " DUALPIXEL_VERSION;
   if (text.empty()) capture.provenance.scene_file = std::filesystem::path(path).filename().string();
   capture.provenance.gltf_xxh64 = file_hash(simulation.gltf_path);
-  return std::make_shared<HeldCapture>(std::move(capture));
+  return capture;
+}
+
+std::shared_ptr<HeldCapture> simulate_scene(const std::string& text, const std::string& path,
+                                            const std::vector<std::string>& overrides, const py::object& progress) {
+  const simulator::StageCallback report = reporting_to(progress);
+  std::vector<std::string> warnings;
+  std::shared_ptr<HeldCapture> held;
+  {
+    const py::gil_scoped_release released;
+    held = std::make_shared<HeldCapture>(render_scene(text, path, overrides, report, warnings));
+  }
+  for (const std::string& warning : warnings) {
+    if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
+  }
+  return held;
 }
 
 py::object report_on_lens(const std::string& text, const std::string& path, const std::vector<std::string>& overrides,

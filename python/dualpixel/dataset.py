@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Callable, Sequence
 from typing import Any, Optional
@@ -10,20 +9,43 @@ from typing import Any, Optional
 import numpy as np
 
 from .errors import InputError
+from .fields import Fields, parse_json, read_json
 from .pictures import Path, joined, read_exr, read_png
-from .reader import camera_of, read_json
+from .reader import camera_of, exposure_of
 
 _READABLE = (".exr", ".npy", ".png")
 _UNKEPT = "preview.png"
+_SPLITS = ("train", "validation", "test")
+
+
+def _array(path: str) -> np.ndarray:
+    try:
+        return np.array(np.load(path, mmap_mode="r"))  # mapped, a header cannot ask for more than the file holds
+    except (OSError, ValueError, EOFError) as error:
+        raise InputError(f"{path}: cannot be read: {' '.join(str(error).split())}") from error
 
 
 def _picture(path: str) -> np.ndarray:
     if path.endswith(".npy"):
-        return np.load(path)
+        return _array(path)
     if path.endswith(".png"):
         return read_png(path)
     channels = read_exr(path)
-    return channels["Y"] if len(channels) == 1 and "Y" in channels else joined(channels, *"RGB")
+    if set(channels) not in ({"Y"}, set("RGB")):
+        raise InputError(f"{path}: has the channels {', '.join(sorted(channels))}: must have Y, or R, G and B")
+    return channels["Y"] if "Y" in channels else joined(channels, *"RGB")
+
+
+def _planned(plan: str, split: Optional[str]) -> list[str]:
+    """Names of the split's samples."""
+    names = []
+    with open(plan, encoding="utf-8", errors="replace") as file:
+        for number, text in enumerate(file, 1):
+            line = Fields(parse_json(text, f"{plan}: line {number}"), f"{plan}: line {number}")
+            name = line.path("name")
+            if line.choice("split", *_SPLITS) == split or split is None:
+                names.append(name)
+    return names
 
 
 class Dataset:
@@ -47,14 +69,12 @@ class Dataset:
         transform: Optional[Callable[[dict[str, Any]], Any]] = None,
     ):
         self.root, self.split, self.keep, self.transform = os.fspath(root), split, keep, transform
-        if split not in (None, "train", "validation", "test"):
+        if split not in (None, *_SPLITS):
             raise InputError(f"split: {split!r}: must be 'train', 'validation', 'test' or None")
         plan = os.path.join(self.root, "plan.jsonl")
         if not os.path.exists(plan):
             raise InputError(f"{self.root}: is not a data set: it has no plan.jsonl")
-        with open(plan, encoding="utf-8") as file:
-            planned = [line["name"] for line in map(json.loads, file) if split in (None, line["split"])]
-        self.names = [name for name in planned if os.path.exists(self._file(name))]
+        self.names = [name for name in _planned(plan, split) if os.path.exists(self._file(name))]
 
     def _file(self, name: str) -> str:
         return os.path.join(self.root, "samples", name, "sample.json")
@@ -64,15 +84,15 @@ class Dataset:
 
     def __getitem__(self, index: int) -> Any:
         name = self.names[index]
-        document = read_json(self._file(name))
+        document = Fields(read_json(self._file(name)), self._file(name))
         sample: dict[str, Any] = {
             "name": name,
             "camera": camera_of(document),
-            "exposure": document["exposure"],
-            "statistics": document["statistics"],
+            "exposure": exposure_of(document),
+            "statistics": document.object("statistics").document,
         }
-        files = {os.path.splitext(entry["path"])[0]: entry["path"] for entry in document["files"]
-                 if entry["path"] != _UNKEPT and entry["path"].endswith(_READABLE)}
+        paths = [entry.path("path") for entry in document.objects("files")]
+        files = {os.path.splitext(path)[0]: path for path in paths if path != _UNKEPT and path.endswith(_READABLE)}
         for picture in files if self.keep is None else self.keep:
             if picture not in files:
                 raise InputError(f"{self._file(name)}: has no picture {picture!r}; it has {', '.join(files)}")

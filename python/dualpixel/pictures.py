@@ -15,6 +15,7 @@ Path = Union[str, "os.PathLike[str]"]
 
 _PNG_CHANNELS = {0: 1, 2: 3, 4: 2, 6: 4}
 _EXR_TYPES = {0: np.dtype("<u4"), 1: np.dtype("<f2"), 2: np.dtype("<f4")}
+_MOST_BYTES = 1 << 31
 _EXR_LINES = {0: 1, 2: 1, 3: 16}  # lines a chunk: no compression, a zip for each line, a zip for sixteen
 
 
@@ -51,6 +52,19 @@ def _unfiltered(kind: int, line: np.ndarray, above: np.ndarray, step: int) -> np
     return np.frombuffer(bytes(out), np.uint8)
 
 
+def _check_size(width: int, height: int, pixel_bytes: int) -> None:
+    if not (0 < width <= 65536 and 0 < height <= 65536 and width * height * pixel_bytes <= _MOST_BYTES):
+        raise ValueError(f"{width} x {height} pixels: must be 1 to 65536 a side, and at most {_MOST_BYTES} bytes in all")
+
+
+def _inflated(packed: bytes, size: int) -> bytes:
+    """`size` bytes, however many a hostile file would give."""
+    data = zlib.decompressobj().decompress(packed, size)
+    if len(data) != size:
+        raise ValueError(f"{len(data)} bytes where {size} are needed")
+    return data
+
+
 def read_png(path: Path) -> np.ndarray:
     """uint8 or uint16 of shape (height, width), or (height, width, channels) where there are several."""
     data = _read(path)
@@ -60,19 +74,20 @@ def read_png(path: Path) -> np.ndarray:
         width, height, bits, color, _, _, interlaced = struct.unpack(">IIBBBBB", data[16:29])
         if bits not in (8, 16) or color not in _PNG_CHANNELS or interlaced:
             raise ValueError("only 8 or 16 bits, without palette and interlacing, can be read")
+        step = _PNG_CHANNELS[color] * bits // 8
+        _check_size(width, height, step)
         packed, at = b"", 8
         while at < len(data):
             (length,) = struct.unpack(">I", data[at : at + 4])
             if data[at + 4 : at + 8] == b"IDAT":
                 packed += data[at + 8 : at + 8 + length]
             at += 12 + length
-        step = _PNG_CHANNELS[color] * bits // 8
-        rows = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + width * step)
+        rows = np.frombuffer(_inflated(packed, height * (1 + width * step)), np.uint8).reshape(height, -1)
         pixels = np.empty((height, width * step), np.uint8)
         above = np.zeros(width * step, np.uint8)
         for y in range(height):
             above = pixels[y] = _unfiltered(int(rows[y, 0]), rows[y, 1:], above, step)
-    except (ValueError, IndexError, struct.error, zlib.error) as error:
+    except (ValueError, IndexError, OverflowError, struct.error, zlib.error) as error:
         raise InputError(f"{os.fspath(path)}: cannot be read: {error}") from error
     image = pixels.view(">u2").astype(np.uint16) if bits == 16 else pixels
     shape = (height, width) if _PNG_CHANNELS[color] == 1 else (height, width, _PNG_CHANNELS[color])
@@ -81,7 +96,10 @@ def read_png(path: Path) -> np.ndarray:
 
 def _text(data: bytes, at: int) -> tuple[str, int]:
     end = data.index(b"\0", at)
-    return data[at:end].decode("latin-1"), end + 1
+    text = data[at:end].decode("latin-1")
+    if not text.isprintable():
+        raise ValueError("a name holds control characters")
+    return text, end + 1
 
 
 def _exr_header(data: bytes) -> tuple[dict[str, bytes], int]:
@@ -89,7 +107,7 @@ def _exr_header(data: bytes) -> tuple[dict[str, bytes], int]:
     while data[at] != 0:
         name, at = _text(data, at)
         _, at = _text(data, at)
-        (size,) = struct.unpack("<i", data[at : at + 4])
+        (size,) = struct.unpack("<I", data[at : at + 4])
         attributes[name] = data[at + 4 : at + 4 + size]
         at += 4 + size
     return attributes, at + 1
@@ -111,7 +129,7 @@ def _exr_unpacked(chunk: bytes, size: int) -> bytes:
     """Undoes OpenEXR's zip: deflated differences of bytes whose even ones come before the odd ones."""
     if len(chunk) == size:  # stored as it is, since packing made it no smaller
         return chunk
-    steps = np.frombuffer(zlib.decompress(chunk), np.uint8).copy()
+    steps = np.frombuffer(_inflated(chunk, size), np.uint8).copy()
     steps[1:] -= 128
     halves = np.add.accumulate(steps, dtype=np.uint8)
     joined, middle = np.empty(size, np.uint8), (size + 1) // 2
@@ -133,18 +151,21 @@ def read_exr(path: Path) -> dict[str, np.ndarray]:
         channels = _exr_channels(header["channels"])
         left, top, right, bottom = struct.unpack("<4i", header["dataWindow"])
         width, height, lines = right - left + 1, bottom - top + 1, _EXR_LINES[packing]
+        pixel_bytes = sum(kind.itemsize for _, kind in channels)
+        _check_size(width, height, pixel_bytes)
         images = {name: np.empty((height, width), kind) for name, kind in channels}
-        line_bytes = width * sum(kind.itemsize for _, kind in channels)
-        for offset in struct.unpack_from(f"<{-(-height // lines)}Q", data, at):
-            y, size = struct.unpack_from("<ii", data, offset)
-            count = min(lines, height - (y - top))
-            rows = _exr_unpacked(data[offset + 8 : offset + 8 + size], count * line_bytes)
+        for first, offset in zip(range(0, height, lines), struct.unpack_from(f"<{-(-height // lines)}Q", data, at)):
+            y, size = struct.unpack_from("<iI", data, offset)
+            if y != top + first:
+                raise ValueError(f"line {y} where {top + first} is needed")
+            count = min(lines, height - first)
+            rows = _exr_unpacked(data[offset + 8 : offset + 8 + size], count * width * pixel_bytes)
             place = 0
-            for row in range(y - top, y - top + count):
+            for row in range(first, first + count):
                 for name, kind in channels:
                     images[name][row] = np.frombuffer(rows, kind, width, place)
                     place += width * kind.itemsize
-    except (ValueError, KeyError, IndexError, struct.error, zlib.error) as error:
+    except (ValueError, KeyError, IndexError, OverflowError, struct.error, zlib.error) as error:
         raise InputError(f"{os.fspath(path)}: cannot be read: {error}") from error
     return {name: image if image.dtype.kind == "u" else image.astype(np.float32) for name, image in images.items()}
 

@@ -6,7 +6,6 @@ docs/capture.md defines the folder.
 
 from __future__ import annotations
 
-import json
 import math
 import os
 from functools import cached_property
@@ -15,72 +14,141 @@ from typing import Any, Optional
 import numpy as np
 
 from .errors import InputError
+from .fields import Fields, read_json
 from .pictures import Path, joined, read_exr, read_png
 
-
-def read_json(path: Path) -> Any:
-    """A JSON document; InputError with one line where it is none."""
-    try:
-        with open(path, encoding="utf-8") as file:
-            return json.load(file)
-    except OSError as error:
-        raise InputError(f"{os.fspath(path)}: cannot be read: {error.strerror}") from error
-    except ValueError as error:
-        raise InputError(f"{os.fspath(path)}: is not valid JSON: {error}") from error
+_MOST_FRAMES = 64
 
 
-# What a capture.json that is written by hand may leave out.
-_CAMERA = {"name": "unnamed", "cfa": "RGGB", "dp_downsample_x": 2, "dp_downsample_y": 4, "split": "unknown", "alpha": 0}
-_EXPOSURE = {
-    "time_s": 0,
-    "iso": 0,
-    "mosaic_noise": {"shot_dn": 0, "read_dn2": 0},
-    "dp_noise": {"shot_dn": 0, "read_dn2": 0},
-    "white_balance": [1, 1, 1],
-    "lux_s_per_unit": 0,
-}
-
-
-def camera_of(document: dict[str, Any]) -> dict[str, Any]:
+def camera_of(document: Fields) -> dict[str, Any]:
     """The camera of a capture.json or sample.json; a focus at infinity, which JSON cannot say, as math.inf."""
-    camera = {**_CAMERA, **document["camera"]}
-    camera.setdefault("principal_point_px", [camera["width_px"] / 2, camera["height_px"] / 2])
-    if camera["focus_distance_m"] == "inf":
-        camera["focus_distance_m"] = math.inf
+    fields = document.object("camera")
+    width, height = fields.integer("width_px", 2, 65536), fields.integer("height_px", 4, 65536)
+    camera = {
+        **fields.document,
+        "name": fields.text("name", "unnamed"),
+        "cfa": fields.text("cfa", "RGGB"),
+        "dp_downsample_x": fields.integer("dp_downsample_x", 1, 16, 2),
+        "dp_downsample_y": fields.integer("dp_downsample_y", 1, 16, 4),
+        "focus_distance_m": fields.number("focus_distance_m", 1e-4, math.inf),
+        "principal_point_px": fields.numbers("principal_point_px", 2, [width / 2, height / 2]),
+        "split": fields.text("split", "unknown"),
+        "alpha": fields.number("alpha", 0, 10, 0),
+    }
+    for name, low, high in (("pixel_pitch_um", 0.01, 1000), ("focal_length_mm", 0.01, 1e5), ("f_number", 0.1, 1e6)):
+        fields.number(name, low, high)
+    for name, size in (("dp_downsample_x", width), ("dp_downsample_y", height)):
+        if size % camera[name]:
+            fields.fail(name, f"{camera[name]}: must divide the {size} photosites")
     return camera
+
+
+def exposure_of(document: Fields) -> dict[str, Any]:
+    """The exposure of a capture.json or sample.json."""
+    fields = document.object("exposure")
+    bits = fields.integer("bits", 8, 16)
+    white = fields.number("white_level_dn", 0, 2**bits - 1)
+    black = fields.number("black_level_dn", 0, 65535)
+    if black >= white:
+        fields.fail("black_level_dn", f"{black:g} must be below the white level {white:g}")
+    exposure = {
+        **fields.document,
+        "time_s": fields.number("time_s", 0, 1e6, 0),
+        "iso": fields.number("iso", 0, 1e8, 0),
+        "white_balance": fields.numbers("white_balance", 3, [1, 1, 1]),
+        "lux_s_per_unit": fields.number("lux_s_per_unit", 0, 1e12, 0),
+    }
+    for name in ("mosaic_noise", "dp_noise"):
+        noise = fields.object(name, {})
+        exposure[name] = {"shot_dn": noise.number("shot_dn", 0, 1e6, 0), "read_dn2": noise.number("read_dn2", 0, 1e10, 0)}
+    return exposure
+
+
+class _Files:
+    """The pictures of a folder, whose size the camera gives."""
+
+    def __init__(self, folder: str, camera: dict[str, Any]):
+        self.folder = folder
+        self.sensor = (camera["height_px"], camera["width_px"])
+        self.views = (self.sensor[0] // camera["dp_downsample_y"], self.sensor[1] // camera["dp_downsample_x"])
+
+    def png(self, name: str, shape: tuple[int, int]) -> np.ndarray:
+        """uint16, whatever its bits are."""
+        path = os.path.join(self.folder, name)
+        return _of_shape(read_png(path), shape, path).astype(np.uint16, copy=False)
+
+    def exr(self, name: str, *channels: str) -> dict[str, np.ndarray]:
+        """Those channels of the sensor's size."""
+        path = os.path.join(self.folder, name)
+        read = read_exr(path)
+        for channel in channels:
+            if channel not in read:
+                raise InputError(f"{path}: has no channel '{channel}'; it has {', '.join(sorted(read))}")
+            _of_shape(read[channel], self.sensor, path)
+        return read
+
+
+def _of_shape(image: np.ndarray, shape: tuple[int, int], path: str) -> np.ndarray:
+    if image.shape == shape:
+        return image
+    size = " x ".join(map(str, image.shape[1::-1])) + (f" x {image.shape[2]} channels" if image.ndim > 2 else "")
+    raise InputError(f"{path}: {size}: must be {shape[1]} x {shape[0]} pixels of one channel, as /camera says")
 
 
 class Frame:
     """One frame of a burst: raw digital numbers, uint16."""
 
-    def __init__(self, folder: str, entry: dict[str, Any]):
-        self._folder, self._entry = folder, entry
-        self.seed = entry.get("seed", 0)
-        self.camera_from_world = np.array(entry.get("camera_from_world", np.eye(4).ravel().tolist())).reshape(4, 4)
+    def __init__(self, files: _Files, entry: Fields):
+        self._files = files
+        self._names = {
+            "mosaic": entry.path("mosaic", None),
+            "left": entry.path("left"),
+            "right": entry.path("right"),
+        }
+        self.seed = entry.integer("seed", 0, 2**64 - 1, 0)
+        self.camera_from_world = np.array(entry.numbers("camera_from_world", 16, np.eye(4).ravel().tolist())).reshape(4, 4)
 
-    def _picture(self, kind: str) -> Optional[np.ndarray]:
-        return read_png(os.path.join(self._folder, self._entry[kind])) if kind in self._entry else None
+    def _view(self, side: str) -> np.ndarray:
+        return self._files.png(self._names[side], self._files.views)
 
-    mosaic = cached_property(lambda self: self._picture("mosaic"))
-    left = cached_property(lambda self: self._picture("left"))
-    right = cached_property(lambda self: self._picture("right"))
+    @cached_property
+    def mosaic(self) -> Optional[np.ndarray]:
+        name = self._names["mosaic"]
+        return None if name is None else self._files.png(name, self._files.sensor)
+
+    left = cached_property(lambda self: self._view("left"))
+    right = cached_property(lambda self: self._view("right"))
 
 
 class Truth:
     """Ground truth of the first frame on the sensor's grid, float32 but for `object_id`."""
 
-    def __init__(self, folder: str, entry: dict[str, Any]):
-        self._folder, self._entry = folder, entry
-        self.photograph_aperture_scale = entry["photograph_aperture_scale"]
+    def __init__(self, files: _Files, entry: Fields):
+        self._files = files
+        self._names = {kind: entry.path(kind) for kind in ("geometry", "all_in_focus", "photograph")}
+        self._names["views"] = entry.path("views", None)
+        self._motion = entry.paths("motion")
+        self.photograph_aperture_scale = entry.number("photograph_aperture_scale", 1e-3, 1e3)
 
-    def _exr(self, kind: str) -> dict[str, np.ndarray]:
-        return read_exr(os.path.join(self._folder, self._entry[kind]))
+    def _colors(self, kind: str) -> np.ndarray:
+        return joined(self._files.exr(self._names[kind], *"RGB"), *"RGB")
 
     def _view(self, side: str) -> Optional[np.ndarray]:
-        return joined(self._views, *(f"{side}.{color}" for color in "RGB")) if "views" in self._entry else None
+        return None if self._views is None else joined(self._views, *(f"{side}.{color}" for color in "RGB"))
 
-    _geometry = cached_property(lambda self: self._exr("geometry"))
-    _views = cached_property(lambda self: self._exr("views"))
+    @cached_property
+    def _geometry(self) -> dict[str, np.ndarray]:
+        normal = ("N.X", "N.Y", "N.Z")
+        return self._files.exr(
+            self._names["geometry"], "Z", "blur_px", "disparity_dp_px", "person", "valid", "id", *normal
+        )
+
+    @cached_property
+    def _views(self) -> Optional[dict[str, np.ndarray]]:
+        name = self._names["views"]
+        colors = [f"{side}.{color}" for side in ("left", "right") for color in "RGB"]
+        return None if name is None else self._files.exr(name, *colors)
+
     depth = cached_property(lambda self: self._geometry["Z"])
     blur = cached_property(lambda self: self._geometry["blur_px"])
     disparity = cached_property(lambda self: self._geometry["disparity_dp_px"])
@@ -88,33 +156,35 @@ class Truth:
     valid = cached_property(lambda self: self._geometry["valid"])
     object_id = cached_property(lambda self: self._geometry["id"])
     normal = cached_property(lambda self: joined(self._geometry, "N.X", "N.Y", "N.Z"))
-    all_in_focus = cached_property(lambda self: joined(self._exr("all_in_focus"), *"RGB"))
-    photograph = cached_property(lambda self: joined(self._exr("photograph"), *"RGB"))
+    all_in_focus = cached_property(lambda self: self._colors("all_in_focus"))
+    photograph = cached_property(lambda self: self._colors("photograph"))
     left = cached_property(lambda self: self._view("left"))
     right = cached_property(lambda self: self._view("right"))
 
     @cached_property
     def motion(self) -> list[np.ndarray]:
-        return [joined(read_exr(os.path.join(self._folder, name)), "x", "y") for name in self._entry.get("motion", [])]
+        return [joined(self._files.exr(name, "x", "y"), "x", "y") for name in self._motion]
 
 
 class Capture:
-    """A capture's folder, read piece by piece as it is asked for."""
+    """A capture's folder, read piece by piece as it is asked for.
+
+    Whatever is wrong with it is an InputError of one line: of capture.json at once, of a picture when it is read.
+    """
 
     def __init__(self, path: Path):
-        self._folder = os.fspath(path)
-        file = os.path.join(self._folder, "capture.json")
-        document = read_json(file)
-        if not isinstance(document, dict) or document.get("format") != "dualpixel-capture":
-            raise InputError(f"{file}: /format: must be 'dualpixel-capture'")
-        if document.get("version") != 1:
-            raise InputError(f"{file}: /version: {document.get('version')}: must be 1")
+        folder = os.fspath(path)
+        file = os.path.join(folder, "capture.json")
+        document = Fields(read_json(file), file)
+        document.choice("format", "dualpixel-capture")
+        document.integer("version", 1, 1)
         self.camera = camera_of(document)
-        self.exposure: dict[str, Any] = {**_EXPOSURE, **document["exposure"]}
-        self.provenance: dict[str, Any] = document.get("provenance", {})
-        self.face_px: Optional[list[float]] = document.get("face_px")
-        self.frames = [Frame(self._folder, entry) for entry in document["frames"]]
-        self.truth = Truth(self._folder, document["truth"]) if "truth" in document else None
+        self.exposure = exposure_of(document)
+        self.provenance: dict[str, Any] = document.object("provenance", {}).document
+        self.face_px: Optional[list[float]] = document.numbers("face_px", 4, None)
+        files = _Files(folder, self.camera)
+        self.frames = [Frame(files, entry) for entry in document.objects("frames", _MOST_FRAMES)]
+        self.truth = Truth(files, document.object("truth")) if "truth" in document.document else None
 
     def _normalized(self, raw: np.ndarray) -> np.ndarray:
         black, white = self.exposure["black_level_dn"], self.exposure["white_level_dn"]

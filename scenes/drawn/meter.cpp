@@ -21,6 +21,7 @@ constexpr int kDigits = 2;
 /// Of scene files' defaults at ISO 100: lux per nit at f/1.8, electrons per lux second over the full well.
 constexpr double kSignalPerNitSecond = std::numbers::pi / 4 / (1.8 * 1.8) * 4000 / 6000;
 constexpr double kLongest_s = 1.0 / 12, kShortest_s = 1e-6, kHighestIso = 12800;
+constexpr double kMost_s = kLongest_s * kHighestIso / 100;  // at ISO 100
 
 /// To so many digits, so that the last bits of a rendering do not show.
 double rounded(double value, int digits) {
@@ -49,13 +50,6 @@ double seconds_at_iso_100(const Image& picture, const Image& person_mask, double
                                                                        static_cast<double>(brightest.size() - 1));
   std::nth_element(brightest.begin(), clipped, brightest.end());
   return std::min(by_key, 0.95 / *clipped);
-}
-
-/// Of an exposure in seconds at ISO 100.
-std::string exposure_fault(double seconds) {
-  if (seconds >= kShortest_s && seconds <= kLongest_s * kHighestIso / 100) return "";
-  return fmt::format("its light asks for {:.2g} s at ISO 100, and the camera allows {:.2g} .. {:.3g} s", seconds,
-                     kShortest_s, kLongest_s * kHighestIso / 100);
 }
 
 /// Depth of a pixel of the middle half of the picture.
@@ -90,10 +84,27 @@ double signal_per_nit(const json& scene) {
   return kSignalPerNitSecond * exposure.at("time_s").get<double>() * exposure.at("iso").get<double>() / 100;
 }
 
-void set_exposure(json& scene, double seconds, int digits) {
+std::string to_text(const MissedExposure& missed) {
+  const std::string asked = std::isinf(missed.asked_s)
+                                ? "so much of the picture is black that no exposure gives the mean that is asked for"
+                                : fmt::format("{:.3g} s at ISO 100 are asked for", missed.asked_s);
+  return fmt::format("exposure: {}; the limit is {:.3g} s, taken are {:.3g} s", asked, missed.limit_s, missed.taken_s);
+}
+
+nlohmann::ordered_json to_json(const MissedExposure& missed) {
+  nlohmann::ordered_json json = {{"asked_s", missed.asked_s}, {"limit_s", missed.limit_s}, {"taken_s", missed.taken_s}};
+  if (std::isinf(missed.asked_s)) json["asked_s"] = "inf";
+  return json;
+}
+
+std::optional<MissedExposure> set_exposure(json& scene, double seconds, int digits) {
   const double time_s = seconds <= 1.0 / 60 ? seconds : std::min(std::sqrt(seconds / 60), kLongest_s);
   scene["exposure"]["time_s"] = rounded(std::clamp(time_s, kShortest_s, kLongest_s), digits);
   scene["exposure"]["iso"] = rounded(std::clamp(100 * seconds / time_s, 100.0, kHighestIso), digits);
+  if (seconds >= kShortest_s && seconds <= kMost_s) return {};
+  const json& exposure = scene["exposure"];
+  return MissedExposure{seconds, std::clamp(seconds, kShortest_s, kMost_s),
+                        exposure["time_s"].get<double>() * exposure["iso"].get<double>() / 100};
 }
 
 std::vector<std::string> meter(json& scene, const std::string& scene_path, const Shooting& shooting, std::uint64_t seed,
@@ -109,15 +120,14 @@ std::vector<std::string> meter(json& scene, const std::string& scene_path, const
   const Image picture = simulator::undivided(simulator::render_views(world, camera, options));
   const Truth truth = simulator::trace_truth(world, camera);
   const double seconds = seconds_at_iso_100(picture, truth.person_mask, kSignalPerNitSecond, shooting);
-  set_exposure(scene, std::exp2(stops) * seconds, kDigits);
+  const std::optional<MissedExposure> missed = set_exposure(scene, std::exp2(stops) * seconds, kDigits);
   const double focus_m = shooting.focus_m ? *shooting.focus_m : focus_on_something(truth, seed);
   scene["camera"]["focus_distance_m"] = rounded(focus_m, kDigits);
 
   std::vector<std::string> faults;
   if (std::string fault = view_fault({world, camera, truth, picture}, shooting); !fault.empty())
     faults.push_back(std::move(fault));
-  if (std::string fault = exposure_fault(std::exp2(stops) * seconds); !fault.empty())
-    faults.push_back(std::move(fault));
+  if (missed) faults.push_back(to_text(*missed));
   return faults;
 }
 

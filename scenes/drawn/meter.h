@@ -1,5 +1,6 @@
 #pragma once
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,20 @@ double signal_per_nit(const nlohmann::json& scene);
 std::vector<std::string> meter(nlohmann::json& scene, const std::string& scene_path, const Shooting& shooting,
                                std::uint64_t seed, double stops);
 
+/// An exposure that is not what was asked for. All in seconds at ISO 100.
+struct MissedExposure {
+  double asked_s = 0;  ///< infinite where so much of the picture is black that no exposure gives the mean
+  double limit_s = 0;  ///< of the camera; or what the brightest of the picture allows
+  double taken_s = 0;  ///< the limit, rounded
+};
+
+/// One line without an end.
+std::string to_text(const MissedExposure& missed);
+nlohmann::ordered_json to_json(const MissedExposure& missed);
+
 /// Sets exposure.time_s and iso of `scene` to what stands for `seconds` at ISO 100, as a phone's camera shares light
-/// between time and gain: up to 1/60 s at ISO 100, then both grow, to 1/12 s.
-void set_exposure(nlohmann::json& scene, double seconds, int digits);
+/// between time and gain: up to 1/60 s at ISO 100, then both grow, to 1/12 s at ISO 12800. Returns what it missed where
+/// that is not enough, or where less than a microsecond is asked for.
+std::optional<MissedExposure> set_exposure(nlohmann::json& scene, double seconds, int digits);
 
 }  // namespace dualpixel::scenes

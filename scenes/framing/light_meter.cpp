@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -50,8 +51,15 @@ double exposure_factor(const std::vector<double>& signals, double mean) {
 
 }  // namespace
 
-double metered_seconds(double mean, const simulator::Simulation& s, simulator::ReadyScene& ready,
-                       const simulator::CameraView& camera, const char* field) {
+std::optional<MissedExposure> MeteredExposure::missed(std::optional<MissedExposure> by_camera) const {
+  if (reaches_mean) return by_camera;
+  if (!by_camera) by_camera = {{.limit_s = seconds, .taken_s = seconds}};
+  by_camera->asked_s = std::numeric_limits<double>::infinity();
+  return by_camera;
+}
+
+MeteredExposure meter_for_mean(double mean, const simulator::Simulation& s, simulator::ReadyScene& ready,
+                               const simulator::CameraView& camera, const char* field) {
   // without the light that other samples left, of which there may be more or less
   std::unique_ptr<simulator::LightCache> kept;
   kept.swap(ready.world.light_cache);
@@ -59,9 +67,9 @@ double metered_seconds(double mean, const simulator::Simulation& s, simulator::R
   kept.swap(ready.world.light_cache);
   const double most = signals.empty() ? 0 : *std::max_element(signals.begin(), signals.end());
   if (!(most > 0)) throw InputError(printable(s.path) + ": " + field + ": the camera sees no light");
-  // Where most of the picture is black, no exposure reaches the mean: then the brightest is just not clipped.
   const double seconds = exposure_factor(signals, mean);
-  return seconds > 1e11 ? 1 / most : seconds;
+  if (seconds > 1e11) return {1 / most, false};
+  return {seconds};
 }
 
 }  // namespace dualpixel::scenes

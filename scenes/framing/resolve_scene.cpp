@@ -107,16 +107,18 @@ void focus(const FocusRequest& request, json& document, const std::string& path,
   document["camera"]["focus_distance_m"] = short_number(depth);
 }
 
-void expose(json& document, const std::string& path, simulator::ReadyScene& ready) {
+void expose(json& document, const std::string& path, simulator::ReadyScene& ready, std::vector<std::string>& warnings) {
   constexpr int kDigits = 2;
   const simulator::Simulation s = simulator::read_simulation(document, path);
   const simulator::CameraView camera = simulator::place_camera(s, ready.scene);
-  set_exposure(document, metered_seconds(kMeanSignal, s, ready, camera, "/exposure"), kDigits);
+  const MeteredExposure metered = meter_for_mean(kMeanSignal, s, ready, camera, "/exposure");
+  const auto missed = metered.missed(set_exposure(document, metered.seconds, kDigits));
+  if (missed) warnings.push_back(printable(path) + ": " + to_text(*missed));
 }
 
 }  // namespace
 
-json resolve_scene(json document, const std::string& path, Ready& ready) {
+json resolve_scene(json document, const std::string& path, Ready& ready, std::vector<std::string>& warnings) {
   const bool bare = is_gltf(path) && document.is_object();
   if (!document.is_object()) return document;  // read_simulation says what is wrong with it
   FocusRequest request = take_focus_request(document, path);
@@ -132,7 +134,7 @@ json resolve_scene(json document, const std::string& path, Ready& ready) {
   const bool focused = document.contains("camera") && document["camera"].contains("focus_distance_m");
   if (bare && !focused && !request.any()) request.automatic = true;
   if (request.any()) focus(request, document, path, *ready);
-  if (bare && !document.contains("exposure")) expose(document, path, *ready);
+  if (bare && !document.contains("exposure")) expose(document, path, *ready, warnings);
   return document;
 }
 

@@ -2,6 +2,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "simulator/ready_scene.h"
 
@@ -15,7 +16,8 @@ namespace dualpixel::scenes {
 /// Of a glTF file (is_gltf(path)) what is left out is chosen, too: a sky for a light, a camera that sees the whole
 /// scene unless the file has one, focus "auto", and an exposure that makes the mean of the green signal 0.18 of white.
 /// Nothing is loaded where the document has none of these; else `ready` is the scene that was. Throws InputError.
+/// `warnings` gets a line where that mean is missed.
 nlohmann::json resolve_scene(nlohmann::json document, const std::string& path,
-                             std::unique_ptr<simulator::ReadyScene>& ready);
+                             std::unique_ptr<simulator::ReadyScene>& ready, std::vector<std::string>& warnings);
 
 }  // namespace dualpixel::scenes

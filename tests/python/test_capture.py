@@ -112,6 +112,12 @@ def test_errors_have_the_programs_text(program, scene, tmp_path):
         dualpixel.Capture(tmp_path / "nowhere")
 
 
+def test_warnings_of_a_scene_are_pythons(scene):
+    dark = {"environment": {"model": "constant", "nits": [1e-4] * 3}, "unlit_white_nits": 1e-3}
+    with pytest.warns(UserWarning, match=r"slanted_planes.glb: exposure: .* are asked for; the limit is 10.7 s"):
+        dualpixel.simulate(scene["gltf"], {**SMALL, **dark})
+
+
 def test_infinity_goes_in_and_out(scene):
     capture = dualpixel.simulate(scene, {**SMALL, "camera.focus_distance_m": float("inf"), "burst.frames": 1})
     assert capture.camera["focus_distance_m"] == float("inf")
@@ -201,5 +207,5 @@ def test_broken_files_are_refused_in_one_line(folder, tmp_path):
                 read(tmp_path / "cut")
             assert "\n" not in str(error.value) and str(tmp_path / "cut") in str(error.value)
     (tmp_path / "capture.json").write_text("{}")
-    with pytest.raises(dualpixel.InputError, match="must be 'dualpixel-capture'"):
+    with pytest.raises(dualpixel.InputError, match="capture.json: /format: is required"):
         reader.Capture(tmp_path)

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "capture/files.h"
+#include "evaluation/methods/child_process.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -28,6 +29,7 @@ void end_cleanly_on_signals() {
       noted_signal = signal_number;
       sigwait(&signals, &signal_number);
     }
+    evaluation::end_child_processes();
     remove_unfinished_outputs();
     _exit(128 + signal_number);
   }).detach();

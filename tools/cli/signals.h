@@ -3,7 +3,8 @@
 
 namespace dualpixel::tools {
 
-/// A thread waits for SIGINT, SIGTERM and SIGUSR1, removes unfinished output and ends the process with 128 + signal.
+/// A thread waits for SIGINT, SIGTERM and SIGUSR1, kills the programs that we run, removes unfinished output and ends
+/// the process with 128 + signal.
 /// A file that exceeds the shell's size limit is a failed write (EFBIG) like any other, instead of SIGXFSZ.
 /// Call before any other thread starts: threads inherit the signal mask.
 void end_cleanly_on_signals();

@@ -16,7 +16,7 @@
 #include "capture/image/image_io.h"
 #include "capture/image/npy.h"
 #include "datasets/pictures/developed.h"
-#include "evaluation/report/report_images.h"
+#include "datasets/pictures/google.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
@@ -56,18 +56,6 @@ struct Export {
     return path.string();
   }
 };
-
-/// Rotated clockwise by a quarter turn.
-template <typename T>
-ImageOf<T> rotated(const ImageOf<T>& image) {
-  ImageOf<T> result(image.height, image.width, image.channels);
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      for (int c = 0; c < image.channels; ++c) result.at(image.height - 1 - y, x, c) = image.at(x, y, c);
-    }
-  }
-  return result;
-}
 
 /// visit(file name without its ending, raw, whether raw is a mosaic) for the images of every frame.
 void each_raw(const Export& e, const std::function<void(const std::string&, const ImageU16&, bool)>& visit) {
@@ -131,32 +119,12 @@ void export_dpdd(const Export& e) {
   write("target", pictures.target);
 }
 
-/// Depth as the data set stores it: 0..255 for 0.2 .. 100 m, 100 * 0.2 / (100 - (100 - 0.2) d).
-float stored_depth(float depth_m) {
-  constexpr float kNear_m = 0.2f, kFar_m = 100;
-  return std::clamp((kFar_m - kFar_m * kNear_m / depth_m) / (kFar_m - kNear_m), 0.0f, 1.0f);
-}
-
 void export_google_dp(const Export& e) {
-  const Capture& capture = e.capture;
-  if (e.dense())
-    throw InputError(printable(e.source) + ": google-dp holds green views; these are dense, of all colors");
-  const double to_10_bits = 1023.0 / ((1 << capture.exposure.bits) - 1);
-  const auto view = [&](const char* side, ImageU16 raw) {
-    for (std::uint16_t& value : raw.data) value = static_cast<std::uint16_t>(16 * std::lround(to_10_bits * value));
-    write_png16(e.file(fmt::format("raw_{}_pd/{}/result_pd_{}_center.png", side, e.name, side)), rotated(raw));
-  };
-  view("left", capture.frames[0].left);
-  view("right", capture.frames[0].right);
-  const Image rgb = developed(normalized(e.mosaic(), capture.exposure), capture);
-  write_file(e.file(fmt::format("scaled_images/{}/result_scaled_image_center.jpg", e.name)),
-             evaluation::jpeg(rotated(srgb(rgb)), 95));
-  Image depth = e.truth().depth_m;
-  for (float& value : depth.data) value = stored_depth(value);
-  write_png8(e.file(fmt::format("merged_depth/{}/result_merged_depth_center.png", e.name)), rotated(depth));
-  const Image confidence = rotated(e.truth().valid);
-  write_npy(e.file(fmt::format("merged_conf/{}/result_merged_conf_center.npy", e.name)), confidence);
-  write_exr(e.file(fmt::format("merged_conf/{}/result_merged_conf_center.exr", e.name)), {{"Y", &confidence}}, false);
+  datasets::require_google(e.capture.camera, printable(e.source));
+  e.mosaic(), e.truth();  // must be there
+  datasets::write_google(e.capture, [&](const datasets::GoogleFile& to) {
+    return e.file(fmt::format("{}/{}/{}", to.folder, e.name, to.file));
+  });
 }
 
 void export_rgbd(const Export& e) {

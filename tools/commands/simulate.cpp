@@ -52,13 +52,19 @@ void warn_of_render_noise(const std::string& scene, std::optional<double> noise_
       printable(scene), *noise_fraction, kHardToSee, std::pow(*noise_fraction / kHardToSee, 1 / kFall));
 }
 
+void warn(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
+}
+
 /// The scene file that is rendered, overrides applied. What the program chose for a glTF file goes to stdout.
 nlohmann::json scene_document(const SimulateOptions& options, const std::string& scene,
                               std::unique_ptr<simulator::ReadyScene>& ready) {
   nlohmann::json json = scenes::read_scene_document(scene);
   for (const std::string& assignment : options.overrides) apply_override(json, assignment);
   if (options.seed) apply_override(json, fmt::format("render.seed={}", *options.seed));
-  nlohmann::json resolved = scenes::resolve_scene(json, scene, ready);
+  std::vector<std::string> warnings;
+  nlohmann::json resolved = scenes::resolve_scene(json, scene, ready, warnings);
+  warn(warnings);
   if (!options.jobs.empty() && resolved != json) {
     throw InputError(
         printable(scene) +
@@ -98,19 +104,47 @@ void print_dry_run(const std::string& scene, const simulator::Simulation& simula
       simulation.burst_frames);
 }
 
-/// Keeps `ready` for the next job. `warn`: of the scene, even if it is there already.
-void run_job(const SimulateOptions& options, simulator::Simulation simulation, const std::string& output, bool warn,
-             std::unique_ptr<simulator::ReadyScene>& ready) {
-  const bool loaded = simulator::make_ready(simulation, ready);
+/// Folders of several scenes' captures: named as the files, without their endings.
+std::vector<std::string> outputs_of(const SimulateOptions& options) {
+  if (options.scenes.size() == 1) return {options.output};
+  std::vector<std::string> outputs;
+  for (const std::string& scene : options.scenes) {
+    outputs.push_back(options.output + "/" + std::filesystem::path(scene).stem().string());
+    if (std::count(outputs.begin(), outputs.end(), outputs.back()) > 1) {
+      throw InputError(printable(scene) + ": another scene has this name, too: their captures would be one folder");
+    }
+  }
+  return outputs;
+}
+
+struct Job {
+  simulator::Simulation simulation;
+  simulator::CameraView camera;
+  std::string output;
+};
+
+/// Adds those of options.scenes[scene], and shows its warnings. Refuses what can be refused once the scene is loaded,
+/// but for the output.
+void add_jobs(const SimulateOptions& options, std::size_t scene, std::vector<Job>& jobs,
+              std::unique_ptr<simulator::ReadyScene>& ready) {
+  const std::string folder = outputs_of(options)[scene];
+  bool first = true;
+  for (simulator::SimulationJob& job : jobs_of(options, options.scenes[scene], ready)) {
+    const bool loaded = simulator::make_ready(job.simulation, ready);
+    simulator::require_renderable(job.simulation, ready->scene);
+    simulator::CameraView camera = simulator::place_camera(job.simulation, ready->scene);
+    jobs.push_back({std::move(job.simulation), std::move(camera), job.name.empty() ? folder : folder + "/" + job.name});
+    if (!std::exchange(first, false) && !loaded) continue;
+    warn(ready->scene.warnings);
+  }
+}
+
+/// Keeps `ready` for the next job.
+void run_job(const SimulateOptions& options, Job job, std::unique_ptr<simulator::ReadyScene>& ready) {
+  simulator::make_ready(job.simulation, ready);
   const simulator::Scene& scene = ready->scene;
-  // reports a missing camera before anything is rendered, and an output folder that cannot be written
-  simulator::CameraView camera = simulator::place_camera(simulation, scene);
-  if (!options.dry_run) {
-    const NewFolder writable(output, "capture.json");
-  }
-  if (loaded || warn) {
-    for (const std::string& warning : scene.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
-  }
+  simulator::Simulation& simulation = job.simulation;
+  simulator::CameraView& camera = job.camera;
   std::string plan_of_capture;
   if (options.automatic) {
     const simulator::Plan chosen =
@@ -124,7 +158,7 @@ void run_job(const SimulateOptions& options, simulator::Simulation simulation, c
   if (options.dry_run && scenes::is_gltf(simulation.path)) return;  // stdout has its scene file
   if (options.dry_run) return print_dry_run(simulation.path, simulation);
 
-  const std::string journal_path = journal_beside(output);
+  const std::string journal_path = journal_beside(job.output);
   std::optional<simulator::Journal> journal;
   if (options.resume) {
     const std::string inputs = fmt::format("{} {} {} {}", simulation.json.dump(), file_hash(simulation.gltf_path),
@@ -141,35 +175,21 @@ void run_job(const SimulateOptions& options, simulator::Simulation simulation, c
   capture.provenance.scene_file = std::filesystem::path(simulation.path).filename().string();
   capture.provenance.gltf_xxh64 = file_hash(simulation.gltf_path);
   capture.provenance.plan = plan_of_capture;
-  write_capture(capture, output);
+  write_capture(capture, job.output);
   if (!simulation.noise_fraction) warn_of_render_noise(simulation.path, capture.provenance.noise_fraction_reached);
   std::error_code left_behind;  // the capture is complete: a leftover journal is no failure
   if (options.resume) std::filesystem::remove(journal_path, left_behind);
 }
 
-/// Folders of several scenes' captures: named as the files, without their endings.
-std::vector<std::string> outputs_of(const SimulateOptions& options) {
-  if (options.scenes.size() == 1) return {options.output};
-  std::vector<std::string> outputs;
-  for (const std::string& scene : options.scenes) {
-    outputs.push_back(options.output + "/" + std::filesystem::path(scene).stem().string());
-    if (std::count(outputs.begin(), outputs.end(), outputs.back()) > 1) {
-      throw InputError(printable(scene) + ": another scene has this name, too: their captures would be one folder");
-    }
-  }
-  return outputs;
-}
-
+/// All is checked before the first is rendered: a fault in the last is not met after hours.
 void run(const SimulateOptions& options) {
   std::unique_ptr<simulator::ReadyScene> ready;
-  const std::vector<std::string> outputs = outputs_of(options);
-  for (std::size_t i = 0; i < options.scenes.size(); ++i) {
-    bool first = true;
-    for (simulator::SimulationJob& job : jobs_of(options, options.scenes[i], ready)) {
-      const std::string output = job.name.empty() ? outputs[i] : outputs[i] + "/" + job.name;
-      run_job(options, std::move(job.simulation), output, std::exchange(first, false), ready);
-    }
+  std::vector<Job> jobs;
+  for (std::size_t scene = 0; scene < options.scenes.size(); ++scene) add_jobs(options, scene, jobs, ready);
+  for (const Job& job : jobs) {
+    if (!options.dry_run) const NewFolder writable(job.output, "capture.json");
   }
+  for (Job& job : jobs) run_job(options, std::move(job), ready);
 }
 
 }  // namespace

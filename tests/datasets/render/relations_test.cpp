@@ -36,7 +36,7 @@ json around(const std::string& glb, double distance, double elevation_deg, doubl
 
 Capture render(const json& recipe) {
   std::unique_ptr<simulator::ReadyScene> ready;
-  return render_line(make_plan(read_recipe(recipe, "r.json")).lines.front(), "", ready);
+  return render_line(make_plan(read_recipe(recipe, "r.json")).lines.front(), "", ready).capture;
 }
 
 glm::vec3 position_of(const Capture& capture) {
@@ -83,6 +83,57 @@ TEST(CameraShell, IsNeverInsideOfAnything) {
     const glm::vec3 off = glm::abs(at - glm::vec3(0, 0, z));
     EXPECT_GT(std::max({off.x, off.y, off.z}), 0.5f);
   }
+}
+
+/// Of a box under an even sky, with time and gain for a mean; `away` radii from it.
+RenderedSample exposed(const std::string& glb, double nits, double mean, double away) {
+  json recipe = around(glb, away, 20, 30);
+  recipe["set"].erase("exposure.iso");
+  recipe["set"]["environment"] = {{"constant", {{"model", "constant"}, {"nits", {nits, nits, nits}}}}};
+  recipe["relations"]["exposure_mean"] = mean;
+  std::unique_ptr<simulator::ReadyScene> ready;
+  return render_line(make_plan(read_recipe(recipe, "r.json")).lines.front(), "", ready);
+}
+
+// A sky that is darker by a factor asks for as much more light. The longest is 1/12 s at ISO 12800.
+TEST(Relations, SayWhichExposureTheyMiss) {
+  const TemporaryFolder folder;
+  write_boxes(folder / "box.glb", {{0, 0, 0}});
+  const RenderedSample bright = exposed(folder / "box.glb", 100, 0.2, 2);
+  EXPECT_FALSE(bright.missed_exposure);
+  const Exposure& exposure = bright.capture.exposure;
+  const RenderedSample dark = exposed(folder / "box.glb", 1e-4, 0.2, 2);
+  ASSERT_TRUE(dark.missed_exposure);
+  // time and gain keep four digits each
+  const double expected_s = 1e6 * exposure.time_s * exposure.iso / 100;
+  EXPECT_NEAR(dark.missed_exposure->asked_s, expected_s, 2e-3 * expected_s);
+  EXPECT_NEAR(dark.missed_exposure->limit_s, 128.0 / 12, 1e-9);
+  EXPECT_NEAR(dark.missed_exposure->taken_s, 128.0 / 12, 128.0 / 12 * 1e-3);
+  EXPECT_DOUBLE_EQ(dark.missed_exposure->taken_s, dark.capture.exposure.time_s * dark.capture.exposure.iso / 100);
+  const RenderedSample glaring = exposed(folder / "box.glb", 1e9, 0.2, 2);
+  ASSERT_TRUE(glaring.missed_exposure);
+  EXPECT_DOUBLE_EQ(glaring.missed_exposure->limit_s, 1e-6);
+}
+
+// A glowing box in a black room fills less than nine tenths of the picture: clipped as it may be, the mean is less.
+TEST(Relations, SayThatNoExposureReachesTheMean) {
+  const TemporaryFolder folder;
+  scenes::Glb glb;
+  scenes::Mesh mesh;
+  scenes::add_solid_box(mesh, glm::vec3(0), glm::vec3(0.5f));
+  glb.add_node("box", mesh, glb.add_material(-1, glm::vec3(0.5f), true));
+  glb.write(folder / "glows.glb");
+  json recipe = around(folder / "glows.glb", 6, 20, 30);
+  recipe["set"].erase("environment");
+  recipe["set"]["unlit_white_nits"] = 500;
+  recipe["set"].erase("exposure.iso");
+  recipe["relations"]["exposure_mean"] = 0.9;
+  std::unique_ptr<simulator::ReadyScene> ready;
+  const RenderedSample sample = render_line(make_plan(read_recipe(recipe, "r.json")).lines.front(), "", ready);
+  ASSERT_TRUE(sample.missed_exposure);
+  EXPECT_TRUE(std::isinf(sample.missed_exposure->asked_s));
+  EXPECT_EQ(scenes::to_json(*sample.missed_exposure)["asked_s"], "inf");
+  EXPECT_EQ(sample.missed_exposure->limit_s, sample.missed_exposure->taken_s);
 }
 
 TEST(Relations, SayWhereNothingIsSeen) {

@@ -25,7 +25,7 @@ void plan_into(const std::string& folder, const json& recipe) {
 
 Capture capture_of(const SampleLine& line) {
   static std::unique_ptr<simulator::ReadyScene> ready;
-  return render_line(line, "", ready);
+  return render_line(line, "", ready).capture;
 }
 
 SampleLine first_line(const json& recipe) { return make_plan(read_recipe(recipe, "r.json")).lines.front(); }

@@ -7,6 +7,8 @@
 
 #include "capture/error.h"
 #include "capture/image/image_io.h"
+#include "capture/image/npy.h"
+#include "capture/json_fields.h"
 #include "datasets/plan/plan.h"
 #include "datasets/render/render.h"
 #include "datasets/state/webdataset.h"
@@ -67,6 +69,52 @@ TEST(Merge, LaysDpddOut) {
   // of 64 * 48 * 3 values, each rounded by 1 / 65535 of the sRGB curve, and clipped below at black's noise
   const double views = 0.5 * (linear_mean(set + "/dpdd/train_l" + file) + linear_mean(set + "/dpdd/train_r" + file));
   EXPECT_NEAR(linear_mean(c + file) / views, 1, 0.01);
+}
+
+// As the release's loaders read it: views over 16 * 1023, black near 64 / 1023, depth from 8 bits, all upright after a
+// quarter turn back.
+TEST(Merge, LaysGooglesDataOut) {
+  const TemporaryFolder folder;
+  const std::string set = folder / "set";
+  json recipe = small_recipe(2);
+  recipe["keep"] = {"left", "depth_m", "valid"};
+  make(folder / "ours", recipe);
+  recipe.erase("keep");
+  recipe["layout"] = "google";
+  make(set, recipe);
+  merge_samples(set);
+  merge_samples(set);  // again
+  const std::string train = set + "/google/train/";
+  const ImageU16 view = read_image_u16(train + "raw_left_pd/000001/result_pd_left_center.png", 1);
+  const Image left = read_npy(folder / "ours/samples/000001/left.npy");
+  ASSERT_EQ(view.width, left.height);
+  ASSERT_EQ(view.height, left.width);
+  const json exposure = read_json_file(set + "/samples/000001/sample.json").at("exposure");
+  const double black = exposure.at("black_level_dn"), white = exposure.at("white_level_dn");
+  const double full = (1 << exposure.at("bits").get<int>()) - 1;
+  const Image depth = read_image(train + "merged_depth/000001/result_merged_depth_center.png");
+  const Image depth_m = read_npy(folder / "ours/samples/000001/depth_m.npy");
+  const Image valid = read_npy(folder / "ours/samples/000001/valid.npy");
+  const Image confidence = read_npy(train + "merged_conf/000001/result_merged_conf_center.npy");
+  for (int y = 0; y < left.height; ++y) {
+    for (int x = 0; x < left.width; ++x) {
+      const double signal = (view.at(left.height - 1 - y, x) / 16.0 / 1023 * full - black) / (white - black);
+      EXPECT_NEAR(signal, left.at(x, y), 0.51 * full / 1023 / (white - black));  // rounded to 10 bits
+    }
+  }
+  for (int y = 0; y < depth_m.height; ++y) {
+    for (int x = 0; x < depth_m.width; ++x) {
+      const int u = depth_m.height - 1 - y;
+      EXPECT_EQ(confidence.at(u, x), valid.at(x, y));
+      if (valid.at(x, y) != 1) continue;
+      // 8 bits of inverse depth: half a step is 1 / (2 * 255) of 1 / 0.2 - 1 / 100 per meter
+      EXPECT_NEAR((100 - 99.8 * depth.at(u, x)) / 20, 1 / depth_m.at(x, y), 0.51 / 255 * (5 - 0.01));
+    }
+  }
+  EXPECT_EQ(read_image(train + "scaled_images/000001/result_scaled_image_center.jpg").width, depth_m.height);
+  recipe["set"]["sensor.dp_downsample_x"] = recipe["set"]["sensor.dp_downsample_y"] = 1;
+  EXPECT_NE(message_of<InputError>([&] { make(folder / "dense", recipe); }).find("holds green views"),
+            std::string::npos);
 }
 
 /// Names and bytes of a tar file's entries, in order, as GNU tar reads them.

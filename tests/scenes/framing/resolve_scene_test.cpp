@@ -43,7 +43,8 @@ json document(const json& camera) {
 
 double focus_of(const json& camera, const TemporaryFolder& folder) {
   std::unique_ptr<simulator::ReadyScene> ready;
-  const json resolved = resolve_scene(document(camera), folder / "scene.json", ready);
+  std::vector<std::string> warnings;
+  const json resolved = resolve_scene(document(camera), folder / "scene.json", ready, warnings);
   simulator::read_simulation(resolved, folder / "scene.json");  // nothing is left that it does not know
   return resolved.at("camera").at("focus_distance_m").get<double>();
 }
@@ -89,8 +90,9 @@ TEST(ResolveScene, RefusesWhatCannotBeFocusedOn) {
 TEST(ResolveScene, LeavesOtherDocumentsAlone) {
   const TemporaryFolder folder;  // no glTF file: nothing is loaded
   std::unique_ptr<simulator::ReadyScene> ready;
+  std::vector<std::string> warnings;
   const json plain = document({{"focus_distance_m", 0.7}});
-  EXPECT_EQ(resolve_scene(plain, folder / "scene.json", ready), plain);
+  EXPECT_EQ(resolve_scene(plain, folder / "scene.json", ready, warnings), plain);
   EXPECT_EQ(ready, nullptr);
 }
 
@@ -100,12 +102,13 @@ TEST(ResolveScene, ScalesTheModelByAFactor) {
   json scene = document({{"focus_node", "near"}});
   scene["model_scale"] = 0.1;
   std::unique_ptr<simulator::ReadyScene> ready;
-  const json resolved = resolve_scene(scene, folder / "scene.json", ready);
+  std::vector<std::string> warnings;
+  const json resolved = resolve_scene(scene, folder / "scene.json", ready, warnings);
   EXPECT_NEAR(resolved.at("model_size_m").get<double>(), 0.05, 1e-6);  // 0.4 x 0.3 x 0.5 m before
   EXPECT_NEAR(resolved.at("camera").at("focus_distance_m").get<double>(), 0.2, 1e-4);
   EXPECT_FALSE(resolved.contains("model_scale"));
   scene["model_size_m"] = 1;
-  EXPECT_EQ(message_of<InputError>([&] { resolve_scene(scene, "s.json", ready); }),
+  EXPECT_EQ(message_of<InputError>([&] { resolve_scene(scene, "s.json", ready, warnings); }),
             "s.json: /model_scale: give either model_scale or model_size_m");
 }
 
@@ -121,7 +124,8 @@ TEST(ResolveScene, FramesABareModel) {
   apply_override(scene, "render.samples_per_pixel=16");
   apply_override(scene, "render.photograph_samples_per_pixel=1");
   std::unique_ptr<simulator::ReadyScene> ready;
-  const json resolved = resolve_scene(scene, path, ready);
+  std::vector<std::string> warnings;
+  const json resolved = resolve_scene(scene, path, ready, warnings);
   const simulator::Simulation s = simulator::read_simulation(resolved, path);
   ASSERT_TRUE(s.pose);
   const double radius = 0.5 * std::hypot(0.4, 0.3, 0.5),
@@ -150,13 +154,29 @@ TEST(ResolveScene, FramesABareModel) {
   EXPECT_NEAR(mean / (64 * 96), 0.18, 0.02);
 }
 
+TEST(ResolveScene, WarnsWhereNoExposureGivesTheMean) {
+  const TemporaryFolder folder;
+  const std::string path = two_walls(folder);
+  json scene = read_scene_document(path);
+  scene["environment"] = {{"model", "constant"}, {"nits", {1e-4, 1e-4, 1e-4}}};
+  std::unique_ptr<simulator::ReadyScene> ready;
+  std::vector<std::string> warnings;
+  const json resolved = resolve_scene(scene, path, ready, warnings);
+  ASSERT_EQ(warnings.size(), 1);
+  EXPECT_TRUE(warnings[0].starts_with(path + ": exposure: ")) << warnings[0];
+  EXPECT_TRUE(warnings[0].ends_with(" s at ISO 100 are asked for; the limit is 10.7 s, taken are 10.8 s"))
+      << warnings[0];  // two digits: 0.083 s at ISO 12800 is 13000
+  EXPECT_EQ(resolved["exposure"], (json{{"time_s", 0.083}, {"iso", 13000}}));
+}
+
 TEST(ResolveScene, KeepsTheCameraOfAModelThatHasOne) {
   const TemporaryFolder folder;
   const std::string path = two_walls(folder);
   std::unique_ptr<simulator::ReadyScene> ready;
+  std::vector<std::string> warnings;
   json scene = read_scene_document(path);
   scene["exposure"] = {{"time_s", 0.01}};
-  const json resolved = resolve_scene(scene, path, ready);
+  const json resolved = resolve_scene(scene, path, ready, warnings);
   EXPECT_FALSE(resolved.at("camera").contains("position_m"));
   EXPECT_EQ(resolved.at("exposure"), scene.at("exposure"));
 }

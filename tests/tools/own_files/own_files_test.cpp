@@ -1,13 +1,21 @@
 // Scenes, methods and maps that people bring, as they give them on the command line.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+#include <utility>
 
+#include "capture/capture.h"
 #include "capture/image/image_io.h"
 #include "capture/image/npy.h"
 #include "scenes/gltf/glb.h"
 #include "tests/datasets/small_recipe.h"
+#include "tests/pipeline/portrait/synthetic.h"
 #include "tests/pipeline/texture.h"
 #include "tests/run_program.h"
 
@@ -15,6 +23,19 @@ namespace dualpixel {
 namespace {
 
 using nlohmann::json;
+
+/// Whether there is no such process, or only until it is reaped; killed ones are given two seconds.
+bool has_ended(int pid) {
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    std::ifstream stat(fmt::format("/proc/{}/stat", pid));
+    std::string number, name;
+    char state = 'X';
+    stat >> number >> name >> state;
+    if (state == 'X' || state == 'Z') return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return false;
+}
 
 /// A glTF file without a camera: a quad before another.
 void write_model(const std::string& path) {
@@ -82,6 +103,24 @@ TEST(OwnScenes, SeveralGoToFoldersOfTheirNames) {
   expect_one_line_refusal(run_program("simulate " + planes + planes + "-o " + in + "twice'" + kTinyPictures));
 }
 
+// A camera that the second scene lacks is only known when it is loaded.
+TEST(OwnScenes, AllAreCheckedBeforeTheFirstIsRendered) {
+  const TemporaryFolder folder;
+  const std::string in = "'" + folder.path.string() + "/";
+  const std::string planes = "'" DUALPIXEL_SCENES_DIR "/slanted_planes.json' ";
+  folder.write("none.json",
+               json{{"gltf", DUALPIXEL_SCENES_DIR "/slanted_planes.glb"}, {"camera", {{"node", "none"}}}}.dump());
+  const Outcome outcome = run_program("simulate " + planes + in + "none.json' -o " + in + "out'" + kTinyPictures);
+  expect_one_line_refusal(outcome);
+  EXPECT_NE(outcome.err.find("none.json"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+
+  folder.write("jobs.jsonl", "{\"name\": \"a\"}\n{\"name\": \"b\", \"set\": {\"camera.node\": \"none\"}}\n");
+  expect_one_line_refusal(
+      run_program("simulate " + planes + "--jobs " + in + "jobs.jsonl' -o " + in + "out'" + kTinyPictures));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+}
+
 TEST(OwnScenes, AFaceMayBeGivenInSharesAndRemoved) {
   const TemporaryFolder folder;
   const std::string in = "'" + folder.path.string() + "/";
@@ -145,6 +184,31 @@ TEST(EvaluateCommand, ComparesMethodsOverADataSet) {
   EXPECT_TRUE(std::filesystem::exists(folder / "out/evaluation.html"));
   expect_one_line_refusal(run_program(command + "--method paper"));
   expect_one_line_refusal(run_program(command + "--split tst"));
+}
+
+// A shell within a shell that waits for its child: all are in the group that is killed.
+TEST(EvaluateCommand, EndsItsProgramsWhenASignalEndsIt) {
+  const TemporaryFolder folder;
+  write_capture(pipeline::synthetic_capture(), folder / "set/one");
+  std::filesystem::create_directory(folder / "scratch");
+  const std::string in = "'" + folder.path.string() + "/";
+  folder.write("method.sh", "sleep 600 & echo $$ $! >" + in + "pids'; wait\n");
+  for (const auto& [signal, status] : {std::pair{"TERM", 143}, {"INT", 130}}) {
+    SCOPED_TRACE(signal);
+    std::filesystem::remove(folder / "pids");
+    folder.write("run.sh", "TMPDIR=" + in + "scratch' '" DUALPIXEL_PROGRAM "' evaluate " + in + "set' -o " + in +
+                               "out' --method \"slow=sh " + in + "method.sh'; : {left} {right} {out}\" &\n" +
+                               "while ! test -s " + in + "pids'; do sleep 0.05; done\nkill -" + signal +
+                               " $!\nwait $!\n");
+    EXPECT_EQ(run_program("--version >/dev/null; sh " + in + "run.sh'").status, status);
+    std::istringstream pids(read_bytes(folder / "pids"));
+    int shell = 0, child = 0;
+    pids >> shell >> child;
+    ASSERT_GT(child, 1);
+    for (const int pid : {shell, child}) EXPECT_TRUE(has_ended(pid)) << pid;
+    EXPECT_TRUE(std::filesystem::is_empty(folder / "scratch"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+  }
 }
 
 }  // namespace
