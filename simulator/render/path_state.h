@@ -47,8 +47,8 @@ struct Paths {
   /// After glass that bends: density with which light samples, which go straight, find what lies straight ahead of the
   /// ray that `pdf` is of. Negative: not bent, so that they find what the path does.
   alignas(64) float straight_pdf[kPacket];
-  /// Of a ray that may have been sent towards bright surfaces: the density of its direction by reflection alone, else 0;
-  /// and the triangle of BrightSurfaces that it was sent to, -1: none.
+  /// Of a ray that may have been sent towards bright surfaces: the density of its direction by reflection alone, else
+  /// 0; and the triangle of BrightSurfaces that it was sent to, -1: none.
   alignas(64) float reflected_pdf[kPacket];
   alignas(64) int sent_to[kPacket];
   /// Between points of light on the surface that the ray meets: so much at its start, and so much more for each meter.
