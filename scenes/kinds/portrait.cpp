@@ -93,6 +93,7 @@ void build_portrait(SceneBuilder& build, const Parameters& p, RandomStream rng) 
   build.camera(eye, middle + vec3(aside, -lower, 0));
   build.focus_on(middle);
   build.shooting.clear_m = 0.4f * distance;
+  build.shooting.key *= 0.8f;           // skin is brighter than most of what people wear
   build.shooting.most_clipped = 0.25f;  // faces before windows and skies
   if (const nlohmann::json box = face_box(build, nearest); !box.is_null()) build.scene["face_px"] = box;
 }
