@@ -1,11 +1,15 @@
 #include "simulator/ready_scene.h"
 
+#include "capture/files.h"
 #include "simulator/simulate.h"
 
 namespace dualpixel::simulator {
 
 ReadyScene::ReadyScene(const Simulation& simulation)
-    : loaded_for(simulation), scene(load_scene(simulation)), world(scene, simulation.light) {}
+    : loaded_for(simulation),
+      gltf_xxh64(file_hash(simulation.gltf_path)),
+      scene(load_scene(simulation)),
+      world(scene, simulation.light) {}
 
 bool same_scene(const Simulation& a, const Simulation& b) {
   return a.gltf_path == b.gltf_path && a.animation == b.animation && a.unlit_white_nits == b.unlit_white_nits &&

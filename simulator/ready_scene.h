@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <string>
 
 #include "simulator/render/render_scene.h"
 #include "simulator/scene/scene.h"
@@ -13,6 +14,7 @@ struct ReadyScene {
   explicit ReadyScene(const Simulation& simulation);
 
   Simulation loaded_for;
+  std::string gltf_xxh64;  ///< of the file that was loaded
   Scene scene;
   RenderScene world;  ///< of `scene`; keeps the light that was found
 };

@@ -135,7 +135,7 @@ RenderedSample render_line(const SampleLine& line, const std::string& dataset,
   Capture capture = simulator::simulate(simulation, ready->world, camera);
   capture.provenance.program = "dualpixel " DUALPIXEL_VERSION;
   capture.provenance.scene_file = fs::path(path).filename().string();
-  capture.provenance.gltf_xxh64 = file_hash(simulation.gltf_path);
+  capture.provenance.gltf_xxh64 = ready->gltf_xxh64;
   return {std::move(capture), missed_exposure};
 }
 

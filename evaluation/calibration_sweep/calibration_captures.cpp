@@ -11,15 +11,20 @@
 #include "capture/json_fields.h"
 #include "pipeline/burst/merge.h"
 #include "pipeline/calibration/correction.h"
-#include "pipeline/portrait/matchable.h"
+#include "pipeline/disparity/match_pixels.h"
 
 namespace dualpixel::evaluation {
 namespace {
 
 pipeline::TargetMeasurement measure_capture(const Capture& capture, double target_distance_m, const std::string& path) {
-  const pipeline::MergedBurst burst = pipeline::align_and_merge(capture.frames, capture.exposure);
+  pipeline::MergedBurst burst = pipeline::align_and_merge(capture.frames, capture.exposure);
+  const bool dense = pipeline::is_dense_mosaic(capture);
+  if (dense) {
+    for (Image* view : {&burst.left, &burst.right}) *view = pipeline::green_means(*view, capture.camera.cfa);
+  }
   pipeline::TargetMeasurement measurement =
       pipeline::measure_target(burst.left, burst.right, capture.camera.focus_distance_m, target_distance_m);
+  for (float& disparity : measurement.disparity_dp_px.data) disparity *= dense ? 2 : 1;  // found in pixels of two
   const Image& usable = measurement.usable;
   const auto seen = std::count(usable.data.begin(), usable.data.end(), 1.0f);
   if (2 * static_cast<std::size_t>(seen) < usable.data.size()) {
@@ -48,7 +53,6 @@ CaptureMeasurements measure_captures(const std::string& folder, const std::funct
     entry.done();
     const std::string path = (std::filesystem::path(folder) / name).string();
     const Capture capture = read_capture(path, false);
-    pipeline::require_matchable(capture.camera, path, "/camera/dp_downsample_x");
     if (all.measurements.empty()) all.camera = capture.camera;
     pipeline::require_same_camera(all.camera, capture.camera, printable(path));
     all.measurements.push_back(measure_capture(capture, distance_m, path));

@@ -15,7 +15,7 @@
 #include "capture/names.h"
 #include "datasets/plan/plan.h"
 #include "datasets/render/sample_folder.h"
-#include "pipeline/portrait/matchable.h"
+#include "pipeline/disparity/match_pixels.h"
 
 namespace dualpixel::evaluation {
 namespace {
@@ -55,7 +55,11 @@ ViewSample sample_of_capture(const std::string& folder) {
   const Capture capture = read_capture(folder, true);
   if (!capture.truth) throw InputError(printable(folder) + ": holds no truth to score against");
   const Camera& camera = capture.camera;
-  pipeline::require_matchable(camera, folder, "/camera/dp_downsample_x");
+  if (pipeline::is_dense_mosaic(capture)) {
+    throw InputError(printable(folder) +
+                     "/capture.json: /camera/dp_downsample_x: 1 x 1: neighbors in such views have different colors, "
+                     "which no method is made for; 2 x 2 and 2 x 4 can be evaluated");
+  }
   ViewSample sample{fs::path(folder).filename(), normalized(capture.frames[0].left, capture.exposure),
                     normalized(capture.frames[0].right, capture.exposure),
                     Image(camera.dp_width(), camera.dp_height(), 1, kUnknownDpPx),

@@ -113,8 +113,10 @@ std::string score_html(const Score& score) {
 }
 
 std::string result_html(const ResultSection& result) {
+  std::string how = result.mode;
+  if (!result.disparity_from.empty()) how += ", disparity: " + result.disparity_from;
   std::string html =
-      fmt::format("<h3>{} <span class=\"mode\">{}</span></h3>\n", escape_name(result.name), escape_name(result.mode));
+      fmt::format("<h3>{} <span class=\"mode\">{}</span></h3>\n", escape_name(result.name), escape_name(how));
   html += comparison(result.photographs);
   if (!result.maps.empty()) {
     html += "<h4>Maps</h4>\n<div class=\"maps\">\n";
@@ -135,8 +137,8 @@ RegionScore region_of(const std::optional<Score>& score, const std::string& name
 }
 
 std::string overview(const std::vector<CaptureSection>& captures) {
-  Table table{{"result", "mode", "confident fitted RMSE", "AIWE(1)", "1 − |ρ|", "PSNR, dB", "over the input, dB",
-               "SSIM", "total, ms"},
+  Table table{{"result", "mode", "disparity", "confident fitted RMSE", "AIWE(1)", "1 − |ρ|", "PSNR, dB",
+               "over the input, dB", "SSIM", "total, ms"},
               {}};
   for (const CaptureSection& capture : captures) {
     for (const ResultSection& result : capture.results) {
@@ -145,7 +147,8 @@ std::string overview(const std::vector<CaptureSection>& captures) {
       const PictureScore portrait = score.portrait.value_or(PictureScore()),
                          input = score.input.value_or(PictureScore());
       const bool both = portrait.psnr_srgb_db && input.psnr_srgb_db;
-      table.rows.push_back({result.name, result.mode, cell_of(region_of(result.score, "confident").rmse_affine_px, 3),
+      table.rows.push_back({result.name, result.mode, result.disparity_from,
+                            cell_of(region_of(result.score, "confident").rmse_affine_px, 3),
                             cell_of(everything.aiwe1, 3), cell_of(everything.one_minus_rho, 3),
                             cell_of(portrait.psnr_srgb_db, 2),
                             both ? fmt::format("{:+.2f}", *portrait.psnr_srgb_db - *input.psnr_srgb_db) : "–",

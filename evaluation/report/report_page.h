@@ -14,6 +14,7 @@ namespace dualpixel::evaluation {
 struct ResultSection {
   std::string name;
   std::string mode;
+  std::string disparity_from;  ///< "matcher paper", or the file that the user gave; empty where it is unknown or none
   std::vector<Picture> photographs;  ///< of one size, laid over each other behind a divider that can be dragged
   std::vector<Picture> maps;
   std::optional<Score> score;  ///< none where there is no truth

@@ -7,6 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "capture/error.h"
 #include "capture/folder/capture_json.h"
@@ -90,6 +91,29 @@ float disparity_limit(const Image& disparity) {
   return std::max(0.5f, std::ceil(2 * percentile(magnitude, 0.995)) / 2);
 }
 
+/// Who says how far things are: the user's file, or a matcher.
+std::string disparity_from(const nlohmann::json& provenance) {
+  for (const auto& [field, word] : {std::pair{"disparity", "given, "}, {"matcher", "matcher "}}) {
+    const auto found = provenance.find(field);
+    if (found != provenance.end() && found->is_string()) return word + found->get<std::string>();
+  }
+  return "";
+}
+
+/// One line; what the camera does not know is left out.
+std::string facts_of(const Capture& capture) {
+  const Camera& camera = capture.camera;
+  std::string facts = fmt::format("{}: {} × {} photosites", printable(camera.name), camera.width_px, camera.height_px);
+  if (camera.focal_length_mm > 0 && camera.f_number > 0) {
+    facts += fmt::format(", f = {:.3g} mm, f/{:.3g}", camera.focal_length_mm, camera.f_number);
+  }
+  facts += fmt::format(", focused at {:.3g} m", camera.focus_distance_m);
+  if (capture.exposure.time_s > 0) {
+    facts += fmt::format("; {:.3g} s at ISO {:.0f}", capture.exposure.time_s, capture.exposure.iso);
+  }
+  return facts + fmt::format("; {} frame{}", capture.frames.size(), capture.frames.size() == 1 ? "" : "s");
+}
+
 std::vector<Picture> result_maps(const pipeline::PortraitResult& result, const std::optional<Truth>& truth,
                                  const std::optional<Score>& score, const PageSize& to_page) {
   std::vector<Picture> maps;
@@ -127,12 +151,7 @@ CaptureSection make_capture_section(const Capture& capture, const std::string& p
   const Camera& camera = capture.camera;
   CaptureSection section;
   section.name = path;
-  section.facts = fmt::format(
-      "{}: {} × {} photosites, f = {:.3g} mm, f/{:.3g}, focused at {:.3g} m; {:.3g} s at ISO {:.0f}; "
-      "{} frame{}",
-      printable(camera.name), camera.width_px, camera.height_px, camera.focal_length_mm, camera.f_number,
-      camera.focus_distance_m, capture.exposure.time_s, capture.exposure.iso, capture.frames.size(),
-      capture.frames.size() == 1 ? "" : "s");
+  section.facts = facts_of(capture);
   const PageSize to_page(camera);
   const Frame& frame = capture.frames.front();
   const Image left = to_page(normalized(frame.left, capture.exposure));
@@ -157,6 +176,7 @@ ResultSection make_result_section(const Capture& capture, const std::string& cap
   section.provenance = text_of(stored.json["provenance"]);
   section.stages = result.stages;
   section.mode = stored.mode;
+  section.disparity_from = disparity_from(stored.json["provenance"]);
   if (truth) section.score = score_result(capture, capture_path, stored, result_path);
 
   const PageSize to_page(capture.camera);

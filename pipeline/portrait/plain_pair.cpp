@@ -25,6 +25,7 @@ struct Metadata {
   std::optional<ViewNoise> noise;
   double focus_distance_m = 1;
   std::optional<std::array<double, 4>> face_px;
+  double alpha = 0, focal_length_mm = 0, f_number = 0;  // unknown
 };
 
 Metadata read_metadata(const std::string& path) {
@@ -45,6 +46,9 @@ Metadata read_metadata(const std::string& path) {
     noise.number("shot", metadata.noise->shot, 0, 1).number("read", metadata.noise->read, 0, 1).done();
   }
   fields.number("focus_distance_m", metadata.focus_distance_m, 0.01, INFINITY);
+  fields.number("alpha", metadata.alpha, 1e-6, 10);
+  fields.number("focal_length_mm", metadata.focal_length_mm, 0.01, 1e5);
+  fields.number("f_number", metadata.f_number, 0.1, 1e6);
   if (fields.has("face_px")) {
     metadata.face_px.emplace();
     fields.numbers("face_px", metadata.face_px->data(), 4);
@@ -97,6 +101,17 @@ bool is_colored(const Image& view) {
   return false;
 }
 
+template <typename Pixel>
+ImageOf<Pixel> columns_as_rows(const ImageOf<Pixel>& image) {
+  ImageOf<Pixel> result(image.height, image.width, image.channels);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      for (int c = 0; c < image.channels; ++c) result.at(y, x, c) = image.at(x, y, c);
+    }
+  }
+  return result;
+}
+
 ImageU16 digital_numbers(const Image& signal) {
   ImageU16 stored(signal.width, signal.height);
   std::transform(signal.data.begin(), signal.data.end(), stored.data.begin(),
@@ -106,14 +121,20 @@ ImageU16 digital_numbers(const Image& signal) {
 
 }  // namespace
 
-Image transposed(const Image& image) {
-  Image result(image.height, image.width, image.channels);
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      for (int c = 0; c < image.channels; ++c) result.at(y, x, c) = image.at(x, y, c);
-    }
+Image transposed(const Image& image) { return columns_as_rows(image); }
+
+Capture upright(PlainPairCapture pair, bool vertical_split) {
+  Capture capture = std::move(pair.capture);
+  if (!vertical_split) return capture;
+  std::swap(capture.camera.width_px, capture.camera.height_px);
+  for (Frame& frame : capture.frames) {
+    for (ImageU16* view : {&frame.left, &frame.right}) *view = columns_as_rows(*view);
   }
-  return result;
+  if (capture.face_px) {
+    const auto [x, y, width, height] = *capture.face_px;
+    capture.face_px = {y, x, height, width};
+  }
+  return capture;
 }
 
 Image even_sided(const Image& image) {
@@ -149,7 +170,10 @@ PlainPairCapture read_plain_pair(const PlainPair& pair) {
                     .height_px = left.height + left.height % 2,
                     .dp_downsample_x = 1,
                     .dp_downsample_y = 1,
-                    .focus_distance_m = metadata.focus_distance_m};
+                    .focal_length_mm = metadata.focal_length_mm,
+                    .f_number = metadata.f_number,
+                    .focus_distance_m = metadata.focus_distance_m,
+                    .alpha = metadata.alpha};
   capture.exposure = {.bits = 16,
                       .white_level_dn = kFullScale,
                       .dp_noise = {noise.shot * kFullScale, noise.read * kFullScale * kFullScale}};

@@ -33,8 +33,13 @@ struct PlainPairCapture {
 ///   focus_distance_m       default 1; it sets how strongly the portrait is blurred, not the disparity
 ///   face_px                x, y, width, height of a face in the pictures
 /// Pictures that are gray, in one channel or in three, are given no new noise where they are blurred: it is colored.
+///   alpha                  disparity in pixels of the pictures over the diameter of the blur in them, (0, 10]
+///   focal_length_mm, f_number   of the lens; like alpha, only needed to match a lens
 /// Throws InputError where a file cannot be used, sizes differ, or a pixel is not finite or beyond [0, 1].
 PlainPairCapture read_plain_pair(const PlainPair& pair);
+
+/// The pair's capture as its pictures are: views and camera of a vertical split are turned back.
+Capture upright(PlainPairCapture pair, bool vertical_split);
 
 /// With the last column or row twice where there is an odd number of them.
 Image even_sided(const Image& image);

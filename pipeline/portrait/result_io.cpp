@@ -63,7 +63,20 @@ void require_size(const Image& image, const Image& reference, const std::string&
 
 }  // namespace
 
-void write_result(const PortraitResult& result, const nlohmann::json& provenance, const std::string& path) {
+nlohmann::ordered_json to_json(const PortraitResult& result, const nlohmann::ordered_json& provenance) {
+  nlohmann::ordered_json json = {{"format", kFormat},
+                                 {"version", kResultFormatVersion},
+                                 {"provenance", provenance},
+                                 {"focus_disparity_dp_px", result.focus_disparity_dp_px},
+                                 {"base_frame", result.base_frame},
+                                 {"stages", nlohmann::ordered_json::array()}};
+  for (const StageTime& stage : result.stages) {
+    json["stages"].push_back({{"name", stage.name}, {"ms", stage.ms}, {"peak_rss_mb", stage.peak_rss_mb}});
+  }
+  return json;
+}
+
+void write_result(const PortraitResult& result, const nlohmann::ordered_json& provenance, const std::string& path) {
   NewFolder folder(path, kMarker);
   const auto file = [&](const char* name) { return folder.path() + "/" + name; };
   write_exr(file("input.exr"), rgb_planes(result.input), true);
@@ -83,16 +96,8 @@ void write_result(const PortraitResult& result, const nlohmann::json& provenance
     write_exr(file("matched.exr"), matched, false);
   }
 
-  nlohmann::ordered_json json = {{"format", kFormat},
-                                 {"version", kResultFormatVersion},
-                                 {"provenance", provenance},
-                                 {"focus_disparity_dp_px", result.focus_disparity_dp_px},
-                                 {"base_frame", result.base_frame},
-                                 {"stages", nlohmann::ordered_json::array()}};
-  for (const StageTime& stage : result.stages) {
-    json["stages"].push_back({{"name", stage.name}, {"ms", stage.ms}, {"peak_rss_mb", stage.peak_rss_mb}});
-  }
-  write_file(file(kMarker), json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  write_file(file(kMarker),
+             to_json(result, provenance).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   folder.commit();
 }
 

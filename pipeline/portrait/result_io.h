@@ -22,10 +22,13 @@ struct StoredResult {
 
 inline constexpr int kResultFormatVersion = 1;
 
+/// What result.json holds.
+nlohmann::ordered_json to_json(const PortraitResult& result, const nlohmann::ordered_json& provenance);
+
 /// `provenance` records how the result was made: "mode" ("dp", "dp+seg", "seg"), "capture" (the capture's folder),
 /// "capture_hash" (of its capture.json), all options. Throws InputError where `path` exists and is no result, or cannot
 /// be written.
-void write_result(const PortraitResult& result, const nlohmann::json& provenance, const std::string& path);
+void write_result(const PortraitResult& result, const nlohmann::ordered_json& provenance, const std::string& path);
 
 /// Reads a result and checks that the pictures and maps of full size agree in size, and that it has the disparity that
 /// its mode makes. Throws InputError.

@@ -19,11 +19,9 @@
 #include "pipeline/defocus/mask_blur.h"
 #include "pipeline/defocus/match_lens.h"
 #include "pipeline/defocus/methods.h"
-#include "pipeline/disparity/tile_disparity.h"
-#include "pipeline/disparity/upsample.h"
+#include "pipeline/disparity/match_pixels.h"
 #include "pipeline/edge_aware/guide.h"
 #include "pipeline/portrait/focus.h"
-#include "pipeline/portrait/matchable.h"
 #include "pipeline/portrait/plain_pair.h"
 #include "pipeline/portrait/subject.h"
 
@@ -136,9 +134,6 @@ FoundPeople people_in(const Run& run) {
 void fall_back_to_disparity(Run& run, const FoundPeople& found) {
   if (run.result.mode == Mode::seg) prepare_correction(run);
   run.result.mode = Mode::dp;
-  if (!run.capture.frames[0].mosaic.empty() && !run.options.disparity) {
-    require_matchable(run.capture.camera, "capture", "/camera/dp_downsample_x");
-  }
   const std::string_view why = found.detected.empty() ? "no face found"
                                : found.faces.empty()  ? "no face is large enough to be the subject's"
                                                       : "the network finds no person there";
@@ -164,9 +159,8 @@ void find_people(Run& run) {
 void match_views(Run& run) {
   const double noise_left = merged_view_variance(static_cast<int>(run.capture.frames.size()));
   const ViewSensor sensor = view_sensor(run.capture.exposure, noise_left);
-  const Matcher& matcher = matcher_named(run.options.matcher);
-  const TileDisparity tiles = matcher.match(run.burst.left, run.burst.right, sensor, run.options.matching);
-  run.matched = upsample_tiles(tiles, run.burst.left.width, run.burst.left.height, run.options.tile_upsample);
+  run.matched = match_pixels(run.capture, run.burst.left, run.burst.right, sensor, matcher_named(run.options.matcher),
+                             run.options.matching, run.options.tile_upsample);
 }
 
 /// Section 4.2: the lens's aberrations taken out.

@@ -28,8 +28,7 @@ using PortraitProgress = std::function<void(const std::string& stage, double fra
 /// Throws InputError where an option is out of its range, where a given disparity does not fit, where a mode has
 /// neither mask nor find_people, or the mask is not one channel of finite values, where a given picture is not RGB of
 /// the sensor's size in 0..1, where a face or the tap lies outside the picture, and where the calibration is another
-/// camera's. Dense views (1 x 1) must be of one color: half-photosites under a mosaic hold nothing that could be
-/// matched.
+/// camera's. Dense views (1 x 1) under a mosaic are matched by their green photosites (match_pixels.h).
 PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options = {},
                             const std::optional<Image>& person_mask = {}, const PortraitProgress& progress = {});
 

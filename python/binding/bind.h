@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "capture/capture.h"
@@ -18,6 +19,9 @@ struct HeldCapture {
 
   Capture capture;
   Image left, right;
+  std::string folder, hash;  ///< where it was read or written, and of capture.json there; empty: nowhere yet
+
+  void lies_in(const std::string& path);
 };
 
 void bind_captures(pybind11::module_& module);

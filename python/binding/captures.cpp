@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "capture/files.h"
 #include "capture/folder/capture_json.h"
 #include "python/binding/arrays.h"
 #include "python/binding/bind.h"
@@ -61,13 +62,20 @@ void bind_truth(py::module_& module) {
 
 }  // namespace
 
+void HeldCapture::lies_in(const std::string& path) {
+  folder = std::filesystem::absolute(path).lexically_normal().string();
+  hash = file_hash(folder + "/capture.json");
+}
+
 void bind_captures(py::module_& module) {
   bind_frame(module);
   bind_truth(module);
   py::class_<HeldCapture, Holder> capture(module, "Capture");
   capture.def(py::init([](const std::filesystem::path& path, bool truth) {
                 const py::gil_scoped_release released;
-                return std::make_shared<HeldCapture>(read_capture(path.string(), truth));
+                auto held = std::make_shared<HeldCapture>(read_capture(path.string(), truth));
+                held->lies_in(path.string());
+                return held;
               }),
               py::arg("path"), py::arg("truth") = true);
   show(capture, "left", &HeldCapture::left);
@@ -88,7 +96,10 @@ void bind_captures(py::module_& module) {
       "provenance", [](const HeldCapture& self) { return to_python(to_json(self.capture.provenance, "capture")); });
   capture.def(
       "write",
-      [](const HeldCapture& self, const std::filesystem::path& path) { write_capture(self.capture, path.string()); },
+      [](HeldCapture& self, const std::filesystem::path& path) {
+        write_capture(self.capture, path.string());
+        self.lies_in(path.string());
+      },
       py::arg("path"), py::call_guard<py::gil_scoped_release>());
 }
 

@@ -8,10 +8,11 @@
 #include "capture/error.h"
 #include "capture/image/read_mask.h"
 #include "pipeline/burst/merge.h"
+#include "pipeline/disparity/match_pixels.h"
 #include "pipeline/disparity/matchers.h"
 #include "pipeline/disparity/tile_disparity.h"
 #include "pipeline/disparity/upsample.h"
-#include "pipeline/portrait/matchable.h"
+#include "pipeline/portrait/describe_run.h"
 #include "pipeline/portrait/result_io.h"
 #include "pipeline/portrait/run_portrait.h"
 #include "pipeline/segmentation/network.h"
@@ -36,12 +37,10 @@ py::tuple arrays_of(pipeline::PixelDisparity found) {
                         moved_to_array(std::move(found.sigma_dp_px)));
 }
 
-pipeline::PixelDisparity match_views(const Image& left, const Image& right, const pipeline::ViewSensor& sensor,
-                                     const std::string& matcher, const Assignments& assignments) {
+pipeline::MatcherOptions matcher_options(const Assignments& assignments) {
   pipeline::MatcherOptions options;
   for (const std::string& assignment : assignments) set_field(pipeline::fields(options), assignment);
-  const pipeline::TileDisparity tiles = pipeline::matcher_named(matcher).match(left, right, sensor, options);
-  return pipeline::upsample_tiles(tiles, left.width, left.height);
+  return options;
 }
 
 py::tuple match_arrays(const py::object& left, const py::object& right, const std::string& matcher,
@@ -53,7 +52,9 @@ py::tuple match_arrays(const py::object& left, const py::object& right, const st
   pipeline::PixelDisparity found;
   {
     const py::gil_scoped_release released;
-    found = match_views(left_view, right_view, sensor, matcher, assignments);
+    const pipeline::TileDisparity tiles =
+        pipeline::matcher_named(matcher).match(left_view, right_view, sensor, matcher_options(assignments));
+    found = pipeline::upsample_tiles(tiles, left_view.width, left_view.height);
   }
   return arrays_of(std::move(found));
 }
@@ -64,11 +65,11 @@ py::tuple match_capture(const HeldCapture& held, const std::string& matcher, con
   {
     const py::gil_scoped_release released;
     const Capture& capture = held.capture;
-    pipeline::require_matchable(capture.camera, "capture", "/camera/dp_downsample_x");
     const pipeline::MergedBurst burst = pipeline::align_and_merge(capture.frames, capture.exposure);
     const double noise_left = pipeline::merged_view_variance(static_cast<int>(capture.frames.size()));
     found =
-        match_views(burst.left, burst.right, pipeline::view_sensor(capture.exposure, noise_left), matcher, assignments);
+        pipeline::match_pixels(capture, burst.left, burst.right, pipeline::view_sensor(capture.exposure, noise_left),
+                               pipeline::matcher_named(matcher), matcher_options(assignments));
   }
   return arrays_of(std::move(found));
 }
@@ -79,6 +80,21 @@ void require_mask_fits(const Image& mask, pipeline::Mode mode, const Camera& cam
     throw InputError("mode dp: uses no person mask; leave out mask, or choose dp+seg or seg");
   }
   require_shape(mask, camera.width_px, camera.height_px, "mask");
+}
+
+/// As the program's, of a capture that may lie nowhere and of arrays without names.
+nlohmann::ordered_json provenance_of(const HeldCapture& held, const PortraitOptions& options,
+                                     const std::string& matcher, bool mask_given, const PortraitResult& result) {
+  nlohmann::ordered_json provenance = {{"program", "dualpixel " DUALPIXEL_VERSION}};
+  if (!held.folder.empty()) provenance["capture"] = held.folder, provenance["capture_hash"] = held.hash;
+  if (options.disparity) {
+    provenance["disparity"] = "array";
+  } else {
+    provenance["matcher"] = matcher;
+  }
+  provenance.update(describe_run(held.capture, options, result));
+  if (mask_given) provenance["mask"] = "array";
+  return provenance;
 }
 
 std::shared_ptr<HeldResult> make_portrait(const HeldCapture& held, const std::string& mode, const std::string& matcher,
@@ -100,9 +116,6 @@ std::shared_ptr<HeldResult> make_portrait(const HeldCapture& held, const std::st
   if (person) require_mask_fits(*person, options.mode, held.capture.camera);
   for (const auto& [x, y, width, height] : faces) options.faces.push_back({x, y, width, height});
   options.disparity = std::move(found);
-  if (options.mode != pipeline::Mode::seg && !options.disparity) {
-    pipeline::require_matchable(held.capture.camera, "capture", "/camera/dp_downsample_x");
-  }
   std::optional<pipeline::PersonNetwork> network;
   if (options.mode != pipeline::Mode::dp && !person) {
     network.emplace(pipeline::built_in_weights());
@@ -112,11 +125,7 @@ std::shared_ptr<HeldResult> make_portrait(const HeldCapture& held, const std::st
   }
   auto result = std::make_shared<HeldResult>();
   result->result = pipeline::run_portrait(held.capture, options, person);
-  result->provenance = {{"program", "dualpixel " DUALPIXEL_VERSION},
-                        {"mode", name_of(pipeline::kModes, result->result.mode)},
-                        {"seed", seed},
-                        {"options", changed_fields(options)}};
-  if (!options.disparity) result->provenance["matcher"] = matcher;
+  result->provenance = provenance_of(held, options, matcher, person.has_value(), result->result);
   return result;
 }
 
@@ -141,6 +150,8 @@ void bind_result(py::module_& module) {
   type.def_property_readonly("focus_disparity",
                              [](const HeldResult& self) { return self.result.focus_disparity_dp_px; });
   type.def_property_readonly("warnings", [](const HeldResult& self) { return self.result.warnings; });
+  type.def_property_readonly("json",
+                             [](const HeldResult& self) { return to_python(to_json(self.result, self.provenance)); });
   type.def_property_readonly("provenance", [](const HeldResult& self) { return to_python(self.provenance); });
   type.def(
       "write",

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/error.h"
-#include "capture/files.h"
 #include "capture/json_fields.h"
 #include "python/binding/arrays.h"
 #include "python/binding/bind.h"
@@ -46,7 +45,7 @@ Capture render_scene(const std::string& text, const std::string& path, const std
       simulator::simulate(simulation, ready->world, simulator::place_camera(simulation, ready->scene), report);
   capture.provenance.program = "dualpixel " DUALPIXEL_VERSION;
   if (text.empty()) capture.provenance.scene_file = std::filesystem::path(path).filename().string();
-  capture.provenance.gltf_xxh64 = file_hash(simulation.gltf_path);
+  capture.provenance.gltf_xxh64 = ready->gltf_xxh64;
   return capture;
 }
 

@@ -129,9 +129,14 @@ class PortraitResult:
     @property
     def focus_disparity(self) -> float: ...
     @property
-    def warnings(self) -> list[str]: ...
+    def warnings(self) -> list[str]:
+        """What makes the result less good than it could be, a line each."""
     @property
-    def provenance(self) -> dict[str, Any]: ...
+    def json(self) -> dict[str, Any]:
+        """What result.json holds: format, version, provenance, focus_disparity_dp_px, base_frame, stages."""
+    @property
+    def provenance(self) -> dict[str, Any]:
+        """How it was made. Names the capture where it was read from a folder or written to one."""
     def write(self, path: Path) -> None:
         """Writes a result's folder, as `dualpixel portrait` does."""
 

@@ -2,6 +2,7 @@
 
 import ast
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 import dualpixel
-from conftest import SCENES
+from conftest import SCENES, SMALL
 from dualpixel import _core
 
 
@@ -59,6 +60,29 @@ def test_portrait_is_the_programs(program, capture, folder, tmp_path):
     for name in ("portrait.exr", "maps.exr", "matched.exr", "portrait.png"):
         assert (tmp_path / "program" / name).read_bytes() == (tmp_path / "python" / name).read_bytes(), name
     assert result.mask is None and result.portrait.shape == (96, 128, 3)
+
+
+def test_portrait_says_what_result_json_does(program, folder, tmp_path):
+    """The program's, but for times, memory and paths."""
+    done = program("portrait", folder, "-o", tmp_path / "program", "--seed", 3, "--set", "match.range_px=4")
+    assert done.returncode == 0, done.stderr
+    result = dualpixel.portrait(folder, seed=3, options={"match.range_px": 4})
+    expected = json.loads((tmp_path / "program/result.json").read_text())
+    assert result.json["provenance"] == expected["provenance"]
+    for field in ("format", "version", "focus_disparity_dp_px", "base_frame"):
+        assert result.json[field] == expected[field], field
+    assert [stage["name"] for stage in result.json["stages"]] == [stage["name"] for stage in expected["stages"]]
+    assert result.warnings == expected["provenance"].get("warnings", [])
+    # what is written can be told from another capture's
+    result.write(tmp_path / "python")
+    assert json.loads((tmp_path / "python/result.json").read_text()) == result.json
+    other = tmp_path / "other"
+    shutil.copytree(folder, other)
+    document = json.loads((other / "capture.json").read_text())
+    document["camera"]["name"] = "another"
+    (other / "capture.json").write_text(json.dumps(document))
+    assert "is not a result of" in program("score", other, tmp_path / "python").stderr
+    assert "capture" not in dualpixel.portrait(dualpixel.simulate(SCENES / "slanted_planes.json", SMALL)).provenance
 
 
 def test_portrait_takes_a_disparity(capture):

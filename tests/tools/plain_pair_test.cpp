@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 
 #include "capture/error.h"
 #include "capture/image/image_io.h"
+#include "capture/image/npy.h"
 #include "evaluation/metrics/disparity_metrics.h"
 #include "pipeline/portrait/result_io.h"
 #include "tests/pipeline/texture.h"
@@ -190,6 +192,59 @@ TEST(PlainPair, EmptyPicturesHaveLowConfidence) {
       }
     }
   }
+}
+
+TEST(PlainPair, IsReportedOn) {
+  const TemporaryFolder folder;
+  const std::string in = "'" + folder.path.string() + "/";
+  write_view(folder / "l.png", pipeline::textured(pipeline::Texture(5, 0.2), 129, 95, 0));
+  write_view(folder / "r.png", pipeline::textured(pipeline::Texture(5, 0.2), 129, 95, 1));
+  write_bytes(folder / "m.json", R"({"encoding": "linear", "focus_distance_m": 0.7})");
+  const std::string pair = "portrait --left " + in + "l.png' --right " + in + "r.png' --metadata " + in + "m.json' ";
+  ASSERT_EQ(run_program(pair + "-o " + in + "a'").status, 0);
+  ASSERT_EQ(run_program(pair + "-o " + in + "b' --split vertical --matcher split").status, 0);
+  write_npy(folder / "d.npy", Image(129, 95, 1, 0.5f));
+  ASSERT_EQ(run_program(pair + "-o " + in + "c' --disparity " + in + "d.npy'").status, 0);
+  const std::string report = "report -o " + in + "report.html' " + in;
+  const Outcome outcome = run_program(report + "a' " + in + "b' " + in + "c'");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string page = read_bytes(folder / "report.html");
+  for (const std::string& part :
+       {std::string("plain pair: 130 × 96 photosites, focused at 0.7 m; 1 frame"),
+        std::string("dp, disparity: matcher paper"), std::string("dp, disparity: matcher split"),
+        "dp, disparity: given, " + (folder / "d.npy")}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  }
+  write_view(folder / "l.png", pipeline::textured(pipeline::Texture(6, 0.2), 129, 95, 0));
+  const Outcome changed = run_program(report + "a'");
+  expect_one_line_refusal(changed);
+  EXPECT_NE(changed.err.find("l.png: was changed since "), std::string::npos) << changed.err;
+  std::filesystem::remove(folder / "l.png");
+  expect_one_line_refusal(run_program(report + "a'"));
+}
+
+// A pupil k times as wide blurs by sqrt(k^2 - 1) times the pair's own discs, whose radius is |d| / (2 alpha).
+TEST(PlainPair, IsBlurredAsALensWould) {
+  constexpr double kDisparity = 1.5, kAlpha = 0.3, kFocal_mm = 4.4, kFNumber = 1.8;
+  const TemporaryFolder folder;
+  const std::string in = "'" + folder.path.string() + "/";
+  write_view(folder / "v.png", pipeline::textured(pipeline::Texture(5, 0.2), 160, 96, 0));
+  write_npy(folder / "d.npy", Image(160, 96, 1, kDisparity));
+  const std::string portrait = "portrait --left " + in + "v.png' --right " + in + "v.png' --disparity " + in +
+                               "d.npy' -o " + in + "out' --match-lens f/10@50mm-equivalent ";
+  const Outcome bare = run_program(portrait);
+  expect_one_line_refusal(bare);
+  EXPECT_NE(bare.err.find("--metadata: /alpha, focal_length_mm, f_number: are required"), std::string::npos)
+      << bare.err;
+  write_bytes(folder / "m.json", R"({"alpha": 0.3, "focal_length_mm": 4.4})");
+  expect_one_line_refusal(run_program(portrait + "--metadata " + in + "m.json'"));
+  write_bytes(folder / "m.json", R"({"alpha": 0.3, "focal_length_mm": 4.4, "f_number": 1.8})");
+  const Outcome outcome = run_program(portrait + "--metadata " + in + "m.json'");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const double wider = (50.0 / 10) / (kFocal_mm / kFNumber);
+  const Image radius = pipeline::read_result(folder / "out").result.blur_radius_px;
+  // even disparity stays what it is through the solver, to its tolerance
+  EXPECT_NEAR(radius.at(80, 48), std::sqrt(wider * wider - 1) * kDisparity / (2 * kAlpha), 0.02);
 }
 
 /// What smoothed disparity makes of a real pair, against -1 / depth over its own range.

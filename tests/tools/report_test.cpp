@@ -38,7 +38,7 @@ std::vector<evaluation::CaptureSection> hostile_sections() {
   pipeline::StoredResult stored = pipeline::synthetic_stored(capture);
   stored.result.stages[0].name = kHostile;
   stored.mode = kHostile;
-  evaluation::ResultSection result{kHostile, kHostile, {picture, picture}, {picture}, {}, {}, {}};
+  evaluation::ResultSection result{kHostile, kHostile, kHostile, {picture, picture}, {picture}, {}, {}, {}};
   result.score = evaluation::score_result(capture, kHostile, stored, kHostile);
   result.score->notes.push_back(kHostile);
   result.stages = {{kHostile, 1, 2}};

@@ -12,7 +12,6 @@
 #include "evaluation/calibration_sweep/calibration_captures.h"
 #include "evaluation/calibration_sweep/calibration_sweep.h"
 #include "pipeline/calibration/calibration.h"
-#include "pipeline/portrait/matchable.h"
 #include "simulator/lens/disparity_field.h"
 #include "simulator/lens/lens_sampler.h"
 #include "tools/commands/commands.h"
@@ -86,7 +85,6 @@ void sweep_camera(const CalibrateOptions& options) {
   for (const std::string& assignment : options.overrides) apply_override(json, assignment);
   const simulator::Simulation simulation = simulator::read_simulation(json, options.camera);
   const Camera camera = describe_camera(simulation);
-  pipeline::require_matchable(camera, options.camera, "/sensor/dp_downsample_x");
   evaluation::require_focuses(simulation, options.sweep);
   open_sweep(options.output, describe_sweep(simulation, options.sweep));
   Progress bar("calibrate");

@@ -13,7 +13,7 @@
 #include "capture/image/read_mask.h"
 #include "evaluation/report/calibration_page.h"
 #include "pipeline/defocus/match_lens.h"
-#include "pipeline/portrait/matchable.h"
+#include "pipeline/portrait/describe_run.h"
 #include "pipeline/portrait/plain_pair.h"
 #include "pipeline/portrait/result_io.h"
 #include "pipeline/portrait/run_portrait.h"
@@ -131,19 +131,24 @@ void make_even(pipeline::GivenDisparity& disparity, const pipeline::PlainPairCap
   }
 }
 
+/// What --match-lens needs to know of a plain pair's camera.
+void require_lens(const pipeline::PlainPair& pair, const Camera& camera) {
+  if (camera.alpha > 0 && camera.focal_length_mm > 0 && camera.f_number > 0) return;
+  throw InputError((pair.metadata.empty() ? "--metadata" : printable(pair.metadata)) +
+                   ": /alpha, focal_length_mm, f_number: are required by --match-lens: disparity over blur diameter in "
+                   "pixels of the pair, and the lens that took it");
+}
+
 /// The capture, whose picture goes to the options where it is given apart.
 Capture read_input(const PortraitCommand& command, PortraitOptions& options) {
   if (command.plain()) {
     pipeline::PlainPairCapture pair = pipeline::read_plain_pair(command.pair);
+    if (options.match_pupil_mm) require_lens(command.pair, pair.capture.camera);
     options.picture = std::move(pair.picture);
     if (options.disparity) make_even(*options.disparity, pair);
     return std::move(pair.capture);
   }
-  Capture capture = read_capture(command.capture, command.true_mask);
-  if (options.mode != pipeline::Mode::seg && !options.disparity) {
-    pipeline::require_matchable(capture.camera, command.capture, "/camera/dp_downsample_x");
-  }
-  return capture;
+  return read_capture(command.capture, command.true_mask);
 }
 
 /// The mask that the user names, if any. Takes the truth out of the capture.
@@ -165,54 +170,30 @@ std::optional<Image> given_mask(const PortraitCommand& command, Capture& capture
 
 std::string absolute(const std::string& path) { return std::filesystem::absolute(path).lexically_normal().string(); }
 
-/// Whose faces the run began from, in pixels of the user's picture.
-void describe_faces(const pipeline::KnownSubject& known, const PortraitResult& result,
-                    nlohmann::ordered_json& provenance) {
-  std::vector<pipeline::Face> faces = result.faces;
-  if (faces.empty()) {
-    faces = known.faces;
-    if (known.tap) faces.push_back(*known.tap);
-  }
-  for (const pipeline::Face& face : faces) {
-    provenance["faces_px"].push_back({face.x, face.y, face.width, face.height});
-  }
-  if (!faces.empty()) provenance["faces"] = known.source.empty() ? (known.tap ? "tapped" : "detected") : known.source;
-}
-
-nlohmann::ordered_json describe_run(const PortraitCommand& command, const PortraitOptions& options,
-                                    const pipeline::KnownSubject& known, const PortraitResult& result) {
+nlohmann::ordered_json provenance_of(const PortraitCommand& command, const Capture& capture,
+                                     const PortraitOptions& options, const PortraitResult& result) {
   nlohmann::ordered_json provenance = {{"program", "dualpixel " DUALPIXEL_VERSION}};
   if (command.plain()) {
     provenance["left"] = absolute(command.pair.left);
     provenance["right"] = absolute(command.pair.right);
+    provenance["left_hash"] = file_hash(command.pair.left);
+    provenance["right_hash"] = file_hash(command.pair.right);
     provenance["split"] = command.pair.vertical_split ? "vertical" : "horizontal";
     if (!command.pair.metadata.empty()) provenance["metadata"] = absolute(command.pair.metadata);
   } else {
     provenance["capture"] = absolute(command.capture);
     provenance["capture_hash"] = file_hash(command.capture + "/capture.json");
   }
-  provenance["mode"] = name_of(pipeline::kModes, result.mode);
-  if (result.mode != options.mode) provenance["requested_mode"] = command.mode;
   if (!command.maps.any()) provenance["matcher"] = command.matcher;
   for (const auto& [name, file] : {std::pair{"disparity", &command.maps.disparity},
                                    {"confidence", &command.maps.confidence},
                                    {"sigma", &command.maps.sigma}}) {
     if (!file->empty()) provenance[name] = absolute(*file);
   }
-  provenance["seed"] = command.seed;
   if (options.match_pupil_mm) provenance["match_lens"] = command.match_lens;
-  if (command.aperture.blades > 0) provenance["blades"] = command.aperture.blades;
-  if (command.aperture.cats_eye > 0) provenance["cats_eye"] = command.aperture.cats_eye;
-  if (command.recover_highlights) provenance["recover_highlights"] = true;
-  if (command.no_noise) provenance["synthetic_noise"] = false;
-  const nlohmann::ordered_json changed = changed_fields(options);
-  if (!changed.empty()) provenance["options"] = changed;
   if (!command.calibration.empty()) provenance["calibration"] = absolute(command.calibration);
-  if (!result.warnings.empty()) provenance["warnings"] = result.warnings;
-  describe_faces(known, result, provenance);
+  provenance.update(describe_run(capture, options, result));
   if (!result.faces.empty()) {
-    provenance["mask"] = "found";
-    provenance["person_weights_hash"] = pipeline::built_in_weights().file_hash;
     provenance["person_network"] = command.bf16 ? "bf16" : "f32";
   } else if (command.mask_given()) {
     provenance["mask"] = command.true_mask ? "truth" : command.mask;
@@ -251,11 +232,7 @@ void run(const PortraitCommand& command) {
           fmt::format("--mode {}: this build has no face detector (dlib): give --face, --tap or --mask", command.mode));
     }
     options.find_people = [&](const Image& picture, const std::vector<pipeline::Face>& seeds) {
-      pipeline::FoundPeople found = pipeline::find_people(picture, seeds, *network, options.seed_faces);
-      if (!anybody_seen(found) && !command.plain() && !options.disparity) {
-        pipeline::require_matchable(capture.camera, command.capture, "/camera/dp_downsample_x");
-      }
-      return found;
+      return pipeline::find_people(picture, seeds, *network, options.seed_faces);
     };
   }
   const std::optional<Image> mask = given_mask(command, capture);
@@ -264,7 +241,7 @@ void run(const PortraitCommand& command) {
   const PortraitResult result =
       pipeline::run_portrait(capture, options, mask, [&](const std::string&, double fraction) { bar(fraction); });
   for (const std::string& warning : result.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
-  pipeline::write_result(result, describe_run(command, options, known, result), command.output);
+  pipeline::write_result(result, provenance_of(command, capture, options, result), command.output);
 }
 
 /// --left, --right and what goes with them. Returns --left.
@@ -281,7 +258,7 @@ CLI::Option* add_pair_options(CLI::App& command, pipeline::PlainPair& pair, CLI:
   command
       .add_option("--metadata", pair.metadata,
                   "JSON about the views: encoding (srgb, linear), black_level, white_level, noise, focus_distance_m, "
-                  "face_px")
+                  "face_px; for --match-lens alpha, focal_length_mm, f_number")
       ->type_name("FILE")
       ->needs(left);
   command

@@ -2,12 +2,16 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "capture/capture.h"
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/folder/capture_json.h"
 #include "evaluation/report/report_sections.h"
+#include "pipeline/portrait/plain_pair.h"
 #include "pipeline/portrait/result_io.h"
 #include "tools/commands/commands.h"
 
@@ -20,20 +24,53 @@ struct ReportOptions {
   std::string capture;
 };
 
-/// The capture that a result says it was made from.
-std::string capture_of(const pipeline::StoredResult& stored, const std::string& result_path) {
-  const auto named = stored.json["provenance"].find("capture");
-  if (named == stored.json["provenance"].end() || !named->is_string()) {
-    throw InputError(printable(result_path) +
-                     "/result.json: /provenance/capture: does not name the capture (a plain pair has none); give "
-                     "--capture where there is one of the same picture");
+/// What a result was made from: a capture's folder, or a plain pair.
+struct Source {
+  std::string name;  ///< on the page
+  std::optional<pipeline::PlainPair> pair;
+};
+
+/// The text of a field of the result's provenance, if it is one.
+std::optional<std::string> provenance_text(const pipeline::StoredResult& stored, const char* field) {
+  const auto found = stored.json["provenance"].find(field);
+  if (found == stored.json["provenance"].end() || !found->is_string()) return {};
+  return found->get<std::string>();
+}
+
+void require_own_picture(const pipeline::StoredResult& stored, const std::string& path, const char* hash,
+                         const std::string& result_path) {
+  if (const auto was = provenance_text(stored, hash); !was || *was == file_hash(path)) return;
+  throw InputError(printable(path) + ": was changed since " + printable(result_path) +
+                   " was made of it; run the portrait again");
+}
+
+/// What the result says that it was made from, or `capture` where one is given.
+Source source_of(const pipeline::StoredResult& stored, const std::string& capture, const std::string& result_path) {
+  if (!capture.empty()) return {capture, {}};
+  const auto refuse = [&](const std::string& what) {
+    throw InputError(printable(result_path) + "/result.json: /provenance/" + what);
+  };
+  if (auto path = provenance_text(stored, "capture")) {
+    if (!std::filesystem::exists(*path)) refuse("capture: " + printable(*path) + ": no such folder; give --capture");
+    return {*path, {}};
   }
-  std::string path = named->get<std::string>();
-  if (!std::filesystem::exists(path)) {
-    throw InputError(fmt::format("{}/result.json: /provenance/capture: {}: no such folder; give --capture",
-                                 printable(result_path), printable(path)));
+  const auto left = provenance_text(stored, "left"), right = provenance_text(stored, "right");
+  if (!left || !right) {
+    refuse("capture: does not name the capture, nor /provenance/left and right a plain pair; give --capture");
   }
-  return path;
+  for (const std::string& view : {*left, *right}) {
+    if (!std::filesystem::exists(view)) refuse("left, right: " + printable(view) + ": no such file");
+  }
+  require_own_picture(stored, *left, "left_hash", result_path);
+  require_own_picture(stored, *right, "right_hash", result_path);
+  pipeline::PlainPair pair{*left, *right, provenance_text(stored, "metadata").value_or(""),
+                           provenance_text(stored, "split") == "vertical"};
+  return {*left + " + " + std::filesystem::path(*right).filename().string(), pair};
+}
+
+Capture read_source(const Source& source) {
+  if (!source.pair) return read_capture(source.name, true);
+  return pipeline::upright(pipeline::read_plain_pair(*source.pair), source.pair->vertical_split);
 }
 
 void run(const ReportOptions& options) {
@@ -41,19 +78,19 @@ void run(const ReportOptions& options) {
   Capture capture;
   for (const std::string& path : options.results) {
     const pipeline::StoredResult stored = pipeline::read_result(path);
-    const std::string capture_path = options.capture.empty() ? capture_of(stored, path) : options.capture;
-    pipeline::require_own_capture(stored, capture_path, path);
-    if (sections.empty() || sections.back().name != capture_path) {
-      capture = read_capture(capture_path, true);
-      sections.push_back(evaluation::make_capture_section(capture, capture_path));
+    const Source source = source_of(stored, options.capture, path);
+    if (!source.pair) pipeline::require_own_capture(stored, source.name, path);
+    if (sections.empty() || sections.back().name != source.name) {
+      capture = read_source(source);
+      sections.push_back(evaluation::make_capture_section(capture, source.name));
     }
     if (stored.result.input.width != capture.camera.width_px ||
         stored.result.input.height != capture.camera.height_px) {
       throw InputError(fmt::format("{}: {} x {} pixels; the capture {} has {} x {}", printable(path),
-                                   stored.result.input.width, stored.result.input.height, printable(capture_path),
+                                   stored.result.input.width, stored.result.input.height, printable(source.name),
                                    capture.camera.width_px, capture.camera.height_px));
     }
-    sections.back().results.push_back(evaluation::make_result_section(capture, capture_path, stored, path));
+    sections.back().results.push_back(evaluation::make_result_section(capture, source.name, stored, path));
   }
   replace_file(options.output, evaluation::report_page(sections));
 }
@@ -65,7 +102,7 @@ void add_report(CLI::App& program) {
   CLI::App* command = program.add_subcommand("report", "Write one HTML page about portrait results");
   command->add_option("results", options->results, "Result folders")->required()->type_name("RESULT_DIR");
   command->add_option("-o,--output", options->output, "Page to write")->required()->type_name("REPORT.html");
-  command->add_option("--capture", options->capture, "Capture folder; by default the one that each result names")
+  command->add_option("--capture", options->capture, "Capture folder; by default what each result was made from")
       ->type_name("CAPTURE_DIR");
   add_threads_option(*command);
   command->footer("Example:\n  dualpixel report out/dp out/dp+seg -o out/report.html");

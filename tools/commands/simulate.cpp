@@ -161,7 +161,7 @@ void run_job(const SimulateOptions& options, Job job, std::unique_ptr<simulator:
   const std::string journal_path = journal_beside(job.output);
   std::optional<simulator::Journal> journal;
   if (options.resume) {
-    const std::string inputs = fmt::format("{} {} {} {}", simulation.json.dump(), file_hash(simulation.gltf_path),
+    const std::string inputs = fmt::format("{} {} {} {}", simulation.json.dump(), ready->gltf_xxh64,
                                            simulation.render.max_bounces, DUALPIXEL_VERSION);
     journal.emplace(journal_path, simulator::fingerprint(scene, camera, inputs));
     simulation.render.store = &*journal;
@@ -173,7 +173,7 @@ void run_job(const SimulateOptions& options, Job job, std::unique_ptr<simulator:
       [&](const std::string& stage, double fraction) { bars.try_emplace(stage, stage).first->second(fraction); });
   capture.provenance.program = "dualpixel " DUALPIXEL_VERSION;
   capture.provenance.scene_file = std::filesystem::path(simulation.path).filename().string();
-  capture.provenance.gltf_xxh64 = file_hash(simulation.gltf_path);
+  capture.provenance.gltf_xxh64 = ready->gltf_xxh64;
   capture.provenance.plan = plan_of_capture;
   write_capture(capture, job.output);
   if (!simulation.noise_fraction) warn_of_render_noise(simulation.path, capture.provenance.noise_fraction_reached);

@@ -1,6 +1,9 @@
 // `dualpixel dataset` as a user gives it.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <filesystem>
+
 #include "tests/datasets/small_recipe.h"
 #include "tests/run_program.h"
 
@@ -82,6 +85,27 @@ TEST(Dataset, KilledAndRunAgainItIsTheSame) {
   plan(other, small_recipe(12));
   run_program("dataset render" + in_set(other));
   EXPECT_EQ(run_program("dataset gc" + in_set(folder)).status, 0);
+  EXPECT_TRUE(bytes_under(folder / "set/samples") == bytes_under(other / "set/samples"));
+}
+
+// As docs/dataset.md has it, but for the task that dies of SIGKILL once: parallel tries it again.
+TEST(Dataset, IsRenderedByGnuParallel) {
+  if (std::system("parallel --version 2>/dev/null | grep -q '^GNU parallel'") != 0) {
+    GTEST_SKIP() << "GNU parallel is not installed (parallel)";
+  }
+  const TemporaryFolder folder;
+  plan(folder, small_recipe(6));
+  folder.write("task.sh", "if [ $1 = 2 ] && [ ! -e '" + (folder / "died") + "' ]; then touch '" + (folder / "died") +
+                              "'; kill -9 $$; fi\nexec '" DUALPIXEL_PROGRAM "' dataset render" + in_set(folder) +
+                              " --threads 1 --shard $1/4\n");
+  folder.write("all.sh", "seq 0 3 | parallel --jobs 2 --retries 3 sh '" + (folder / "task.sh") + "' {}\n");
+  const Outcome outcome =
+      run_program("--version >/dev/null; HOME='" + folder.path.string() + "' sh '" + (folder / "all.sh") + "'");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "died"));
+  const TemporaryFolder other;
+  plan(other, small_recipe(6));
+  EXPECT_EQ(run_program("dataset render" + in_set(other)).status, 0);
   EXPECT_TRUE(bytes_under(folder / "set/samples") == bytes_under(other / "set/samples"));
 }
 

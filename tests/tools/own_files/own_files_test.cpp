@@ -108,11 +108,14 @@ TEST(OwnScenes, AllAreCheckedBeforeTheFirstIsRendered) {
   const TemporaryFolder folder;
   const std::string in = "'" + folder.path.string() + "/";
   const std::string planes = "'" DUALPIXEL_SCENES_DIR "/slanted_planes.json' ";
-  folder.write("none.json",
-               json{{"gltf", DUALPIXEL_SCENES_DIR "/slanted_planes.glb"}, {"camera", {{"node", "none"}}}}.dump());
+  folder.write("none.json", json{{"version", 1},
+                                 {"gltf", DUALPIXEL_SCENES_DIR "/slanted_planes.glb"},
+                                 {"camera", {{"node", "none"}, {"focus_distance_m", 1}}},
+                                 {"lens", {{"focal_length_mm", 4.4}, {"f_number", 1.8}}}}
+                                .dump());
   const Outcome outcome = run_program("simulate " + planes + in + "none.json' -o " + in + "out'" + kTinyPictures);
   expect_one_line_refusal(outcome);
-  EXPECT_NE(outcome.err.find("none.json"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("no camera node is named 'none'"), std::string::npos) << outcome.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
 
   folder.write("jobs.jsonl", "{\"name\": \"a\"}\n{\"name\": \"b\", \"set\": {\"camera.node\": \"none\"}}\n");

@@ -1,0 +1,46 @@
+#include "pipeline/disparity/match_pixels.h"
+
+#include "capture/color_filter_array.h"
+#include "capture/image/resample.h"
+#include "pipeline/disparity/tile_disparity.h"
+
+namespace dualpixel::pipeline {
+
+bool is_dense_mosaic(const Capture& capture) {
+  return capture.camera.dp_downsample_x * capture.camera.dp_downsample_y == 1 && !capture.frames.front().mosaic.empty();
+}
+
+Image green_means(const Image& dense, const std::string& cfa) {
+  const bool green_first = value_named(kColorFilterArrays, cfa, "cfa").color(0, 0) == 1;
+  Image means(dense.width / 2, dense.height / 2);
+  for (int y = 0; y < means.height; ++y) {
+    for (int x = 0; x < means.width; ++x) {
+      const int u = 2 * x + (green_first ? 0 : 1);
+      means.at(x, y) = 0.5f * (dense.at(u, 2 * y) + dense.at(u ^ 1, 2 * y + 1));
+    }
+  }
+  return means;
+}
+
+PixelDisparity match_pixels(const Capture& capture, const Image& left, const Image& right, const ViewSensor& sensor,
+                            const Matcher& matcher, const MatcherOptions& options, const UpsampleOptions& upsampling) {
+  if (!is_dense_mosaic(capture)) {
+    return upsample_tiles(matcher.match(left, right, sensor, options), left.width, left.height, upsampling);
+  }
+  constexpr int kSide = 2;
+  const std::string& cfa = capture.camera.cfa;
+  const Image small_left = green_means(left, cfa), small_right = green_means(right, cfa);
+  ViewSensor of_means = sensor;
+  if (of_means.noise) of_means.noise = ViewNoise{sensor.noise->shot / 2, sensor.noise->read / 2};
+  PixelDisparity found = upsample_tiles(matcher.match(small_left, small_right, of_means, options), small_left.width,
+                                        small_left.height, upsampling);
+  for (Image* map : {&found.disparity_dp_px, &found.sigma_dp_px}) {
+    for (float& value : map->data) value *= kSide;
+  }
+  for (Image* map : {&found.disparity_dp_px, &found.confidence, &found.sigma_dp_px}) {
+    if (!map->empty()) *map = resize_bilinear(*map, left.width, left.height);
+  }
+  return found;
+}
+
+}  // namespace dualpixel::pipeline
