@@ -32,9 +32,9 @@ struct PlainPairCapture {
 ///                          estimated from the views, as shot noise
 ///   focus_distance_m       default 1; it sets how strongly the portrait is blurred, not the disparity
 ///   face_px                x, y, width, height of a face in the pictures
-/// Pictures that are gray, in one channel or in three, are given no new noise where they are blurred: it is colored.
 ///   alpha                  disparity in pixels of the pictures over the diameter of the blur in them, (0, 10]
 ///   focal_length_mm, f_number   of the lens; like alpha, only needed to match a lens
+/// Pictures that are gray, in one channel or in three, are given no new noise where they are blurred: it is colored.
 /// Throws InputError where a file cannot be used, sizes differ, or a pixel is not finite or beyond [0, 1].
 PlainPairCapture read_plain_pair(const PlainPair& pair);
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <initializer_list>
 
 /// Value noise that depends on its arguments alone: the same on every machine.
 namespace dualpixel::scenes {

@@ -27,7 +27,7 @@ Texture paint(int size, const std::function<glm::vec3(float, float)>& linear_col
           linear_color((static_cast<float>(x) + 0.5f) * step, (static_cast<float>(y) + 0.5f) * step);
       std::uint8_t* texel = &texture.rgb[(static_cast<std::size_t>(y) * size + x) * 3];
       for (int c = 0; c < 3; ++c) {
-        texel[c] = static_cast<std::uint8_t>(srgb_from_linear(std::clamp(color[c], 0.0f, 1.0f)) * 255 + 0.5f);
+        texel[c] = static_cast<std::uint8_t>(std::lround(srgb_from_linear(std::clamp(color[c], 0.0f, 1.0f)) * 255));
       }
     }
   });

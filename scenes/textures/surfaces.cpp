@@ -18,7 +18,7 @@ constexpr float kTurn = 2 * std::numbers::pi_v<float>;
 float clamp01(float x) { return std::clamp(x, 0.0f, 1.0f); }
 
 /// A whole number of parts of about `part` each.
-int parts(float whole, float part) { return std::max(static_cast<int>(whole / part + 0.5f), 1); }
+int parts(float whole, float part) { return std::max(static_cast<int>(std::lround(whole / part)), 1); }
 
 vec3 from_hue(float hue, float saturation, float value) {
   vec3 rgb;

@@ -163,11 +163,16 @@ Sent send(const RenderScene& world, glm::vec3 start, float u, float v, Reflected
   return {target.direction, target.triangle};
 }
 
+/// What BrightSurfaces calls the triangle that a ray has met, if any: -1 where it is none of them.
+int bright_triangle(const RenderScene& world, unsigned mesh, unsigned triangle) {
+  return world.bright.share() == 0 || mesh == kNoMesh ? -1 : world.bright.met(mesh, triangle);
+}
+
 /// Density of a direction of diffuse reflection in which a ray meets `mesh` (or kNoMesh): sent there or reflected.
 float both_pdf(const RenderScene& world, float reflected_pdf, unsigned mesh, unsigned triangle, glm::vec3 direction,
                float distance_m) {
   const float share = world.bright.share();
-  const int met = share == 0 || mesh == kNoMesh ? -1 : world.bright.met(mesh, triangle);
+  const int met = bright_triangle(world, mesh, triangle);
   const float sent_pdf = met < 0 ? 0 : world.bright.pdf(met, direction, distance_m);
   return (1 - share) * reflected_pdf + share * sent_pdf;
 }
@@ -178,12 +183,9 @@ void weigh_sent(const RenderScene& world, const RayPacket& rays, Paths& paths) {
   if (world.bright.share() == 0) return;
   for (int i = 0; i < kPacket; ++i) {
     if (!paths.active[i] || paths.reflected_pdf[i] == 0) continue;
-    if (paths.sent_to[i] >= 0) {
-      const int met = rays.mesh[i] == kNoMesh ? -1 : world.bright.met(rays.mesh[i], rays.triangle[i]);
-      if (met != paths.sent_to[i]) {
-        paths.active[i] = 0;
-        continue;
-      }
+    if (paths.sent_to[i] >= 0 && bright_triangle(world, rays.mesh[i], rays.triangle[i]) != paths.sent_to[i]) {
+      paths.active[i] = 0;
+      continue;
     }
     const glm::vec3 direction(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]);
     const float weight = paths.reflected_pdf[i] / both_pdf(world, paths.reflected_pdf[i], rays.mesh[i],

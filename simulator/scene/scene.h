@@ -69,8 +69,7 @@ struct Layers {
   float transmission = 0;         ///< share of light that enters and passes, instead of being diffuse; 0 of what emits
   bool solid = false;             ///< the mesh encloses its glass; otherwise it is a thin pane
   glm::vec3 absorption_per_m{0};  ///< of solid glass
-  float subsurface =
-      0;  ///< share of what is diffuse that comes back from within a deep layer, as of skin: see layers.h
+  float subsurface = 0;           ///< share of what is diffuse that comes from a deep layer, as of skin: see layers.h
 };
 
 struct Material {

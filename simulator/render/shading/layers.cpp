@@ -116,7 +116,7 @@ float chandrasekhar_h(float cosine, float gamma) {
 }
 
 /// Reflection of the layer over that of a white Lambertian surface. `albedo` is of even light, to which a fit finds
-/// gamma (Chiang, Kutz and Burley 2016, supplement: no phase, no surface).
+/// gamma (Kulla and Conty 2017: even phase, no surface).
 float deep_layer(float albedo, float n_v, float n_l) {
   const float a = std::clamp(albedo, 0.0f, 1.0f);
   const float gamma = std::max(4.09712f + 4.20863f * a - std::sqrt(9.59217f + 41.6808f * a + 17.7126f * a * a), 0.0f);

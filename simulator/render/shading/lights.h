@@ -3,6 +3,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "simulator/render/ray_packet.h"
 #include "simulator/render/shading/environment_light.h"
 #include "simulator/render/vec3_packet.h"
 #include "simulator/scene/scene.h"

@@ -393,8 +393,9 @@ class Checker {
     strength.fields.number("emissiveStrength", number, 0, kLargestNumber);
     child(extensions, "KHR_materials_unlit");
     check_layers(extensions);
-    if (const auto extras = material.value.find("extras"); extras != material.value.end() && extras->is_object())
+    if (const auto extras = material.value.find("extras"); extras != material.value.end() && extras->is_object()) {
       child(material, "extras").fields.number("subsurface", number, 0, 1);
+    }
   }
 
   /// Textures of these extensions are not read, and so not checked.

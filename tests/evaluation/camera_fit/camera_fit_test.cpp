@@ -184,7 +184,7 @@ TEST(SlowCameraFit, FindsTheShippedFullFrameCamera) {
 // .233 in the middle of the field, .203 to .232 over the rest, and the left view has .50 to .59 of the light. A ramp of
 // k = 1.19 gives .21 and .50 everywhere but for vignetting.
 TEST(PhoneLenses, SplitAsThePhoneThatWasMeasured) {
-  for (const char* name : {"phone_6p_4.2mm_f1.8", "phone_7p_4.9mm_f1.85", "phone_aberrated_4.4mm_f1.8"}) {
+  for (const char* name : {"phone_6p_4.2mm_f1.8", "phone_aberrated_4.4mm_f1.8"}) {
     const simulator::Lens lens =
         simulator::read_lens_file(std::string(DUALPIXEL_SOURCE_DIR "/lens_models/") + name + ".json", 0.137);
     constexpr int kWidth = 4032, kHeight = 3024;

@@ -9,6 +9,7 @@
 #include "capture/json_fields.h"
 #include "evaluation/calibration_sweep/calibration_captures.h"
 #include "evaluation/calibration_sweep/calibration_sweep.h"
+#include "pipeline/calibration/nodes.h"
 #include "pipeline/disparity/match_pixels.h"
 #include "pipeline/portrait/run_portrait.h"
 #include "simulator/lens/lens_file.h"

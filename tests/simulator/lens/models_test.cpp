@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "capture/error.h"
 #include "capture/json_fields.h"
 #include "simulator/lens/lens_file.h"

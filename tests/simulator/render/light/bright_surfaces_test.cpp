@@ -70,7 +70,8 @@ TEST(BrightSurfaces, DensityIsThatOfDirections) {
   constexpr int kSide = 256;
   double solid_angle = 0;
   for (int i = 0; i < kSide * kSide; ++i) {
-    const float u = (i % kSide + 0.5f) / kSide, v = (i / kSide + 0.5f) / kSide;
+    const int column = i % kSide, row = i / kSide;
+    const float u = (column + 0.5f) / kSide, v = (row + 0.5f) / kSide;
     const BrightSurfaces::Target target = world.bright.towards(point, u, v);
     const auto hit = world.intersector.intersect(Ray{point, target.direction});
     if (!hit || world.bright.met(hit->mesh, hit->triangle) != target.triangle) continue;

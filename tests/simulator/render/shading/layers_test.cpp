@@ -94,7 +94,8 @@ TEST(Layers, AreReciprocal) {
   for (const Named& named : white_materials()) {
     const Surface s = surface_of(named, 0.45f);
     for (int i = 0; i < 64; ++i) {
-      const glm::vec3 a = direction((i % 8 + 0.5) / 8, 0.1 * i), b = direction((i / 8 + 0.5) / 8, 2 - 0.3 * i);
+      const int column = i % 8, row = i / 8;
+      const glm::vec3 a = direction((column + 0.5) / 8, 0.1 * i), b = direction((row + 0.5) / 8, 2 - 0.3 * i);
       const glm::vec3 there = bsdf(s, a, b), back = bsdf(s, b, a);
       for (int c = 0; c < 3; ++c) EXPECT_NEAR(there[c], back[c], 1e-4f * there[c]) << named.name << ", pair " << i;
     }
