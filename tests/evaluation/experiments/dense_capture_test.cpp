@@ -123,7 +123,7 @@ double mean_px(const pipeline::TargetMeasurement& measurement, int side) {
 
 TEST(SlowDenseCapture, IsCalibratedFromCapturesAndBySweeps) {
   constexpr double kFocus_m = 0.8, kTarget_m = 0.5;
-  double captured_px[3], swept_px[3];
+  double captured_px[3] = {}, swept_px[3] = {};
   for (const int side : {1, 2}) {
     const TemporaryFolder folder;
     simulator::Simulation simulation = target_camera(side);
