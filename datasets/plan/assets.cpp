@@ -90,13 +90,20 @@ std::vector<Asset> kind_assets(const SceneSource& source) {
   return assets;
 }
 
+std::vector<Asset> assets_of(const SceneSource& source) {
+  if (!source.file.empty()) return {file_asset(source.file, source.weight)};
+  return source.folder.empty() ? kind_assets(source) : folder_assets(source);
+}
+
 std::vector<Asset> all_assets(const Recipe& recipe) {
   std::vector<Asset> all;
-  for (const SceneSource& source : recipe.scenes) {
-    std::vector<Asset> some = !source.file.empty()     ? std::vector{file_asset(source.file, source.weight)}
-                              : !source.folder.empty() ? folder_assets(source)
-                                                       : kind_assets(source);
-    all.insert(all.end(), std::make_move_iterator(some.begin()), std::make_move_iterator(some.end()));
+  for (std::size_t i = 0; i < recipe.scenes.size(); ++i) {
+    try {
+      std::vector<Asset> some = assets_of(recipe.scenes[i]);
+      all.insert(all.end(), std::make_move_iterator(some.begin()), std::make_move_iterator(some.end()));
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: /scenes/{}: {}", printable(recipe.path), i, error.what()));
+    }
   }
   return all;
 }

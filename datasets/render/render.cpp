@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -78,14 +79,19 @@ std::string try_sample(const SampleLine& line, const std::string& dataset,
   }
 }
 
-/// Workers' counts and what they report to.
+/// What the jobs share: the lines that are left, counts, and what they report to.
 struct Board {
   const RenderTask& task;
+  LineQueue queue;
   RenderCounts counts;
   std::mutex mutex = {};
   std::exception_ptr fault = nullptr;
 
-  bool stopped() const { return fault != nullptr || (task.stopped != nullptr && *task.stopped != 0); }
+  std::optional<SampleLine> next(int job) {
+    const std::lock_guard lock(mutex);
+    if (fault != nullptr || (task.stopped != nullptr && *task.stopped != 0)) return std::nullopt;
+    return queue.next(job);
+  }
 
   void add(const SampleLine& line, const std::string& reason) {
     const std::lock_guard lock(mutex);
@@ -95,12 +101,11 @@ struct Board {
   }
 };
 
-void work(Board& board, const std::vector<SampleLine>& lines) {
+void work(Board& board, int job) {
   try {
     std::unique_ptr<simulator::ReadyScene> ready;
-    for (const SampleLine& line : lines) {
-      if (const std::lock_guard lock(board.mutex); board.stopped()) return;
-      board.add(line, try_sample(line, board.task.dataset, ready));
+    while (const std::optional<SampleLine> line = board.next(job)) {
+      board.add(*line, try_sample(*line, board.task.dataset, ready));
     }
   } catch (...) {
     const std::lock_guard lock(board.mutex);
@@ -142,16 +147,16 @@ RenderedSample render_line(const SampleLine& line, const std::string& dataset,
 RenderCounts render_shard(const RenderTask& task) {
   std::vector<SampleLine> lines = lines_of(read_plan(task.dataset), task.shard);
   require_writable(task.dataset + "/" + kSamplesFolder + "/" + kSampleFile);
-  Board board{task, {.planned = static_cast<int>(lines.size())}};
-  std::erase_if(lines, [&](const SampleLine& line) { return is_there(task.dataset, line); });
-  board.counts.there = board.counts.planned - static_cast<int>(lines.size());
+  RenderCounts counts{.planned = static_cast<int>(lines.size())};
+  counts.there =
+      static_cast<int>(std::erase_if(lines, [&](const SampleLine& line) { return is_there(task.dataset, line); }));
 
   const int jobs = std::clamp(task.jobs, 1, std::max(1, static_cast<int>(lines.size())));
   const int threads = std::max(1, tbb::this_task_arena::max_concurrency() / jobs);
+  Board board{task, LineQueue(std::move(lines), jobs), counts};
   std::vector<std::thread> workers;
-  for (int i = 0; i < jobs; ++i) {
-    workers.emplace_back(
-        [&, mine = lines_of(lines, {i, jobs})] { tbb::task_arena(threads).execute([&] { work(board, mine); }); });
+  for (int job = 0; job < jobs; ++job) {
+    workers.emplace_back([&, job] { tbb::task_arena(threads).execute([&] { work(board, job); }); });
   }
   for (std::thread& worker : workers) worker.join();
   if (board.fault) std::rethrow_exception(board.fault);

@@ -28,8 +28,8 @@ struct RenderCounts {
 struct RenderTask {
   std::string dataset;
   Shard shard;
-  int jobs = 1;                                            ///< samples at a time, each with its share of the threads
-  const std::atomic<int>* stopped = nullptr;               ///< set and not 0: no further sample is begun
+  int jobs = 1;                               ///< samples at a time (LineQueue), each with its share of the threads
+  const std::atomic<int>* stopped = nullptr;  ///< set and not 0: no further sample is begun
   std::function<void(const RenderCounts&)> progress = {};  ///< after each sample, one at a time
 };
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -17,6 +19,19 @@ namespace dualpixel::datasets {
 
 using nlohmann::json;
 
+namespace {
+
+/// Whoever learns from a data set shall not find a NaN in it.
+void require_finite(const Truth& truth) {
+  const auto finite = [](const Image& image) {
+    return std::all_of(image.data.begin(), image.data.end(), [](float value) { return std::isfinite(value); });
+  };
+  if (finite(truth.left) && finite(truth.right) && std::isfinite(truth.noise->views)) return;
+  throw InputError("the views' light, or the error of its estimate, is not finite");
+}
+
+}  // namespace
+
 std::string sample_folder(const std::string& dataset, const SampleLine& line) {
   return dataset + "/" + kSamplesFolder + "/" + line.name;
 }
@@ -28,6 +43,7 @@ bool is_there(const std::string& dataset, const SampleLine& line) {
 
 void write_sample(const SampleLine& line, const RenderedSample& sample, const std::string& dataset) {
   const Capture& capture = sample.capture;
+  require_finite(*capture.truth);
   const std::string path = sample_folder(dataset, line);
   NewFolder folder(path, kSampleFile);
   std::vector<std::string> files = write_pictures(capture, line.layout, line.keep, folder.path());

@@ -25,7 +25,8 @@ struct RenderedSample {
 bool is_there(const std::string& dataset, const SampleLine& line);
 
 /// Writes the line's pictures of the capture and sample.json: the line, the scene file that the capture was made of,
-/// camera, exposure and a manifest of sizes and hashes. Throws InputError where it cannot be written.
+/// camera, exposure and a manifest of sizes and hashes. Throws InputError where it cannot be written, or the views'
+/// light is not finite.
 void write_sample(const SampleLine& line, const RenderedSample& sample, const std::string& dataset);
 
 /// Why the sample is not as it was written from this line; empty where it is.

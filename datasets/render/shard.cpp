@@ -85,4 +85,31 @@ std::vector<SampleLine> lines_of(std::vector<SampleLine> lines, const Shard& sha
   return mine;
 }
 
+LineQueue::LineQueue(std::vector<SampleLine> lines, int jobs) {
+  std::string last;
+  for (SampleLine& line : lines) {
+    const std::string key = scene_key(line);
+    if (runs_.empty() || key != last) runs_.emplace_back();
+    runs_.back().left.push_back(std::move(line));
+    last = key;
+  }
+  run_of_job_.assign(static_cast<std::size_t>(jobs), runs_.size());
+}
+
+std::optional<SampleLine> LineQueue::next(int job) {
+  std::size_t& mine = run_of_job_[static_cast<std::size_t>(job)];
+  if (mine == runs_.size() || runs_[mine].left.empty()) {
+    const auto rank = [](const Run& run) { return std::pair(!run.begun, run.left.size()); };
+    const auto best =
+        std::max_element(runs_.begin(), runs_.end(), [&](const Run& a, const Run& b) { return rank(a) < rank(b); });
+    if (best == runs_.end() || best->left.empty()) return std::nullopt;
+    mine = static_cast<std::size_t>(best - runs_.begin());
+  }
+  Run& run = runs_[mine];
+  run.begun = true;
+  std::optional<SampleLine> line = std::move(run.left.front());
+  run.left.pop_front();
+  return line;
+}
+
 }  // namespace dualpixel::datasets

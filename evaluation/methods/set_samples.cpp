@@ -34,6 +34,25 @@ Image kept_picture(const std::string& folder, const std::string& name) {
                    "and view_valid, in the layout exr or npy");
 }
 
+bool is_dense(const Camera& camera) { return camera.dp_downsample_x * camera.dp_downsample_y == 1; }
+
+/// A sample of dense views as one of DP pixels of 2 x 2.
+ViewSample of_green_means(const ViewSample& dense, const std::string& cfa) {
+  constexpr int kSide = 2;
+  ViewSample sample{dense.name,
+                    pipeline::green_means(dense.left, cfa),
+                    pipeline::green_means(dense.right, cfa),
+                    {},
+                    pipeline::sensor_of_green_means(dense.sensor)};
+  sample.truth_dp_px = Image(sample.left.width, sample.left.height);
+  for (int y = 0; y < sample.left.height; ++y) {
+    for (int x = 0; x < sample.left.width; ++x) {
+      sample.truth_dp_px.at(x, y) = dense.truth_dp_px.at(kSide * x + 1, kSide * y + 1) / kSide;
+    }
+  }
+  return sample;
+}
+
 ViewSample sample_of_data_set(const std::string& folder) {
   const std::string file = folder + "/" + datasets::kSampleFile;
   const nlohmann::json document = read_json_file(file);
@@ -48,18 +67,14 @@ ViewSample sample_of_data_set(const std::string& folder) {
   for (std::size_t i = 0; i < valid.data.size(); ++i) {
     if (valid.data[i] != 1) sample.truth_dp_px.data[i] = kUnknownDpPx;
   }
-  return sample;
+  const Camera camera = read_camera(fields.required("camera").object("camera"));
+  return is_dense(camera) ? of_green_means(sample, camera.cfa) : sample;
 }
 
 ViewSample sample_of_capture(const std::string& folder) {
   const Capture capture = read_capture(folder, true);
   if (!capture.truth) throw InputError(printable(folder) + ": holds no truth to score against");
   const Camera& camera = capture.camera;
-  if (pipeline::is_dense_mosaic(capture)) {
-    throw InputError(printable(folder) +
-                     "/capture.json: /camera/dp_downsample_x: 1 x 1: neighbors in such views have different colors, "
-                     "which no method is made for; 2 x 2 and 2 x 4 can be evaluated");
-  }
   ViewSample sample{fs::path(folder).filename(), normalized(capture.frames[0].left, capture.exposure),
                     normalized(capture.frames[0].right, capture.exposure),
                     Image(camera.dp_width(), camera.dp_height(), 1, kUnknownDpPx),
@@ -71,7 +86,7 @@ ViewSample sample_of_capture(const std::string& folder) {
       if (capture.truth->valid.at(u, v) == 1) sample.truth_dp_px.at(x, y) = capture.truth->disparity_dp_px.at(u, v);
     }
   }
-  return sample;
+  return pipeline::is_dense_mosaic(capture) ? of_green_means(sample, camera.cfa) : sample;
 }
 
 }  // namespace

@@ -22,7 +22,8 @@ std::vector<std::string> sample_folders(const std::string& set, const std::strin
 
 /// A sample whose recipe keeps left, right, view_disparity_dp_px and view_valid (in the layouts exr and npy), or a
 /// capture with truth, whose disparity at a view's pixel is that of the photosite below and to the right of its center.
-/// Throws InputError, for a capture also where its views cannot be matched.
+/// Of dense captures the sample is what a sensor with DP pixels of 2 x 2 photosites would have read, as the portrait
+/// matches them (pipeline/disparity/match_pixels.h), disparity in its DP pixels. Throws InputError.
 ViewSample read_view_sample(const std::string& folder);
 
 }  // namespace dualpixel::evaluation

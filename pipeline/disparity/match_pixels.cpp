@@ -22,6 +22,12 @@ Image green_means(const Image& dense, const std::string& cfa) {
   return means;
 }
 
+ViewSensor sensor_of_green_means(const ViewSensor& dense) {
+  ViewSensor sensor = dense;
+  if (sensor.noise) sensor.noise = ViewNoise{dense.noise->shot / 2, dense.noise->read / 2};
+  return sensor;
+}
+
 PixelDisparity match_pixels(const Capture& capture, const Image& left, const Image& right, const ViewSensor& sensor,
                             const Matcher& matcher, const MatcherOptions& options, const UpsampleOptions& upsampling) {
   if (!is_dense_mosaic(capture)) {
@@ -30,10 +36,8 @@ PixelDisparity match_pixels(const Capture& capture, const Image& left, const Ima
   constexpr int kSide = 2;
   const std::string& cfa = capture.camera.cfa;
   const Image small_left = green_means(left, cfa), small_right = green_means(right, cfa);
-  ViewSensor of_means = sensor;
-  if (of_means.noise) of_means.noise = ViewNoise{sensor.noise->shot / 2, sensor.noise->read / 2};
-  PixelDisparity found = upsample_tiles(matcher.match(small_left, small_right, of_means, options), small_left.width,
-                                        small_left.height, upsampling);
+  const auto tiles = matcher.match(small_left, small_right, sensor_of_green_means(sensor), options);
+  PixelDisparity found = upsample_tiles(tiles, small_left.width, small_left.height, upsampling);
   for (Image* map : {&found.disparity_dp_px, &found.sigma_dp_px}) {
     for (float& value : map->data) value *= kSide;
   }

@@ -16,6 +16,9 @@ bool is_dense_mosaic(const Capture& capture);
 /// column is left out.
 Image green_means(const Image& dense, const std::string& cfa);
 
+/// What is known of such means where `dense` is known of the views.
+ViewSensor sensor_of_green_means(const ViewSensor& dense);
+
 /// The disparity of `views` of the capture, in their own size and DP pixels, by `matcher`. Where they are dense, each
 /// is found at half the size: the matcher's options, its range among them, are in pixels of two photosites there.
 PixelDisparity match_pixels(const Capture& capture, const Image& left, const Image& right, const ViewSensor& sensor,

@@ -53,6 +53,43 @@ def test_splits_share_nothing(rendered):
         dualpixel.Dataset(rendered, "tain")
 
 
+def test_truth_is_of_single_rays(program, tmp_path):
+    """Planes before a void, seen from so far that it shows around them."""
+    names = ["depth_m", "blur_px", "disparity_dp_px", "normal", "valid", "object_id", "person"]
+    recipe = {
+        "version": 1,
+        "count": 2,
+        "scenes": [{"file": str(SCENES / "occlusion_edges.json")}],
+        "set": {
+            **SMALL,
+            "burst.frames": 1,
+            "camera": {"constant": {"position_m": [0, 0, 18], "look_at_m": [0, 0, 0], "focus_distance_m": 19}},
+        },
+        "layout": "npy",
+        "keep": names + ["view_" + name for name in names],
+    }
+    (tmp_path / "recipe.json").write_text(json.dumps(recipe))
+    for command in (("plan", tmp_path / "recipe.json", "-o", tmp_path / "set"), ("render", tmp_path / "set")):
+        done = program("dataset", *command)
+        assert done.returncode == 0, done.stderr
+    for sample in dualpixel.Dataset(tmp_path / "set"):
+        valid = sample["valid"] == 1
+        assert 0.05 < valid.mean() < 0.95
+        assert set(np.unique(sample["valid"])) == {0, 1} and set(np.unique(sample["person"])) <= {0, 1}
+        for name in names:
+            finite = np.isfinite(sample[name])
+            assert finite[valid].all()
+            assert finite.all() or (name == "depth_m" and np.isposinf(sample[name][~valid]).all())
+            np.testing.assert_array_equal(sample["view_" + name], sample[name][2::4, 1::2])
+        np.testing.assert_array_equal(sample["object_id"] == 0, ~valid)
+        # float32
+        np.testing.assert_allclose(np.linalg.norm(sample["normal"][valid], axis=-1), 1, atol=1e-6)
+        # the scene's planes face the camera: as many depths as objects, up to float32
+        for node in np.unique(sample["object_id"][valid]):
+            depth = sample["depth_m"][sample["object_id"] == node]
+            np.testing.assert_allclose(depth, np.median(depth), rtol=1e-5)
+
+
 def mean_of(sample):
     return sample["name"], float(sample["left"].mean())
 

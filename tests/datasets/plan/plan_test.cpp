@@ -143,6 +143,9 @@ TEST(Plan, RefusesBeforeAnythingIsRendered) {
   EXPECT_EQ(refusal("/scenes/0", {{"kind", "chart"}, {"seeds", {3, 1}}}),
             "r.json: /scenes/0/seeds: [3,1]: must be [first, last], whole numbers in [0, 1e15], at most 10000000 of "
             "them");
+  EXPECT_EQ(refusal("/scenes/1", {{"kind", "chart"}, {"seeds", {1, 3}}, {"set", {{"width_px", 64}}}}),
+            "r.json: /scenes/1: chart: width_px: 64: must be a multiple of 16 in [128, 8192] photosites");
+  EXPECT_EQ(refusal("/scenes/1", {{"file", "/none.json"}}), "r.json: /scenes/1: /none.json: no such file");
 }
 
 TEST(Recipe, NamesFilesBesideItself) {

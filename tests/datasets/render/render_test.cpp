@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "capture/error.h"
 #include "datasets/plan/plan.h"
@@ -95,6 +96,29 @@ TEST(Render, EndsAfterTheSampleInWhichItIsStopped) {
   EXPECT_EQ(counts.rendered, 1);
   EXPECT_EQ(counts.left(), 2);
   EXPECT_EQ(state_of(folder / "set").total().there, 1);
+}
+
+TEST(Render, WritesNoSampleWhoseLightIsNotFinite) {
+  const TemporaryFolder folder;
+  const SampleLine line = first_line(small_recipe(1));
+  RenderedSample sample{capture_of(line), {}};
+  Truth& truth = *sample.capture.truth;
+  const auto refuses = [&] {
+    return message_of<InputError>([&] { write_sample(line, sample, folder / "set"); }).find("not finite") !=
+           std::string::npos;
+  };
+  float& value = truth.right.data.back();
+  for (const float bad : {NAN, INFINITY}) {
+    const float good = std::exchange(value, bad);
+    EXPECT_TRUE(refuses()) << bad;
+    value = good;
+  }
+  const double noise = std::exchange(truth.noise->views, INFINITY);
+  EXPECT_TRUE(refuses());
+  EXPECT_FALSE(is_there(folder / "set", line));
+  truth.noise->views = noise;
+  write_sample(line, sample, folder / "set");
+  EXPECT_TRUE(is_there(folder / "set", line));
 }
 
 TEST(Render, VerifyFindsWhatWasChanged) {

@@ -12,6 +12,9 @@
 #include "capture/capture.h"
 #include "capture/error.h"
 #include "capture/image/npy.h"
+#include "datasets/plan/plan.h"
+#include "datasets/render/render.h"
+#include "tests/datasets/small_recipe.h"
 #include "tests/pipeline/portrait/synthetic.h"
 #include "tests/temporary_folder.h"
 
@@ -172,6 +175,70 @@ TEST(SetEvaluation, CountsSigmaWhereItIsGiven) {
   const SetScore score = evaluate_set(sample_folders(set.in("set"), ""), {method}).front();
   EXPECT_EQ(calls, 2);
   EXPECT_EQ(region(score, "everything").within_one_sigma, 1);
+}
+
+/// The samples of a data set whose DP pixels have `side` x `side` photosites.
+std::vector<ViewSample> rendered_samples(const std::string& folder, int side) {
+  nlohmann::json recipe = datasets::testing::small_recipe(2);
+  recipe["set"]["sensor.dp_downsample_x"] = recipe["set"]["sensor.dp_downsample_y"] = side;
+  recipe["keep"] = {"left", "right", "view_disparity_dp_px", "view_valid"};
+  const datasets::Recipe read = datasets::read_recipe(recipe, "r.json");
+  datasets::write_plan(datasets::make_plan(read), read, folder);
+  EXPECT_EQ(datasets::render_shard({.dataset = folder}).rendered, 2);
+  std::vector<ViewSample> samples;
+  for (const std::string& sample : sample_folders(folder, "")) samples.push_back(read_view_sample(sample));
+  return samples;
+}
+
+// The same electrons fall on both sensors: a DP pixel of 2 x 2 reads the mean of its two green photosites.
+TEST(SetEvaluation, TakesDenseSamplesAsThoseOfTwoByTwo) {
+  constexpr double kRange = 1023 - 64;  // black to white
+  const TemporaryFolder folder;
+  const std::vector<ViewSample> dense = rendered_samples(folder / "dense", 1),
+                                two = rendered_samples(folder / "two", 2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    ASSERT_TRUE(dense[i].left.same_size(two[i].left));
+    for (std::size_t p = 0; p < dense[i].left.data.size(); ++p) {
+      // rounded to 1/2 DN each, two and their mean
+      ASSERT_NEAR(dense[i].left.data[p], two[i].left.data[p], 1.01 / kRange) << p;
+      ASSERT_NEAR(dense[i].right.data[p], two[i].right.data[p], 1.01 / kRange) << p;
+      const float truth = two[i].truth_dp_px.data[p];
+      ASSERT_EQ(std::isnan(dense[i].truth_dp_px.data[p]), std::isnan(truth)) << p;
+      if (std::isnan(truth)) continue;
+      ASSERT_FLOAT_EQ(dense[i].truth_dp_px.data[p], truth) << p;
+    }
+    EXPECT_FLOAT_EQ(dense[i].sensor.noise->shot, two[i].sensor.noise->shot);
+    // rounding's variance, 1/12 DN^2, is halved by the mean of two that are rounded, not by rounding once
+    EXPECT_NEAR(two[i].sensor.noise->read - dense[i].sensor.noise->read, 1.0 / 24 / (kRange * kRange), 1e-11);
+  }
+}
+
+TEST(SetEvaluation, TakesDenseCapturesAsThoseOfTwoByTwo) {
+  const TemporaryFolder folder;
+  Capture dense = pipeline::synthetic_capture();
+  dense.camera.dp_downsample_x = dense.camera.dp_downsample_y = 1;
+  Frame& frame = dense.frames[0];
+  frame.left = frame.right = ImageU16(64, 48);
+  for (int y = 0; y < 48; ++y) {
+    for (int x = 0; x < 64; ++x) {  // RGGB: green where x + y is odd
+      frame.left.at(x, y) = static_cast<std::uint16_t>((x + y) % 2 == 1 ? 300 + y % 2 : 200);
+      frame.right.at(x, y) = static_cast<std::uint16_t>((x + y) % 2 == 1 ? 250 : 150);
+    }
+  }
+  write_capture(dense, folder / "dense");
+  const ViewSample sample = read_view_sample(folder / "dense");
+  ASSERT_EQ(sample.left.width, 32);
+  ASSERT_EQ(sample.left.height, 24);
+  for (int y = 0; y < 24; ++y) {
+    for (int x = 0; x < 32; ++x) {
+      ASSERT_FLOAT_EQ(sample.left.at(x, y), (300.5f - 64) / (1023 - 64));
+      ASSERT_FLOAT_EQ(sample.right.at(x, y), (250.0f - 64) / (1023 - 64));
+      const bool valid = 2 * y + 1 < 47;
+      ASSERT_EQ(std::isnan(sample.truth_dp_px.at(x, y)), !valid);
+      if (!valid) continue;
+      ASSERT_EQ(2 * sample.truth_dp_px.at(x, y), dense.truth->disparity_dp_px.at(2 * x + 1, 2 * y + 1));
+    }
+  }
 }
 
 TEST(SetEvaluation, WritesOnePage) {
