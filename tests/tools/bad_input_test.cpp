@@ -141,6 +141,13 @@ TEST_F(BadInput, WhatTheCaptureCannotHoldIsRefusedAsTheScenesField) {
   expect_refusal({"scene.json: /sensor/illuminant: 1e-300"}, "--set 'sensor.illuminant=[1e-300,1,1]'");
 }
 
+TEST_F(BadInput, AFieldOfAnotherSplitThanTheLensFilesIsTheScenes) {
+  const std::string file =
+      "--set 'lens={\"file\": \"" DUALPIXEL_SOURCE_DIR "/lens_models/phone_6p_4.2mm_f1.8.json\"}' ";
+  expect_refusal({"scene.json: /lens/split/k: is a field of the model 'ramp'"}, file + "--set lens.split.k=4");
+  expect_refusal({"scene.json: /lens/split/kk: unknown field"}, file + "--set lens.split.kk=4");
+}
+
 TEST_F(BadInput, NegativeExposure) { expect_refusal({"/exposure/time_s", "-1"}, "--set exposure.time_s=-1"); }
 
 TEST_F(BadInput, UnknownFieldNamesTheNearest) {
