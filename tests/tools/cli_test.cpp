@@ -62,13 +62,14 @@ TEST(Cli, MisspeltOptionsNameTheNearest) {
     expect_one_line_refusal(outcome);
     EXPECT_EQ(outcome.err, "dualpixel: " + message + "\n");
   };
-  expect("simulate x.json -o y --sed 3",
-         "--sed: no such option; did you mean '--seed'? (see 'dualpixel simulate --help')");
+  expect("simulate x.json -o y --noise-fractoin 3",
+         "--noise-fractoin: no such option; did you mean '--noise-fraction'? (see 'dualpixel simulate --help')");
   expect("portrait x --mtcher=split",  // though -o is missing, too
          "--mtcher: no such option; did you mean '--matcher'? (see 'dualpixel portrait --help')");
-  expect("experiment failures --sede 3",
-         "--sede: no such option; did you mean '--seed'? (see 'dualpixel experiment failures --help')");
+  expect("experiment failures --outptu x",
+         "--outptu: no such option; did you mean '--output'? (see 'dualpixel experiment failures --help')");
   expect("--versoin", "--versoin: no such option; did you mean '--version'? (see 'dualpixel --help')");
+  expect("bench rendr", "bench rendr: is no scene and no benchmark; did you mean 'render'?");
   expect("info x --frobnicate", "--frobnicate: no such option (see 'dualpixel info --help')");
 }
 
