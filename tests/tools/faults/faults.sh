@@ -91,7 +91,7 @@ done
 
 echo "disk full, read-only"
 if mkdir full && mount -t tmpfs -o size=16k none full 2>/dev/null; then
-  for command in simulate portrait calibrate people dataset; do
+  for command in simulate portrait calibrate people; do
     $command full/out
     expect_refusal $? full/out "$command on a full disk"
     rm -rf full/out full/out.resume
