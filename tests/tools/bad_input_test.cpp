@@ -170,7 +170,8 @@ TEST_F(BadInput, AnimationThatLetsTrianglesVanish) {
 TEST_F(BadInput, AnAnimationThatNamesSamplersAndHasNone) {
   const json channel = {{"sampler", 0}, {"target", {{"node", 0}, {"path", "scale"}}}};
   gltf.root["animations"] = json::array({{{"samplers", json::array()}, {"channels", {channel}}}});
-  expect_refusal({"scene.glb", "/animations/0/channels/0/sampler: 0: the animation has no samplers"});
+  expect_refusal({"scene.glb", "/animations/0/channels/0/sampler: 0: the animation has no samplers"},
+                 "--set burst.animation=true --set burst.frames=2 --set burst.interval_s=2");
 }
 
 TEST_F(BadInput, FramesCloserThanTheirExposure) {
