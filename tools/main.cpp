@@ -2,11 +2,14 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <new>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "capture/error.h"
@@ -34,6 +37,11 @@ int report(int status, const std::string& message) {
   return status;
 }
 
+/// `status`, unless what was printed did not reach its reader.
+int printed(int status) {
+  return std::cout.flush() ? status : report(kInternalError, "standard output cannot be written");
+}
+
 /// What to say of the first word that is not a command, at the top or under `experiment` and its like.
 std::optional<std::string> unknown_command(const CLI::App& program, int argc, char** argv) {
   const CLI::App* parent = &program;
@@ -53,11 +61,30 @@ std::optional<std::string> unknown_command(const CLI::App& program, int argc, ch
   return {};
 }
 
+/// What to say of the first word that looks like a long option and is none of the command's.
+std::optional<std::string> unknown_option(const CLI::App& program, int argc, char** argv) {
+  const CLI::App* command = &program;
+  std::string see = "dualpixel ";
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    see += command->get_name() + " ";
+  }
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command->get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  for (int i = 1; i < argc && std::string_view(argv[i]) != "--"; ++i) {
+    const std::string word(argv[i]), name = word.substr(0, word.find('='));
+    if (!name.starts_with("--") || std::find(names.begin(), names.end(), name) != names.end()) continue;
+    return fmt::format("{}: no such option{} (see '{}--help')", dualpixel::printable(name),
+                       dualpixel::did_you_mean(name, names), see);
+  }
+  return {};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  dualpixel::tools::end_cleanly_on_signals();
-
   CLI::App program("Dual-pixel camera simulator and portrait pipeline.", "dualpixel");
   program.set_version_flag("--version", "dualpixel " DUALPIXEL_VERSION);
   program.require_subcommand(1);
@@ -82,19 +109,25 @@ int main(int argc, char** argv) {
   dualpixel::tools::add_dataset(program);
 
   try {
+    dualpixel::tools::end_cleanly_on_signals();
     program.parse(argc, argv);
-    if (!std::cout.flush()) return report(kInternalError, "standard output cannot be written");
-    return 0;
+    return printed(0);
   } catch (const CLI::RuntimeError& status) {
     return status.get_exit_code();
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
+    if (error.get_exit_code() == 0) return printed(program.exit(error));  // --help, --version
     const auto chosen = program.get_subcommands();
-    if (const auto unknown = unknown_command(program, argc, argv)) return report(kBadInput, *unknown);
+    for (const auto& explain : {unknown_command, unknown_option}) {
+      if (const auto unknown = explain(program, argc, argv)) return report(kBadInput, *unknown);
+    }
     return report(kBadInput, fmt::format("{} (see 'dualpixel {}--help')", dualpixel::printable(error.what()),
                                          chosen.empty() ? "" : chosen.front()->get_name() + " "));
   } catch (const dualpixel::InputError& error) {
     return report(kBadInput, error.what());
+  } catch (const std::bad_alloc&) {
+    const std::vector<std::string> words(argv + 1, argv + argc);
+    return report(kBadInput,
+                  dualpixel::printable(fmt::format("{}: there is not enough memory for this", fmt::join(words, " "))));
   } catch (const std::exception& error) {
     return report(kInternalError, dualpixel::printable(error.what()));
   }

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <fstream>
 #include <memory>
+#include <new>
 #include <string_view>
 #include <vector>
 
@@ -92,6 +93,8 @@ auto reading(const std::string& path, Read read) {
     return read();
   } catch (const InputError&) {
     throw;
+  } catch (const std::bad_alloc&) {
+    refuse(path, "there is not enough memory for the picture");
   } catch (const std::exception& error) {
     refuse(path, "cannot be read: " + one_line(error.what()));
   }

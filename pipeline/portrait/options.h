@@ -54,7 +54,7 @@ struct PortraitOptions {
   std::optional<GivenDisparity> disparity;  ///< in place of a matcher's; not in mode seg
   std::optional<Calibration> calibration;   ///< of the capture's camera; disparity is corrected by it
   /// Finds the people of an upright linear RGB picture where a mode needs a mask and none is given; usually
-  /// pipeline::find_people. `seeds` are the faces given, or the region tapped; empty: detect them.
+  /// pipeline::find_people. `seeds` are the faces given; empty: detect them.
   std::function<FoundPeople(const Image& linear_rgb, const std::vector<Face>& seeds)> find_people;
 
   // The stages, in their order.

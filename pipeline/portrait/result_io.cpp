@@ -164,6 +164,16 @@ StoredResult read_result(const std::string& path) {
 void require_own_capture(const StoredResult& stored, const std::string& capture_path, const std::string& result_path) {
   const nlohmann::json provenance = stored.json["provenance"];
   const nlohmann::json hash = provenance.value("capture_hash", nlohmann::json());
+  const auto of_pair = provenance.find("left_hash");
+  if (hash.is_null() && of_pair != provenance.end()) {
+    const std::string left = capture_path + "/frames/000_left.png", right = capture_path + "/frames/000_right.png";
+    if (*of_pair == file_hash(left) && provenance.value("right_hash", nlohmann::json()) == file_hash(right)) return;
+    throw InputError(
+        fmt::format("{}: is a result of a plain pair, {} and {}, which are not the views of {}: score its "
+                    "maps by --disparity and --portrait, or run the portrait of the capture",
+                    printable(result_path), printable(provenance.value("left", nlohmann::json("unnamed")).dump()),
+                    printable(provenance.value("right", nlohmann::json("unnamed")).dump()), printable(capture_path)));
+  }
   if (hash.is_null() || hash == file_hash(capture_path + "/capture.json")) return;
   throw InputError(
       fmt::format("{}: is not a result of {} as it is now: its capture was {}, of the hash {}; "

@@ -35,8 +35,8 @@ void write_result(const PortraitResult& result, const nlohmann::ordered_json& pr
 StoredResult read_result(const std::string& path);
 
 /// Throws InputError where the capture is another than the result was made from, or has changed since: two of one size
-/// would make a table of nonsense. A result without a hash (of a plain pair, or of another
-/// program) is taken at its word.
+/// would make a table of nonsense; so is a plain pair that is not the views of the capture's first frame. A result
+/// without a hash (of another program) is taken at its word.
 void require_own_capture(const StoredResult& stored, const std::string& capture_path, const std::string& result_path);
 
 }  // namespace dualpixel::pipeline

@@ -134,9 +134,11 @@ FoundPeople people_in(const Run& run) {
 void fall_back_to_disparity(Run& run, const FoundPeople& found) {
   if (run.result.mode == Mode::seg) prepare_correction(run);
   run.result.mode = Mode::dp;
-  const std::string_view why = found.detected.empty() ? "no face found"
-                               : found.faces.empty()  ? "no face is large enough to be the subject's"
-                                                      : "the network finds no person there";
+  const std::string_view why = found.detected.empty() && run.options.tap
+                                   ? "no person found at the tap (--face says where a face is)"
+                               : found.detected.empty() ? "no face found"
+                               : found.faces.empty()    ? "no face is large enough to be the subject's"
+                                                        : "the network finds no person there";
   run.result.warnings.push_back(fmt::format("{}: blurred in mode dp, by disparity alone", why));
 }
 
@@ -334,7 +336,7 @@ void prepare(Run& run, const std::optional<Image>& person_mask) {
   if (options.picture) require_picture(*options.picture, run.capture);
   if (options.match_pupil_mm && options.mode != Mode::seg) match_lens(run.capture.camera, *options.match_pupil_mm, 0);
   KnownSubject known = known_subject(run.capture, options);
-  run.seeds = known.seeds();
+  run.seeds = known.faces;
   run.faces = std::move(known.faces);
   run.tap = known.tap;
   if (options.transposed) {

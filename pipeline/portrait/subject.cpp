@@ -24,11 +24,6 @@ void require_in_picture(const char* what, const Face& face, int width, int heigh
 
 }  // namespace
 
-std::vector<Face> KnownSubject::seeds() const {
-  if (!faces.empty() || !tap) return faces;
-  return {*tap};
-}
-
 Face tapped_region(double x, double y, const Camera& camera) {
   constexpr double kSide = 0.1;  // of the picture's shorter side
   const double side = kSide * std::min(camera.width_px, camera.height_px);

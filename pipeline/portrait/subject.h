@@ -14,9 +14,6 @@ struct KnownSubject {
   std::optional<Face> tap;
   std::string source;                 ///< of the faces: "given", "capture", or "" where there are none
   std::vector<std::string> warnings;  ///< for people
-
-  /// What find_people begins from: the faces, or else the region tapped.
-  std::vector<Face> seeds() const;
 };
 
 /// The options' faces and tap; where they name neither, Capture::face_px, unless its center lies outside the picture.

@@ -105,6 +105,27 @@ FoundPeople find_people(const Image& linear_rgb, const std::vector<Face>& given,
   return found;
 }
 
+FoundPeople find_people_at(const Image& linear_rgb, const Face& tap, PersonNetwork& network) {
+  const double x = tap.x + tap.width / 2, y = tap.y + tap.height / 2;
+  FoundPeople found;
+  for (const Face& face : find_faces(linear_rgb)) {
+    const Image mask = person_mask(linear_rgb, {face}, network);
+    const auto at = [](double position, int size, int mask_size) {
+      return std::clamp(static_cast<int>(position * mask_size / size), 0, mask_size - 1);
+    };
+    const bool in_face = x >= face.x && x <= face.x + face.width && y >= face.y && y <= face.y + face.height;
+    if (!in_face && !(mask.at(at(x, linear_rgb.width, mask.width), at(y, linear_rgb.height, mask.height)) > 0.5F)) {
+      continue;
+    }
+    found.faces.push_back(face);
+    if (found.mask.empty()) found.mask = Image(mask.width, mask.height);
+    std::transform(mask.data.begin(), mask.data.end(), found.mask.data.begin(), found.mask.data.begin(),
+                   [](float a, float b) { return std::max(a, b); });
+  }
+  found.detected = found.faces;
+  return found;
+}
+
 bool anybody_seen(const FoundPeople& found) {
   const std::vector<float>& shares = found.mask.data;
   return std::any_of(shares.begin(), shares.end(), [](float share) { return share > 0.5F; });

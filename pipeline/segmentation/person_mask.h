@@ -40,6 +40,10 @@ struct FoundPeople {
 FoundPeople find_people(const Image& linear_rgb, const std::vector<Face>& given, PersonNetwork& network,
                         const SeedOptions& options = {});
 
+/// The people at the center of `tap`: those whose face, found by find_faces, or mask (above 1/2) covers it. The network
+/// is not asked at the tap itself, for it finds a person wherever it is told that a face is.
+FoundPeople find_people_at(const Image& linear_rgb, const Face& tap, PersonNetwork& network);
+
 /// Whether any pixel of the mask exceeds 1/2: a face given where there is no person may leave a mask without one.
 bool anybody_seen(const FoundPeople& found);
 

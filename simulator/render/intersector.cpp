@@ -6,8 +6,11 @@
 #include <embree4/rtcore.h>
 #endif
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
+#include <new>
 #include <stdexcept>
 #include <string>
 
@@ -35,6 +38,7 @@ void reject_all(const RTCFilterFunctionNArguments* args) {
 
 void check(RTCDevice device, const char* what) {
   const RTCError error = rtcGetDeviceError(device);
+  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
   if (error != RTC_ERROR_NONE) throw std::runtime_error(std::string("Embree: ") + what);
 }
 
@@ -119,18 +123,28 @@ T& lane(T (&field)[N], int i) {
   return field[i];
 }
 
-/// Debian's Embree ends the program where an inactive lane holds no number, too.
+/// False for what is no number, too.
+bool can_be_traced(const RayPacket& rays, int i) {
+  constexpr float kMost = 1e18f;  // Embree's own limit is 1.8e18
+  return std::abs(rays.origin_x[i]) < kMost && std::abs(rays.origin_y[i]) < kMost &&
+         std::abs(rays.origin_z[i]) < kMost && std::abs(rays.direction_x[i]) < kMost &&
+         std::abs(rays.direction_y[i]) < kMost && std::abs(rays.direction_z[i]) < kMost && !std::isnan(rays.far[i]);
+}
+
+/// Where a ray cannot be traced, `active` gets 0 as well: Debian's Embree ends the program over one, in an inactive
+/// lane too, so that these hold a ray that it takes.
 template <int Width, typename Rays>
-void fill(Rays& to, const int active[kPacket], const RayPacket& rays, int first) {
+void fill(Rays& to, int active[Width], const RayPacket& rays, int first) {
   for (int i = 0; i < Width; ++i) {
     const int k = first + i;
-    lane(to.org_x, i) = active[k] ? rays.origin_x[k] : 0.0f;
-    lane(to.org_y, i) = active[k] ? rays.origin_y[k] : 0.0f;
-    lane(to.org_z, i) = active[k] ? rays.origin_z[k] : 0.0f;
-    lane(to.dir_x, i) = active[k] ? rays.direction_x[k] : 0.0f;
-    lane(to.dir_y, i) = active[k] ? rays.direction_y[k] : 0.0f;
-    lane(to.dir_z, i) = active[k] ? rays.direction_z[k] : 1.0f;
-    lane(to.tfar, i) = active[k] ? rays.far[k] : 0.0f;
+    active[i] = active[i] != 0 && can_be_traced(rays, k) ? -1 : 0;
+    lane(to.org_x, i) = active[i] ? rays.origin_x[k] : 0.0f;
+    lane(to.org_y, i) = active[i] ? rays.origin_y[k] : 0.0f;
+    lane(to.org_z, i) = active[i] ? rays.origin_z[k] : 0.0f;
+    lane(to.dir_x, i) = active[i] ? rays.direction_x[k] : 0.0f;
+    lane(to.dir_y, i) = active[i] ? rays.direction_y[k] : 0.0f;
+    lane(to.dir_z, i) = active[i] ? rays.direction_z[k] : 1.0f;
+    lane(to.tfar, i) = active[i] ? rays.far[k] : 0.0f;
     lane(to.tnear, i) = lane(to.time, i) = 0;
     lane(to.mask, i) = ~0u;
     lane(to.flags, i) = 0;
@@ -160,10 +174,12 @@ void intersect_in(RTCScene scene, const std::vector<Placed>& placed, unsigned fi
   auto how = to_intersect(coherent);
   for (int first = 0; first < kPacket; first += Width) {
     if (!any<Width>(active + first)) continue;
-    fill<Width>(embree.ray, active, rays, first);
+    alignas(64) int traced[Width];
+    std::copy_n(active + first, Width, traced);
+    fill<Width>(embree.ray, traced, rays, first);
     for (int i = 0; i < Width; ++i) lane(embree.hit.geomID, i) = RTC_INVALID_GEOMETRY_ID;
     for (int i = 0; i < Width; ++i) lane(embree.hit.instID[0], i) = RTC_INVALID_GEOMETRY_ID;
-    trace(active + first, scene, how, embree);
+    if (any<Width>(traced)) trace(traced, scene, how, embree);
     for (int i = 0; i < Width; ++i) {
       const bool wanted = active[first + i] != 0;
       rays.far[first + i] = wanted ? lane(embree.ray.tfar, i) : rays.far[first + i];
@@ -188,9 +204,13 @@ void occluded_in(RTCScene scene, const int active[kPacket], const RayPacket& ray
   for (int first = 0; first < kPacket; first += Width) {
     for (int i = 0; i < Width; ++i) hidden[first + i] = 0;
     if (!any<Width>(active + first)) continue;
-    fill<Width>(embree, active, rays, first);
-    occlude(active + first, scene, how, embree);
-    for (int i = 0; i < Width; ++i) hidden[first + i] = lane(embree.tfar, i) < 0 ? active[first + i] : 0;
+    alignas(64) int traced[Width];
+    std::copy_n(active + first, Width, traced);
+    fill<Width>(embree, traced, rays, first);
+    if (any<Width>(traced)) occlude(traced, scene, how, embree);
+    for (int i = 0; i < Width; ++i) {
+      hidden[first + i] = lane(embree.tfar, i) < 0 || !traced[i] ? active[first + i] : 0;
+    }
   }
 }
 
@@ -218,19 +238,14 @@ bool Intersector::intersect_glass(int active[kPacket], RayPacket& rays) const {
 }
 
 std::optional<Hit> Intersector::intersect(const Ray& ray) const {
-  RTCRayHit embree{};
-  embree.ray.org_x = ray.origin.x, embree.ray.org_y = ray.origin.y, embree.ray.org_z = ray.origin.z;
-  embree.ray.dir_x = ray.direction.x, embree.ray.dir_y = ray.direction.y, embree.ray.dir_z = ray.direction.z;
-  embree.ray.tfar = std::numeric_limits<float>::infinity();
-  embree.ray.mask = ~0u;
-  embree.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  embree.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  auto how = to_intersect(false);
-  trace(nullptr, embree_scene_.get(), how, embree);
-  if (embree.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  Hit hit{embree.ray.tfar, embree.hit.geomID, embree.hit.primID, embree.hit.u, embree.hit.v};
-  find_placement(placed_, first_instance_, embree.hit.instID[0], hit.mesh, hit.placement);
-  return hit;
+  RayPacket rays{};
+  rays.origin_x[0] = ray.origin.x, rays.origin_y[0] = ray.origin.y, rays.origin_z[0] = ray.origin.z;
+  rays.direction_x[0] = ray.direction.x, rays.direction_y[0] = ray.direction.y, rays.direction_z[0] = ray.direction.z;
+  rays.far[0] = std::numeric_limits<float>::infinity();
+  alignas(64) constexpr int kFirst[kPacket] = {-1};
+  intersect(kFirst, rays, false, 1);
+  if (rays.mesh[0] == kNoMesh) return {};
+  return Hit{rays.far[0], rays.mesh[0], rays.triangle[0], rays.u[0], rays.v[0], rays.placement[0]};
 }
 
 void Intersector::Release::operator()(RTCDeviceTy* device) const { rtcReleaseDevice(device); }
@@ -290,7 +305,7 @@ RTCGeometry new_strands(RTCDevice device, const Mesh& mesh) {
 
 Intersector::Intersector(const Scene& scene) : first_instance_(static_cast<unsigned>(scene.meshes.size())) {
   device_.reset(rtcNewDevice(nullptr));
-  if (!device_) throw std::runtime_error("Embree: no device");
+  check(device_.get(), "no device");
   embree_scene_.reset(rtcNewScene(device_.get()));
   for (const Mesh& mesh : scene.meshes) {
     if (!glass_ && is_glass(scene, mesh)) glass_.reset(rtcNewScene(device_.get()));

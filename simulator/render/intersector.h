@@ -11,7 +11,8 @@ struct RTCSceneTy;
 
 /// The only code that calls Embree; compiles with Embree 3.13 and 4. A mesh without placements is a geometry in
 /// world space; one with placements is stored once, and each placement is an Embree instance of it. Hits on alpha-cut
-/// texels are passed through. Rays must be finite (Debian's Embree aborts on others).
+/// texels are passed through. A ray that is not finite, or has a number of 1e18 or more, meets nothing and gets no
+/// light: Debian's Embree ends the program over one.
 namespace dualpixel::simulator {
 
 /// What an alpha-cut geometry's filter needs to know.

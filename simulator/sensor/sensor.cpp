@@ -147,7 +147,9 @@ std::optional<OptionProblem> check(const SensorOptions& s) {
     }
   }
   for (double value : s.illuminant) {
-    if (!(value > 0 && value < 1e9)) return OptionProblem{"illuminant", fmt::format("{}: must lie in (0, 1e9)", value)};
+    if (!(value >= 1e-6 && value <= 1e6)) {
+      return OptionProblem{"illuminant", fmt::format("{}: must lie in [1e-6, 1e6]", value)};
+    }
   }
   for (const double electrons : white_electrons(s)) {
     if (!(electrons > 0 && electrons < 1e12 && std::abs(determinant(s.color_matrix)) > 1e-6)) {

@@ -165,23 +165,32 @@ TEST(ImageIo, RefusesEveryTruncation) {
   }
 }
 
-/// Its size is a claim.
-std::string png_without_pixels(std::uint32_t width, std::uint32_t height) {
-  std::string chunk = "IHDR";
-  for (const std::uint32_t side : {width, height}) {
-    for (const int shift : {24, 16, 8, 0}) chunk += static_cast<char>(side >> shift);
-  }
-  chunk += std::string("\x10\x02\0\0\0", 5);
+/// A PNG's chunk: length, name, data, checksum.
+std::string png_chunk(const std::string& name, const std::string& data) {
+  const auto four = [](std::uint32_t value) {
+    std::string bytes;
+    for (const int shift : {24, 16, 8, 0}) bytes += static_cast<char>(value >> shift);
+    return bytes;
+  };
+  const std::string chunk = name + data;
   std::uint32_t crc = ~0u;
   for (const char c : chunk) {
     crc ^= static_cast<unsigned char>(c);
     for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
   }
-  crc = ~crc;
-  std::string file("\x89PNG\r\n\x1a\n\0\0\0\x0d", 12);
-  file += chunk;
-  for (const int shift : {24, 16, 8, 0}) file += static_cast<char>(crc >> shift);
-  return file + std::string("\0\0\0\0IDAT\x35\xaf\x06\x1e\0\0\0\0IEND\xae\x42\x60\x82", 24);
+  return four(static_cast<std::uint32_t>(data.size())) + chunk + four(~crc);
+}
+
+const std::string kPngBegin = "\x89PNG\r\n\x1a\n";
+
+/// Its size is a claim.
+std::string png_without_pixels(std::uint32_t width, std::uint32_t height) {
+  std::string header;
+  for (const std::uint32_t side : {width, height}) {
+    for (const int shift : {24, 16, 8, 0}) header += static_cast<char>(side >> shift);
+  }
+  header += std::string("\x10\x02\0\0\0", 5);
+  return kPngBegin + png_chunk("IHDR", header) + png_chunk("IDAT", "") + png_chunk("IEND", "");
 }
 
 // libpng would write lines of its own to stderr.
@@ -199,6 +208,35 @@ TEST(ImageIo, RefusesEveryChangedByteOfAPngInOneLine) {
     EXPECT_EQ(refusal.find('\n'), std::string::npos) << i;
   }
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+}
+
+// With the right checksums.
+TEST(ImageIo, RefusesPngsThatNoProgramWritesInOneLine) {
+  const TemporaryFolder folder;
+  const auto expect = [&](const std::string& file, const std::string& said) {
+    write_bytes(folder / "a.png", file);
+    ::testing::internal::CaptureStderr();
+    const std::string refusal = image_refusal(folder / "a.png");
+    EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+    EXPECT_EQ(refusal, folder / "a.png" + ": cannot be read: " + said);
+  };
+  const std::string header("\0\0\0\1\0\0\0\1\10\2\0\0\0", 13), data = png_chunk("IDAT", "\x78\x9c"),
+                                                               end = png_chunk("IEND", "");
+  const std::pair<int, char> changes[] = {{3, 0}, {4, '\xff'}, {8, 3}, {9, 1}, {9, 5}, {10, 1}, {11, 1}, {12, 2}};
+  for (const auto& [at, value] : changes) {
+    std::string changed = header;
+    changed[at] = value;
+    expect(kPngBegin + png_chunk("IHDR", changed) + data + end, "its header IHDR says what no PNG may");
+  }
+  const std::string begin = kPngBegin + png_chunk("IHDR", header);
+  const std::string order = "IHDR must be its first chunk, and the only one of that name";
+  expect(kPngBegin + data + end, order);
+  expect(begin + png_chunk("IHDR", header) + data + end, order);
+  expect(begin + png_chunk("IaDR", "x") + data + end, "its critical chunk IaDR is of no kind that is known");
+  for (const char* not_zlib : {"\x88\x1c", "\x79\x9c", "\x78\x9d", "\x78\xbb"}) {
+    expect(begin + png_chunk("IDAT", not_zlib) + end, "its chunk IDAT holds no compressed data");
+  }
+  expect(begin + end, "it has no chunk IDAT");
 }
 
 TEST(ImageIo, RefusesClaimedSizesBeforeReading) {

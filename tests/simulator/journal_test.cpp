@@ -101,6 +101,67 @@ TEST(Journal, DropsWhatItCannotTrust) {
   EXPECT_LT(left, 10u);
 }
 
+// Cut or altered at any byte, a journal gives back whole tiles as they were, or is refused.
+TEST(Journal, CutOrAlteredAnywhereGivesNothingElse) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "journal";
+  const SampleMap map = uniform_map(20, 4, 1);
+  const auto pixels = [](int tile) {
+    Views views{Image(20, 4, 3), Image(20, 4, 3)};
+    for (std::size_t i = 0; i < views.left.data.size(); ++i) {
+      views.left.data[i] = static_cast<float>(i + 1 + 1000 * tile);
+      views.right.data[i] = -views.left.data[i];
+    }
+    return views;
+  };
+  const int tiles = map.columns() * map.rows();
+  ASSERT_EQ(tiles, 2);
+  {
+    Journal journal(path, 1);
+    for (int tile = 0; tile < tiles; ++tile) journal.add(7, tile_at(map, tile), pixels(tile));
+  }
+  const std::string whole = read_bytes(path);
+  // How many tiles come back, each as it was; -1: refused.
+  const auto given_back = [&](const std::string& bytes) {
+    write_bytes(path, bytes);
+    try {
+      Journal journal(path, 1);
+      int count = 0;
+      for (int i = 0; i < tiles; ++i) {
+        const Tile tile = tile_at(map, i);
+        const Views expected = pixels(i);
+        Views views{Image(20, 4, 3), Image(20, 4, 3)};
+        if (!journal.restore(7, tile, views)) continue;
+        ++count;
+        for (int y = tile.y0; y < tile.y1; ++y) {
+          for (int x = 3 * tile.x0; x < 3 * tile.x1; ++x) {
+            EXPECT_EQ(views.left.row(y)[x], expected.left.row(y)[x]);
+            EXPECT_EQ(views.right.row(y)[x], expected.right.row(y)[x]);
+          }
+        }
+      }
+      return count;
+    } catch (const InputError&) {
+      return -1;
+    }
+  };
+  constexpr std::size_t kHeader = 16;
+  int before = 0;
+  for (std::size_t length = 0; length <= whole.size(); ++length) {
+    const int now = given_back(whole.substr(0, length));
+    ASSERT_GE(now, before) << length;
+    before = now;
+  }
+  EXPECT_EQ(before, tiles);
+  for (std::size_t at = 0; at < whole.size(); ++at) {
+    std::string altered = whole;
+    altered[at] ^= 0x10;
+    const int now = given_back(altered);
+    ASSERT_LT(now, tiles) << at;
+    ASSERT_EQ(now == -1, at < kHeader) << at;
+  }
+}
+
 TEST(Journal, RefusesAnothersAndLeavesItAsItIs) {
   const TemporaryFolder folder;
   const std::string path = folder / "journal";

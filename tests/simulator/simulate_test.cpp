@@ -75,6 +75,7 @@ TEST(SceneFile, RefusesWhatCannotBeAndNamesIt) {
       {"/sensor/dark_current_doubling_c", 0, {"/sensor/dark_current_doubling_c", "0"}},
       {"/sensor/color_matrix", {1, 0, 0, 1, 0, 0, 0, 0, 1}, {"/sensor/color_matrix", "inverse"}},
       {"/sensor/illuminant", {1, 0, 1}, {"/sensor/illuminant", "0"}},
+      {"/sensor/illuminant", {1e-300, 1, 1}, {"/sensor/illuminant", "1e-300", "[1e-6, 1e6]"}},
       {"/burst/frames", 0, {"/burst/frames", "0"}},
       {"/burst/hand_shake", -1, {"/burst/hand_shake", "-1"}},
       {"/burst/interval_s", 0.005, {"/burst/interval_s", "0.005", "0.01"}},  // shorter than the exposure

@@ -126,6 +126,28 @@ TEST_F(BadInput, FocusInsideTheFocalLength) {
 
 TEST_F(BadInput, ZeroAperture) { expect_refusal({"/lens/f_number", "0"}, "--set lens.f_number=0"); }
 
+TEST_F(BadInput, CamerasBeyondWhatRaysReach) {
+  for (const std::string far : {"9223372036854775808", "-18446744073709551616", "1e308"}) {
+    const std::string at = "--set 'camera.look_at_m=[0,0,-1]' --set 'camera.position_m=[0,0,";
+    expect_refusal({"scene.json: /camera/position_m", "[-1000000, 1000000]"}, at + far + "]'");
+    expect_refusal({"scene.json: /camera/up", "[-1000000, 1000000]"}, at + "0]' --set 'camera.up=[0," + far + ",0]'");
+  }
+}
+
+TEST_F(BadInput, WhatTheCaptureCannotHoldIsRefusedAsTheScenesField) {
+  expect_refusal({"scene.json: /truth/photograph_aperture_scale: 0"}, "--set truth.photograph_aperture_scale=0");
+  expect_refusal({"scene.json: /sensor/electrons_per_lux_s: 1e-300"},
+                 "--set 'sensor.electrons_per_lux_s=[1e-300,1e-300,1e-300]'");
+  expect_refusal({"scene.json: /sensor/illuminant: 1e-300"}, "--set 'sensor.illuminant=[1e-300,1,1]'");
+}
+
+TEST_F(BadInput, AFieldOfAnotherSplitThanTheLensFilesIsTheScenes) {
+  const std::string file =
+      "--set 'lens={\"file\": \"" DUALPIXEL_SOURCE_DIR "/lens_models/phone_6p_4.2mm_f1.8.json\"}' ";
+  expect_refusal({"scene.json: /lens/split/k: is a field of the model 'ramp'"}, file + "--set lens.split.k=4");
+  expect_refusal({"scene.json: /lens/split/kk: unknown field"}, file + "--set lens.split.kk=4");
+}
+
 TEST_F(BadInput, NegativeExposure) { expect_refusal({"/exposure/time_s", "-1"}, "--set exposure.time_s=-1"); }
 
 TEST_F(BadInput, UnknownFieldNamesTheNearest) {
@@ -143,6 +165,13 @@ TEST_F(BadInput, AnimationThatLetsTrianglesVanish) {
   const json channel = {{"sampler", 0}, {"target", {{"node", 0}, {"path", "scale"}}}};
   gltf.root["animations"] = json::array({{{"samplers", {sampler}}, {"channels", {channel}}}});
   expect_refusal({"triangle"}, "--set burst.animation=true --set burst.frames=2 --set burst.interval_s=2");
+}
+
+TEST_F(BadInput, AnAnimationThatNamesSamplersAndHasNone) {
+  const json channel = {{"sampler", 0}, {"target", {{"node", 0}, {"path", "scale"}}}};
+  gltf.root["animations"] = json::array({{{"samplers", json::array()}, {"channels", {channel}}}});
+  expect_refusal({"scene.glb", "/animations/0/channels/0/sampler: 0: the animation has no samplers"},
+                 "--set burst.animation=true --set burst.frames=2 --set burst.interval_s=2");
 }
 
 TEST_F(BadInput, FramesCloserThanTheirExposure) {

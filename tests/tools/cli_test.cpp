@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +8,8 @@
 
 #include "capture/capture.h"
 #include "capture/image/image_io.h"
+#include "pipeline/portrait/result_io.h"
+#include "tests/pipeline/portrait/synthetic.h"
 #include "tests/run_program.h"
 #include "tests/scenes/people/toy_people.h"
 #include "tests/temporary_folder.h"
@@ -51,6 +54,23 @@ TEST(Cli, BadUsageIsOneLineAndStatus2) {
   EXPECT_NE(run_program("experiment failure").err.find("'failure' is not a command; did you mean 'failures'?"),
             std::string::npos);
   EXPECT_EQ(run_program("info").err.find("is not a command"), std::string::npos);
+}
+
+TEST(Cli, MisspeltOptionsNameTheNearest) {
+  const auto expect = [](const std::string& arguments, const std::string& message) {
+    const Outcome outcome = run_program(arguments);
+    expect_one_line_refusal(outcome);
+    EXPECT_EQ(outcome.err, "dualpixel: " + message + "\n");
+  };
+  expect("simulate x.json -o y --noise-fractoin 3",
+         "--noise-fractoin: no such option; did you mean '--noise-fraction'? (see 'dualpixel simulate --help')");
+  expect("portrait x --mtcher=split",  // though -o is missing, too
+         "--mtcher: no such option; did you mean '--matcher'? (see 'dualpixel portrait --help')");
+  expect("experiment failures --outptu x",
+         "--outptu: no such option; did you mean '--output'? (see 'dualpixel experiment failures --help')");
+  expect("--versoin", "--versoin: no such option; did you mean '--version'? (see 'dualpixel --help')");
+  expect("bench rendr", "bench rendr: is no scene and no benchmark; did you mean 'render'?");
+  expect("info x --frobnicate", "--frobnicate: no such option (see 'dualpixel info --help')");
 }
 
 TEST(CliInfo, DescribesACapture) {
@@ -118,6 +138,26 @@ TEST(CliInfo, TellsALensFromOtherJsonAndVerifiesIt) {
   expect_one_line_refusal(run_program("info '" + (folder / "bad.json") + "'"));
 }
 
+TEST(CliInfo, VerifiesAResultsPictures) {
+  const TemporaryFolder folder;
+  const Capture capture = pipeline::synthetic_capture();
+  pipeline::write_result(pipeline::synthetic_result(capture), {{"mode", "dp"}}, folder / "r");
+  const std::string info = "info '" + (folder / "r") + "'";
+  EXPECT_EQ(run_program(info).status, 0);
+  for (const std::string name : {"portrait.png", "input.exr", "maps.exr"}) {
+    const std::string path = folder / "r/" + name, whole = read_bytes(path);
+    for (const std::string& bytes : {std::string(), whole.substr(0, whole.size() / 2)}) {
+      write_bytes(path, bytes);
+      const Outcome outcome = run_program(info);
+      expect_one_line_refusal(outcome);
+      EXPECT_NE(outcome.err.find(name), std::string::npos) << outcome.err;
+    }
+    write_bytes(path, whole);
+  }
+  std::filesystem::remove(folder / "r/portrait.exr");
+  expect_one_line_refusal(run_program(info));
+}
+
 TEST(CliInfo, DescribesAPeopleSetAndVerifiesIt) {
   const TemporaryFolder folder;
   const std::string path = folder / "set", info = "info --json '" + path + "'";
@@ -157,6 +197,9 @@ TEST(CliInfo, DescribesAPeopleSetAndVerifiesIt) {
   std::string changed = index;
   replace_file(path + "/people.json", changed.replace(changed.find("true"), 4, "\"no\""));
   refused_for("/held_out: \"no\": must be true or false");
+  changed = index;
+  replace_file(path + "/people.json", changed.replace(changed.find('{'), 1, R"({"comment": 1, )"));
+  refused_for("people.json: /comment: unknown field");
   std::filesystem::remove(path + "/people.json");
   refused_for("is not finished");
 }
@@ -177,6 +220,28 @@ TEST(CliInfo, RefusesWhatItDoesNotKnow) {
   for (const char* name : {"none", "", "a.txt", "a.json", "a.glb", "new\nline", "\xff"}) {
     SCOPED_TRACE(name);
     expect_one_line_refusal(run_program("info '" + (folder / name) + "'"));
+  }
+}
+
+// Zeros deflate a thousandfold: a file of some kilobytes is a picture of gigabytes.
+TEST(SlowCli, APictureBeyondMemoryIsRefusedByName) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers need the addresses that are taken away here";
+#endif
+  const TemporaryFolder folder;
+  write_png8(folder / "huge.png", Image(9000, 9000, 1));
+  const std::string pair =
+      fmt::format("portrait --left '{0}/huge.png' --right '{0}/huge.png' -o '{0}/out'", folder.path.string());
+  for (const int limit_mb : {700, 1000, 1500, 2500}) {
+    const std::string command =
+        fmt::format("ulimit -v {}; '" DUALPIXEL_PROGRAM "' {} 2>'{}/err'", limit_mb * 1024, pair, folder.path.string());
+    const int status = std::system(command.c_str());
+    const std::string err = read_bytes(folder / "err");
+    EXPECT_EQ(WEXITSTATUS(status), 2) << limit_mb << ": " << err;
+    EXPECT_NE(err.find("huge.png"), std::string::npos) << err;
+    EXPECT_NE(err.find("not enough memory"), std::string::npos) << err;
+    EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "out"));
   }
 }
 

@@ -59,6 +59,32 @@ TEST(ScoreCommand, RefusesAResultOfAnotherCapture) {
   for (const std::string& command : commands) EXPECT_EQ(run_program(command).status, 0);
 }
 
+TEST(ScoreCommand, TakesAPlainPairOfTheCapturesOwnViewsAlone) {
+  const TemporaryFolder folder;
+  const Capture capture = pipeline::synthetic_capture();
+  write_capture(capture, folder / "c");
+  const std::string commands[] = {
+      fmt::format("score '{}' '{}'", folder / "c", folder / "r"),
+      fmt::format("report '{}' --capture '{}' -o '{}'", folder / "r", folder / "c", folder / "page.html")};
+  const auto write_of = [&](const std::string& left_hash, const std::string& right_hash) {
+    pipeline::write_result(
+        pipeline::synthetic_result(capture),
+        {{"left", "a.png"}, {"right", "b.png"}, {"left_hash", left_hash}, {"right_hash", right_hash}}, folder / "r");
+  };
+  const std::string left = file_hash(folder / "c/frames/000_left.png"),
+                    right = file_hash(folder / "c/frames/000_right.png");
+  for (const std::string& other : {std::string("0123456789abcdef"), left}) {
+    write_of(left, other);
+    for (const std::string& command : commands) {
+      const Outcome outcome = run_program(command);
+      expect_one_line_refusal(outcome);
+      EXPECT_NE(outcome.err.find("a plain pair, \"a.png\" and \"b.png\""), std::string::npos) << outcome.err;
+    }
+  }
+  write_of(left, right);
+  for (const std::string& command : commands) EXPECT_EQ(run_program(command).status, 0);
+}
+
 TEST(ScoreCommand, TakesFilesOfAnyProgram) {
   const TemporaryFolder folder;
   const Capture capture = pipeline::synthetic_capture();

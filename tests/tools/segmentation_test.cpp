@@ -294,6 +294,25 @@ TEST(SlowPortraitPeople, AreFoundWithoutAMask) {
   EXPECT_FALSE(no_face.contains("mask"));
 }
 
+TEST(SlowPortraitPeople, ATapOnAWallFindsNobody) {
+  if (!has_trained_network() || !pipeline::has_face_detector()) GTEST_SKIP() << "built without";
+  const TemporaryFolder folder;
+  const auto result_of = [&](bool with_face) {
+    const Outcome outcome = run_program(write_pair(folder, with_face) + "--mode dp+seg --tap 150,110");
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const nlohmann::json provenance = nlohmann::json::parse(read_bytes(folder / "out/result.json"))["provenance"];
+    EXPECT_EQ(outcome.err.find("no person found at the tap") == std::string::npos, provenance["mode"] == "dp+seg");
+    return provenance;
+  };
+  const nlohmann::json wall = result_of(false);
+  EXPECT_EQ(wall["mode"], "dp");
+  EXPECT_FALSE(wall.contains("mask"));
+  const nlohmann::json face = result_of(true);
+  EXPECT_EQ(face["mode"], "dp+seg");
+  ASSERT_EQ(face["faces_px"].size(), 1U);
+  EXPECT_NEAR(face["faces_px"][0][0].get<double>() + face["faces_px"][0][2].get<double>() / 2, 150, 12);
+}
+
 TEST(SlowPortraitPeople, MasksHaveTheShapeOfThePictureAndAreNotEmpty) {
   const TemporaryFolder folder;
   const std::string portrait = write_pair(folder, true) + "--mode dp+seg --mask '" + (folder / "mask.png") + "'";

@@ -18,6 +18,7 @@
 #include "capture/json_fields.h"
 #include "evaluation/metrics/statistics.h"
 #include "evaluation/report/calibration_page.h"
+#include "pipeline/portrait/result_io.h"
 #include "scenes/people/data_set/read_people_set.h"
 #include "simulator/lens/lens_file.h"
 #include "simulator/scene/gltf/gltf.h"
@@ -206,7 +207,10 @@ json describe(const std::string& path) {
   std::error_code error;
   if (fs::is_directory(path, error)) {
     if (fs::exists(path + "/capture.json", error)) return describe_capture(path);
-    if (fs::exists(path + "/result.json", error)) return describe_json(path + "/result.json");
+    if (fs::exists(path + "/result.json", error)) {
+      pipeline::read_result(path);  // verifies its pictures
+      return describe_json(path + "/result.json");
+    }
     if (fs::exists(path + "/calibration.json", error)) return describe_calibration(path);
     if (fs::exists(path + "/" + scenes::kSetFile, error) || fs::exists(path + "/shard_00000", error)) {
       return describe_people(path);

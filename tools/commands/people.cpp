@@ -1,3 +1,7 @@
+#include <fmt/format.h>
+
+#include <atomic>
+#include <iostream>
 #include <memory>
 #include <mutex>
 
@@ -6,6 +10,7 @@
 #include "capture/image/image_io.h"
 #include "scenes/people/data_set/contact_sheet.h"
 #include "scenes/people/data_set/write_people_set.h"
+#include "tools/cli/signals.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
@@ -39,7 +44,14 @@ void run(PeopleArguments arguments) {
     if (!previewed) write_png8(arguments.preview, scenes::contact_sheet(samples, kPreviewed, kColumns));
     previewed = true;
   };
-  if (!arguments.folder.empty()) scenes::write_people_set(arguments.options, arguments.folder, progress, preview);
+  if (!arguments.folder.empty()) {
+    const std::atomic<int>& stopped = note_first_signal();
+    if (!scenes::write_people_set(arguments.options, arguments.folder, progress, preview, &stopped)) {
+      std::cerr << fmt::format("dualpixel: {}: stopped after a whole shard; the same command goes on from there\n",
+                               printable(arguments.folder));
+      throw CLI::RuntimeError(128 + stopped);
+    }
+  }
   // nothing was made: the first are made again, the same
   if (!previewed)
     preview(scenes::make_people_shard(arguments.options, 0, std::min(arguments.options.count, kPreviewed), progress));
@@ -54,7 +66,8 @@ void add_people(CLI::App& program) {
       "people", "Make pictures of people with masks, keypoints and face boxes, to train segmentation with");
   command
       ->add_option("-o,--output", arguments->folder,
-                   "Folder for the set; an unfinished set of the same options is resumed")
+                   "Folder for the set; an unfinished set of the same options is resumed. The first SIGINT or SIGTERM "
+                   "ends the run after the shard that is being made, the second at once")
       ->type_name("DIR");
   command->add_option("--count", arguments->options.count, "How many samples")->capture_default_str()->type_name("N");
   command->add_option("--seed", arguments->options.seed, "Which set: the same seed gives the same bytes")

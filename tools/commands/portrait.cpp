@@ -227,12 +227,13 @@ void run(const PortraitCommand& command) {
   }
   const pipeline::KnownSubject known = known_subject(capture, options);
   if (looks_for_people) {
-    if (known.seeds().empty() && !pipeline::has_face_detector()) {
+    if (known.faces.empty() && !pipeline::has_face_detector()) {
       throw InputError(
-          fmt::format("--mode {}: this build has no face detector (dlib): give --face, --tap or --mask", command.mode));
+          fmt::format("--mode {}: this build has no face detector (dlib): give --face or --mask", command.mode));
     }
     options.find_people = [&](const Image& picture, const std::vector<pipeline::Face>& seeds) {
-      return pipeline::find_people(picture, seeds, *network, options.seed_faces);
+      return options.tap && seeds.empty() ? pipeline::find_people_at(picture, *options.tap, *network)
+                                          : pipeline::find_people(picture, seeds, *network, options.seed_faces);
     };
   }
   const std::optional<Image> mask = given_mask(command, capture);
@@ -314,7 +315,8 @@ void add_portrait(CLI::App& program) {
       ->allow_extra_args(false);
   sub->add_option(
          "--tap", command->tap,
-         "Point to focus on where no face is in focus, in pixels; without --face, the person there gets the mask")
+         "Point to focus on where no face is in focus, in pixels; without --face, the person there gets the mask, if "
+         "their face is found")
       ->type_name("X,Y")
       ->check(must_read<2>("X,Y"));
   sub->add_option("--calibration", command->calibration,

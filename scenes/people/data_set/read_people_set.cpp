@@ -115,6 +115,12 @@ PeopleSet::PeopleSet(const std::vector<std::string>& folders, bool held_out) {
           fmt::format("{}: /held_out: {}: must be {}: a network is evaluated on data that it was not trained on",
                       printable(index), printable(field("held_out").dump()), held_out));
     }
+    Fields fields(json, index);
+    for (const char* name : {"format", "version", "size_px", "count", "generator", "seed", "held_out", "composites",
+                             "makehuman", "shards"}) {
+      fields.has(name);
+    }
+    fields.done();
     std::vector<std::string> shards;
     for (std::filesystem::directory_iterator entry(folder, error), end; entry != end; entry.increment(error)) {
       if (entry->path().filename().string().starts_with("shard_")) shards.push_back(entry->path().string());

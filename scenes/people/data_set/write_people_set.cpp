@@ -154,9 +154,10 @@ void check_people_options(const PeopleOptions& options) {
   }
 }
 
-void write_people_set(const PeopleOptions& options, const std::string& folder,
+bool write_people_set(const PeopleOptions& options, const std::string& folder,
                       const std::function<void(double)>& progress,
-                      const std::function<void(const std::vector<PeopleSample>&)>& each) {
+                      const std::function<void(const std::vector<PeopleSample>&)>& each,
+                      const std::atomic<int>* stopped) {
   check_people_options(options);
   std::error_code error;
   fs::create_directories(folder, error);
@@ -168,6 +169,7 @@ void write_people_set(const PeopleOptions& options, const std::string& folder,
     const std::string path = folder + "/" + shard_name(shard);
     const nlohmann::ordered_json recipe = shard_recipe(options, shard);
     if (!is_there(path, recipe)) {
+      if (stopped && *stopped != 0) return false;
       fs::remove(folder + "/" + kSetFile, error);  // the set is incomplete until it is written again
       const auto samples = make_people_shard(options, shard, samples_of_shard(options, shard), [&](double fraction) {
         if (progress) progress((shard + fraction) / shards);
@@ -178,6 +180,7 @@ void write_people_set(const PeopleOptions& options, const std::string& folder,
     if (progress) progress((shard + 1.0) / shards);
   }
   replace_file(folder + "/" + kSetFile, people_index(options.count, set_recipe(options), shards).dump(2) + "\n");
+  return true;
 }
 
 }  // namespace dualpixel::scenes

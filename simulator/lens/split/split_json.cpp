@@ -1,7 +1,10 @@
 #include "simulator/lens/split/split_json.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <functional>
+#include <utility>
 
 namespace dualpixel::simulator {
 namespace {
@@ -35,11 +38,33 @@ void read_table(Fields& fields, SplitPixel::Table& table) {
   if (right_sum == 0) fields.fail("right", "must not be 0 throughout");
 }
 
+/// The model may be a lens file's, and the field the user's.
+void refuse_fields_of_other_models(Fields& fields, SplitKind kind) {
+  constexpr std::pair<const char*, SplitKind> kOwners[] = {
+      {"k", SplitKind::ramp},
+      {"focal_length_px", SplitKind::microlens},
+      {"height_px", SplitKind::microlens},
+      {"diode_width_px", SplitKind::microlens},
+      {"radius_px", SplitKind::microlens},
+      {"shift_px", SplitKind::microlens},
+      {"design_exit_pupil_mm", SplitKind::microlens},
+      {"p", SplitKind::table},
+      {"left", SplitKind::table},
+      {"right", SplitKind::table},
+  };
+  for (const auto& [field, owner] : kOwners) {
+    if (owner == kind || !fields.has(field)) continue;
+    fields.fail(field, fmt::format("is a field of the model '{}'; the split's model is '{}'",
+                                   name_of(kSplitKinds, owner), name_of(kSplitKinds, kind)));
+  }
+}
+
 }  // namespace
 
 SplitPixel read_split(Fields fields) {
   SplitPixel split;
   read_named(fields, "model", split.kind, kSplitKinds);
+  refuse_fields_of_other_models(fields, split.kind);
   switch (split.kind) {
     case SplitKind::hard:
       break;

@@ -543,7 +543,11 @@ class Checker {
     });
     each(animation, "channels", [&](Item& channel) {
       int index = 0;
-      channel.fields.required("sampler").integer("sampler", index, 0, static_cast<int>(samplers.size()) - 1);
+      channel.fields.required("sampler");
+      if (samplers.empty()) {
+        channel.fields.fail("sampler", dump(channel.value["sampler"]) + ": the animation has no samplers");
+      }
+      channel.fields.integer("sampler", index, 0, static_cast<int>(samplers.size()) - 1);
       channel.fields.required("target");
       Item target = child(channel, "target");
       std::string path;

@@ -117,14 +117,14 @@ TEST(KnownSubject, WhatTheUserPointsAtComesBeforeTheCapturesFace) {
   capture.face_px = {2, 3, 10, 8};
   PortraitOptions options;
   EXPECT_EQ(known_subject(capture, options).source, "capture");
-  EXPECT_EQ(known_subject(capture, options).seeds().at(0).width, 10);
+  EXPECT_EQ(known_subject(capture, options).faces.at(0).width, 10);
   options.tap = tapped_region(40, 20, capture.camera);
   EXPECT_TRUE(known_subject(capture, options).faces.empty());
-  EXPECT_EQ(known_subject(capture, options).seeds().at(0).x, 40 - 4.8 / 2);
+  EXPECT_EQ(known_subject(capture, options).tap->x, 40 - 4.8 / 2);
   options.faces = {{0, 0, 4, 4}, {20, 20, 9, 9}};
   const KnownSubject given = known_subject(capture, options);
   EXPECT_EQ(given.source, "given");
-  EXPECT_EQ(given.seeds().at(0).width, 9);  // largest first
+  EXPECT_EQ(given.faces.at(0).width, 9);  // largest first
 }
 
 TEST(KnownSubject, FacesLieInTheUprightPicture) {

@@ -489,6 +489,26 @@ TEST(FindPeople, SaysWhetherAnybodyIsSeen) {
   EXPECT_FALSE(anybody_seen({}));
 }
 
+// The network sees a person wherever it is told that a face is: what is tapped must be shown by a face that was found.
+TEST(FindPeople, ATapFindsThoseWhoseFaceOrMaskCoversIt) {
+  if (!has_person_network() || !has_face_detector()) GTEST_SKIP() << "built without";
+  PersonNetwork network(face_follower());
+  Image picture(640, 480, 3, 0.2F);
+  draw_face(picture, 150, 150, 120);
+  draw_face(picture, 500, 150, 120);
+  const auto at = [&](double x, double y) { return find_people_at(picture, {x - 20, y - 20, 40, 40}, network); };
+  ASSERT_EQ(at(150, 150).faces.size(), 1U);
+  EXPECT_NEAR(at(150, 150).faces[0].x + at(150, 150).faces[0].width / 2, 150, 20);
+  ASSERT_EQ(at(500, 150).faces.size(), 1U);
+  EXPECT_NEAR(at(500, 150).faces[0].x + at(500, 150).faces[0].width / 2, 500, 20);
+  EXPECT_TRUE(anybody_seen(at(500, 150)));
+  const FoundPeople wall = at(325, 420);
+  EXPECT_TRUE(wall.faces.empty());
+  EXPECT_TRUE(wall.detected.empty());
+  EXPECT_FALSE(anybody_seen(wall));
+  EXPECT_TRUE(anybody_seen(find_people(picture, {{305, 400, 40, 40}}, network)));  // as a face given there still is
+}
+
 TEST(FindPeople, FindsWhoIsThereAndLeavesBystandersOut) {
   NEEDS_NETWORK();
   NEEDS_FACES();

@@ -1,9 +1,13 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
+#include "capture/error.h"
 #include "evaluation/benchmarks/pipeline_benchmark.h"
 #include "tools/commands/commands.h"
 
@@ -48,7 +52,14 @@ void add_bench(CLI::App& program) {
   add_threads_option(*command);
   for (CLI::App* subcommand : command->get_subcommands({})) add_threads_option(*subcommand);
   command->callback([options, command] {
-    if (command->get_subcommands().empty()) run(*options);
+    if (!command->get_subcommands().empty()) return;
+    std::vector<std::string> names;
+    for (const CLI::App* benchmark : command->get_subcommands({})) names.push_back(benchmark->get_name());
+    const std::string meant = did_you_mean(options->scene, names);
+    if (!meant.empty() && !std::filesystem::exists(options->scene)) {
+      throw InputError(fmt::format("bench {}: is no scene and no benchmark{}", printable(options->scene), meant));
+    }
+    run(*options);
   });
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <set>
 #include <string>
@@ -66,6 +67,24 @@ TEST(SlowWritePeopleSet, SetsAreReadAsTheyWereMade) {
   EXPECT_THROW(PeopleSet({folder / "set"}, false), InputError);
   folder.write("set/shard_00000/samples.json", "[]");
   EXPECT_THROW(PeopleSet({folder / "set"}, true), InputError);
+}
+
+TEST(SlowWritePeopleSet, ASignalEndsItAfterTheShardThatIsBeingMade) {
+  const TemporaryFolder folder;
+  const PeopleOptions options{.count = kShardSamples + 1, .seed = 4, .composites = 100};
+  std::atomic<int> stopped = 0;
+  int made = 0;
+  const auto stop = [&](double) { stopped = 2; };
+  const auto count = [&](const auto&) { ++made; };
+  EXPECT_FALSE(write_people_set(options, folder / "set", stop, count, &stopped));
+  EXPECT_EQ(made, 1);
+  EXPECT_EQ((std::filesystem::exists(folder / "set/shard_00000/shard.json")), true);
+  EXPECT_FALSE(std::filesystem::exists(folder / "set/people.json"));
+  EXPECT_FALSE(write_people_set(options, folder / "set", {}, count, &stopped));  // the first shard is kept
+  EXPECT_EQ(made, 1);
+  stopped = 0;
+  EXPECT_TRUE(write_people_set(options, folder / "set", {}, count, &stopped));
+  EXPECT_EQ(made, 2);
 }
 
 TEST(SlowWritePeopleSet, AnInterruptedRunResumes) {

@@ -88,6 +88,42 @@ TEST(Intersector, AlphaCutOutsLetRaysThrough) {
   }
 }
 
+// Debian's Embree ends the program over each of these.
+TEST(Intersector, RaysThatAreNoneMeetNothing) {
+  Scene scene;
+  scene.materials = {diffuse(0.5f)};
+  scene.meshes = {make_quad({-1, -1, 1}, {2, 0, 0}, {0, 2, 0}, 0)};
+  const Intersector intersector(scene);
+  RayPacket rays{};
+  alignas(64) int active[kPacket];
+  for (int i = 0; i < kPacket; ++i) {
+    rays.direction_z[i] = 1;
+    rays.far[i] = 10;
+    active[i] = i < 14 ? -1 : 0;
+  }
+  const float bad[] = {NAN, INFINITY, -INFINITY, 0x1p63f, -0x1p64f, 3e38f};
+  for (int i = 0; i < 6; ++i) {
+    rays.origin_x[i] = bad[i];
+    rays.direction_y[6 + i] = bad[i];
+  }
+  rays.far[12] = NAN;
+  for (int width : {1, 8, 16}) {
+    RayPacket met = rays;
+    int hidden[kPacket];
+    intersector.intersect(active, met, true, width);
+    intersector.occluded(active, rays, true, hidden, width);
+    for (int i = 0; i < 13; ++i) {
+      EXPECT_EQ(met.mesh[i], kNoMesh) << i;
+      EXPECT_EQ(hidden[i], -1) << i;
+    }
+    EXPECT_EQ(met.mesh[13], 0u);
+    EXPECT_EQ(hidden[13], -1);
+    EXPECT_EQ(hidden[14], 0);
+  }
+  EXPECT_FALSE(intersector.intersect(Ray{{0, 0, 0x1p64f}, {0, 0, -1}}));
+  EXPECT_TRUE(intersector.intersect(Ray{}));
+}
+
 // A normal map whose texel says "up along +u" bends the shading normal towards the texture's u direction.
 TEST(Surface, NormalMapFollowsTextureAxes) {
   Scene scene;

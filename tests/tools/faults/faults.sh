@@ -1,0 +1,159 @@
+#!/usr/bin/env bash
+# What goes wrong around the program: it is killed, the disk is full or cannot be written, memory ends, nobody reads what
+# it prints, two of it write to one place. No part of an output may be taken for a whole one, and every refusal is one
+# line.
+#   tests/tools/faults/faults.sh PROGRAM SCENES_DIR [KILLS]        (KILLS: of each command, at random moments; default 4)
+set -uo pipefail
+# What is mounted goes with the namespace, however the script ends.
+if [ "$(id -u)" -eq 0 ] && [ -z "${in_namespace:-}" ] && unshare -m true 2>/dev/null; then
+  in_namespace=1 exec unshare -m "$0" "$@"
+fi
+program=$1 scenes=$2 kills=${3:-4}
+work=$(mktemp -d)
+trap 'umount "$work/full" 2>/dev/null; rm -rf "$work"' EXIT
+cd "$work"
+failures=0
+RANDOM=38
+
+fail() { echo "FAILED: $*"; failures=$((failures + 1)); }
+
+# The status of "$program" "$@", whose stdout and stderr go to the files `out` and `err`.
+run() { "$program" "$@" >out 2>err </dev/null; }
+
+# expect_refusal STATUS WHAT: the last run ended with 2 (or STATUS) and one line on stderr that holds WHAT.
+expect_refusal() {
+  local status=$1 what=$2 name=$3
+  [ "$status" -eq 2 ] || fail "$name: status $status: $(head -c 300 err)"
+  sed -i '/^dualpixel: warning: /d' err
+  [ "$(wc -l <err)" -eq 1 ] && grep -q "^dualpixel: .*$what" err || fail "$name: not one line with '$what': $(head -c 300 err)"
+}
+
+# Everything under folder $1 is what it was under folder $2.
+expect_same() { diff -r "$1" "$2" >difference || fail "$3: $(head -1 difference)"; }
+
+tiny=(--set sensor.width_px=64 --set sensor.height_px=48 --set sensor.pixel_pitch_um=58.8 --set render.samples_per_pixel=16
+      --set render.light_spacing_px=0)
+once=(--set burst.frames=1 --set render.photograph_samples_per_pixel=4)
+cat >recipe.json <<END
+{"version": 1, "count": 4, "seed": 5, "scenes": [{"file": "$scenes/slanted_planes.json"}],
+ "set": {"sensor.width_px": 64, "sensor.height_px": 48, "sensor.pixel_pitch_um": 58.8, "burst.frames": 1,
+         "render.light_spacing_px": 0, "render.samples_per_pixel": 4, "render.photograph_samples_per_pixel": 2,
+         "render.all_in_focus_samples_per_pixel": 2},
+ "relations": {"focus": "surface"}, "layout": "npy", "keep": ["left", "right"]}
+END
+
+# What each command writes to folder $1; the same bytes every time, but for the times in a portrait's result.json.
+simulate() { run simulate "$scenes/slanted_planes.json" -o "$1" "${tiny[@]}" "${once[@]}" --resume; }
+portrait() { run portrait capture -o "$1"; }
+calibrate() {
+  run calibrate "$scenes/calibration_target.json" -o "$1" --focuses 2 --targets 3 --set sensor.width_px=128 \
+    --set sensor.height_px=96 --set sensor.pixel_pitch_um=29.4 --set render.samples_per_pixel=16
+}
+people() { run people -o "$1" --count 3 --composites 2; }
+dataset() { run dataset plan recipe.json -o "$1" && run dataset render "$1"; }
+
+# Whether folder $1 is what the program itself takes for a whole output.
+whole() {
+  case $2 in
+    dataset) [ -d "$1" ] && run dataset verify "$1" && grep -q '^4 samples are there, 0 of them not' out ;;
+    *) [ -d "$1" ] && run info "$1" ;;
+  esac
+}
+
+echo "killed at $kills moments each"
+simulate capture || fail "simulate: $(cat err)"
+for command in simulate portrait calibrate people dataset; do
+  started=$(date +%s%N)
+  $command whole_$command || fail "$command: $(cat err)"
+  took_ms=$((($(date +%s%N) - started) / 1000000))
+  whole whole_$command $command || fail "$command: its own output is not whole: $(cat err)"
+  rm -f whole_$command/result.json
+  for ((kill_nr = 0; kill_nr < kills; ++kill_nr)); do
+    (
+      $command killed &
+      sleep "$(printf '%d.%03d' $((RANDOM % (took_ms + 1) / 1000)) $((RANDOM % 1000 * (took_ms < 1000 ? took_ms : 1000) / 1000)))"
+      pkill -KILL -P $! 2>/dev/null
+      kill -KILL $! 2>/dev/null
+    ) 2>/dev/null
+    wait
+    if whole killed $command; then
+      rm -f killed/result.json
+      expect_same killed whole_$command "$command, killed: taken for whole"
+      rm -rf killed
+    fi
+    $command killed || fail "$command: does not go on after a kill: $(cat err)"
+    whole killed $command || fail "$command, gone on: $(cat err)"
+    rm -f killed/result.json
+    expect_same killed whole_$command "$command, gone on"
+    rm -rf killed killed.resume .dualpixel-*
+  done
+done
+
+echo "disk full, read-only"
+if mkdir full && mount -t tmpfs -o size=16k none full 2>/dev/null; then
+  for command in simulate portrait calibrate people; do
+    $command full/out
+    expect_refusal $? full/out "$command on a full disk"
+    rm -rf full/out full/out.resume
+    [ -z "$(ls -A full)" ] || fail "$command on a full disk leaves $(ls -A full)"
+  done
+  mount -o remount,ro full
+  for command in simulate portrait calibrate people dataset; do
+    $command full/out
+    expect_refusal $? 'full/out' "$command on a read-only disk"
+  done
+  umount full
+else
+  echo "skipped: a small tmpfs needs root"
+fi
+
+# Where memory ends within a library, that may end the program; what the program finds itself is one line.
+echo "out of memory"
+by_signal=0
+for command in simulate portrait people; do
+  for limit_mb in 100 200 400 600 800 1200 2400; do
+    rm -rf short
+    (
+      ulimit -v $((limit_mb * 1024))
+      $command short
+    ) 2>/dev/null
+    status=$?
+    if [ $status -eq 0 ]; then
+      whole short $command || fail "$command in $limit_mb MB: not whole: $(head -c 300 err)"
+    elif [ $status -ge 126 ]; then
+      by_signal=$((by_signal + 1))
+    else
+      [ "$(wc -l <err)" -eq 1 ] || fail "$command in $limit_mb MB: $(head -c 300 err)"
+    fi
+    [ $status -eq 0 ] || ! whole short $command || fail "$command in $limit_mb MB: status $status, and a whole output"
+  done
+done
+echo "  $by_signal of 21 runs were ended by a library or before they began"
+
+echo "nobody reads"
+for command in 'info capture' 'info capture --json' '--help' 'portrait --options'; do
+  "$program" $command >/dev/full 2>err
+  [ $? -eq 1 ] && [ "$(wc -l <err)" -eq 1 ] || fail "$command to a full disk: $(cat err)"
+  "$program" $command >&- 2>err
+  [ $? -eq 1 ] && [ "$(wc -l <err)" -eq 1 ] || fail "$command without stdout: $(cat err)"
+done
+
+echo "two at once"
+for command in simulate portrait people; do
+  rm -rf both
+  for first_or_second in 1 2; do
+    (
+      mkdir -p run_$first_or_second && ln -sfn ../capture run_$first_or_second/capture && cd run_$first_or_second
+      $command ../both
+      status=$?
+      [ $status -eq 0 ] || { [ $status -eq 2 ] && [ "$(wc -l <err)" -eq 1 ]; } || echo "$command: $status $(cat err)" >>../problems
+    ) &
+  done
+  wait
+  whole both $command || fail "two of $command at once: $(cat err)"
+  rm -f both/result.json
+  expect_same both whole_$command "two of $command at once"
+done
+[ ! -s problems ] || fail "two at once: $(cat problems)"
+
+[ $failures -eq 0 ] && echo "all faults met" || exit 1
