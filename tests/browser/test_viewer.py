@@ -87,7 +87,7 @@ class Viewer(unittest.TestCase):
         (browser or self.browser).run("""new Promise((done, fail) => {
           const figure = document.querySelector('.viewer'), start = performance.now();
           const wait = () => Number(figure.dataset.drawn ?? 0) > %d && figure.ariaBusy === 'false' ? done()
-              : performance.now() - start > 20000 ? fail(new Error('nothing was drawn')) : setTimeout(wait, 10);
+              : performance.now() - start > 60000 ? fail(new Error('nothing was drawn')) : setTimeout(wait, 10);
           wait();
         })""" % (self.drawn() if before is None else before))
 
