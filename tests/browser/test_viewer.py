@@ -10,6 +10,7 @@ import shutil
 import struct
 import subprocess
 import tempfile
+import time
 import unittest
 
 from chromium import Browser
@@ -231,9 +232,9 @@ class Viewer(unittest.TestCase):
         self.assertNotEqual(self.pixels(), plain)
         self.press("b")
         labels = set()
-        for _ in range(3):
+        until = time.monotonic() + 60
+        while len(labels) < 2 and time.monotonic() < until:
             labels.add(self.label().split(" · ")[0])
-            self.settle()
         self.assertEqual(labels, {"Disparity", "True disparity"})
         self.press("b")
         self.assertEqual(self.pixels(), plain)
