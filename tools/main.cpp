@@ -101,6 +101,7 @@ int main(int argc, char** argv) {
   dualpixel::tools::add_lens(program);
   dualpixel::tools::add_fit_camera(program);
   dualpixel::tools::add_plan(program);
+  dualpixel::tools::add_chart(program);
   dualpixel::tools::add_bench(program);
   dualpixel::tools::add_experiment(program);
   dualpixel::tools::add_export(program);

@@ -123,26 +123,6 @@ SetFigures figures_of(const RegionSums& s) {
   return figures;
 }
 
-constexpr const char* kSortable = R"js(
-for (const table of document.querySelectorAll("table")) {
-  table.querySelectorAll("th").forEach((head, column) => {
-    head.addEventListener("click", () => {
-      const body = table.tBodies[0] || table;
-      const rows = [...body.rows].filter(row => row.cells[0].tagName === "TD");
-      const value = row => row.cells[column].textContent;
-      const descending = head.dataset.sorted === "up";
-      const order = (a, b) => {
-        const x = parseFloat(value(a)), y = parseFloat(value(b));
-        if (isNaN(x) || isNaN(y)) return isNaN(x) && isNaN(y) ? value(a).localeCompare(value(b)) : isNaN(x) ? 1 : -1;
-        return descending ? y - x : x - y;
-      };
-      rows.sort(order).forEach(row => body.append(row));
-      head.dataset.sorted = descending ? "down" : "up";
-    });
-  });
-}
-)js";
-
 }  // namespace
 
 std::vector<std::string> region_names() { return names_of(kRegions); }
@@ -219,7 +199,7 @@ std::string to_page(const std::vector<SetScore>& scores, std::size_t samples) {
     cost.rows.push_back({s.method, cell_of(s.wall_s, 3), cell_of(s.cpu_s, 3), cell_of(s.peak_rss_mb, 0)});
   }
   body += "<h2>Time and memory</h2>\n" + html_table(cost);
-  return html_page("Methods compared", body, "th { cursor: pointer }", kSortable);
+  return html_page("Methods compared", body);
 }
 
 std::string to_text(const std::vector<SetScore>& scores) {

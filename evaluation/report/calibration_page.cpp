@@ -11,7 +11,7 @@
 #include "capture/json_fields.h"
 #include "evaluation/report/page.h"
 #include "evaluation/report/plot.h"
-#include "evaluation/report/report_images.h"
+#include "evaluation/report/viewer.h"
 #include "pipeline/calibration/nodes.h"
 
 namespace dualpixel::evaluation {
@@ -22,6 +22,7 @@ using pipeline::Calibration;
 using pipeline::FocusCalibration;
 using pipeline::TargetMeasurement;
 
+constexpr double kMapStep = 1.0 / 8192;  ///< of what maps keep
 constexpr float kGap = std::numeric_limits<float>::quiet_NaN();
 
 struct FieldNode {
@@ -72,26 +73,28 @@ Plot lines_plot(const Calibration& calibration, const FocusCalibration& focus,
   return plot;
 }
 
-/// A map's difference from its value at the principal point, as color; gray where `slope` says that there is no line.
-std::string map_figure(const Image& nodes, const Image& slope, std::size_t principal, const std::string& name,
-                       const std::string& unit, float limit) {
-  const float middle = nodes.data[principal];
-  constexpr int kScale = 24;
-  Image large(kScale * nodes.width, kScale * nodes.height);
-  for (int y = 0; y < large.height; ++y) {
-    for (int x = 0; x < large.width; ++x) {
-      const int i = x / kScale, j = y / kScale;
-      large.at(x, y) = slope.at(i, j) != 0 ? nodes.at(i, j) - middle : kGap;
+/// The maps of several focus distances, each minus its value at the principal point; gray where there is no line.
+Viewer maps_viewer(const Calibration& calibration, const std::vector<std::size_t>& shown) {
+  const std::size_t principal = pipeline::principal_node(calibration.camera);
+  const auto relative = [&](const Image& nodes, const Image& slope) {
+    Image difference = nodes;
+    for (std::size_t i = 0; i < nodes.data.size(); ++i) {
+      difference.data[i] = slope.data[i] != 0 ? nodes.data[i] - nodes.data[principal] : kGap;
     }
+    return difference;
+  };
+  Viewer viewer;
+  viewer.width = calibration.camera.width_px;
+  viewer.height = calibration.camera.height_px;
+  viewer.layers = {{"Slope", "Minus the principal point's.", "DP px m", LayerColors::diverging, 0, 0.3, kMapStep},
+                   {"Intercept", "Minus the principal point's.", "DP px", LayerColors::diverging, 0, 1, kMapStep}};
+  for (const std::size_t i : shown) {
+    const FocusCalibration& focus = calibration.focuses[i];
+    viewer.results.push_back(fmt::format("focused at {:.3g} m", focus.focus_distance_m));
+    viewer.layers[0].images.push_back(relative(focus.slope_dp_px_m, focus.slope_dp_px_m));
+    viewer.layers[1].images.push_back(relative(focus.intercept_dp_px, focus.slope_dp_px_m));
   }
-  Image bar(256, 8);
-  for (int y = 0; y < bar.height; ++y) {
-    for (int x = 0; x < bar.width; ++x) bar.at(x, y) = limit * (static_cast<float>(x) / 127.5f - 1);
-  }
-  return html_figure({name, fmt::format("minus the principal point's {:.3f}", middle),
-                      jpeg_data_uri(diverging_colors(large, limit), 92),
-                      jpeg_data_uri(diverging_colors(bar, limit), 92), fmt::format("{:+.2f}", -limit),
-                      fmt::format("{:+.2f} {}", limit, unit)});
+  return viewer;
 }
 
 template <typename Value>
@@ -143,20 +146,12 @@ std::string to_page(const Calibration& calibration, const std::vector<TargetMeas
   for (const std::string& warning : calibration.warnings) {
     body += "<p>Warning: " + escape_name(warning) + "</p>\n";
   }
-  const std::size_t principal = pipeline::principal_node(calibration.camera);
   const std::size_t last = focuses.size() - 1;
   std::vector<std::size_t> shown = {last / 4, last / 2, last};
   shown.erase(std::unique(shown.begin(), shown.end()), shown.end());
   std::vector<Plot> lines;
   for (const std::size_t i : shown) lines.push_back(lines_plot(calibration, focuses[i], measurements));
-  body += "<h2>Lines</h2>" + html_plots(lines) + "<h2>Maps</h2>";
-  for (const std::size_t i : shown) {
-    body += fmt::format("<h4>Focused at {:.3g} m</h4><div class=\"maps\">", focuses[i].focus_distance_m);
-    const Image& slope = focuses[i].slope_dp_px_m;
-    body += map_figure(slope, slope, principal, "Slope", "DP px m", 0.3f);
-    body += map_figure(focuses[i].intercept_dp_px, slope, principal, "Intercept", "DP px", 1);
-    body += "</div>";
-  }
+  body += "<h2>Lines</h2>" + html_plots(lines) + "<h2>Maps</h2>" + html_viewer(maps_viewer(calibration, shown));
   body += "<h2>Over the focus distance</h2><p>The thin lens's slope does not depend on the focus distance.</p>";
   body += html_plots({over_focus("Slope", "DP px m", calibration,
                                  [](const FocusCalibration& f) -> const Image& { return f.slope_dp_px_m; }),

@@ -11,10 +11,9 @@ std::string escape_html(const std::string& text);
 /// What a name from outside (a path, a scene) may show as: one line of valid UTF-8, escaped.
 std::string escape_name(const std::string& name);
 
-/// A whole page with the style that all pages share, tables and plots included. `style` is added to it. Style and
-/// script are inlined under a content policy that forbids all others (and style attributes).
-std::string html_page(const std::string& title, const std::string& body_html, const std::string& style = "",
-                      const std::string& script = "");
+/// A whole page with the style and the script that all pages share (evaluation/report/web): plots, tables that sort,
+/// viewers. `style` is added. Both are inlined under a content policy that forbids all others (and style attributes).
+std::string html_page(const std::string& title, const std::string& body_html, const std::string& style = "");
 
 struct Picture {
   std::string title;  ///< in bold; may be empty, as the caption

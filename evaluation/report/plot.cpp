@@ -50,6 +50,13 @@ struct Axis {
   }
 };
 
+/// To the right of a dot; to the left of one in the right half, so that it stays inside.
+std::string dot_label(const std::string& label, double x, double y) {
+  const bool right = x < kLeft + (kPlotWidth - kLeft - kRight) / 2;
+  return fmt::format("<text class=\"label\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>",
+                     right ? x + 6 : x - 6, y - 4, right ? "start" : "end", escape_html(label));
+}
+
 }  // namespace
 
 std::vector<double> round_ticks(double low, double high, int count) {
@@ -114,12 +121,14 @@ std::string svg_plot(const Plot& plot) {
       }
       points.clear();
     };
-    for (const auto& point : series.points) {
+    for (std::size_t k = 0; k < series.points.size(); ++k) {
+      const auto& point = series.points[k];
       if (!shown(point)) {
         end_line();
       } else if (series.dots) {
-        svg += fmt::format("<circle class=\"c{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\"/>", i % kColors,
-                           at_x(point.first), at_y(point.second));
+        const double dot_x = at_x(point.first), dot_y = at_y(point.second);
+        svg += fmt::format("<circle class=\"c{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\"/>", i % kColors, dot_x, dot_y);
+        if (k < series.labels.size()) svg += dot_label(series.labels[k], dot_x, dot_y);
       } else {
         points += fmt::format("{:.1f},{:.1f} ", at_x(point.first), at_y(point.second));
       }

@@ -10,7 +10,8 @@ struct Series {
   std::string name;
   std::vector<std::pair<double, double>> points;  ///< in the order they are joined; not finite: a gap
   bool dashed = false;
-  bool dots = false;  ///< points alone, no line
+  bool dots = false;                     ///< points alone, no line
+  std::vector<std::string> labels = {};  ///< of the points, written beside dots; empty: none
 };
 
 struct Plot {

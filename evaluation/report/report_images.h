@@ -24,4 +24,6 @@ float percentile(const Image& image, double share);
 /// jpeg() as "data:image/jpeg;base64,...".
 std::string jpeg_data_uri(const Image& srgb, int quality = 85);
 
+std::string base64(const std::string& bytes);
+
 }  // namespace dualpixel::evaluation

@@ -5,39 +5,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "evaluation/report/page_style.h"
+#include "evaluation/report/page.h"
 #include "evaluation/report/plot.h"
 #include "evaluation/report/table.h"
 
 namespace dualpixel::evaluation {
 namespace {
-
-std::string stack(const std::vector<Picture>& pictures) {
-  std::string html = "<div class=\"stack\">";
-  for (const Picture& picture : pictures) html += html_image(picture);
-  return html + "</div>\n";
-}
-
-std::string flicker(const std::vector<Picture>& views) {
-  return "<figure class=\"flicker pair\">" + stack(views) +
-         "<div class=\"controls\"><button type=\"button\">Flip</button>"
-         "<label><input type=\"checkbox\"> automatically</label><output></output></div><figcaption>" +
-         escape_html(views.front().caption) + "</figcaption></figure>\n";
-}
-
-std::string comparison(const std::vector<Picture>& pictures) {
-  const auto choice = [&](const char* label, std::size_t chosen) {
-    std::string html = fmt::format("<label>{} <select>", label);
-    for (std::size_t i = 0; i < pictures.size(); ++i) {
-      html += fmt::format("<option{}>{}</option>", i == chosen ? " selected" : "", escape_html(pictures[i].title));
-    }
-    return html + "</select></label>";
-  };
-  return "<figure class=\"compare pair\">" + stack(pictures) + "<div class=\"controls\">" + choice("Left:", 0) +
-         "<input type=\"range\" min=\"0\" max=\"100\" step=\"any\" value=\"50\" aria-label=\"Divider\">" +
-         choice("Right:", pictures.size() - 1) + "</div><figcaption>" + escape_html(pictures.front().caption) +
-         "</figcaption></figure>\n";
-}
 
 std::string disparity_table(const std::vector<RegionScore>& regions) {
   Table table{{"region", "coverage", "bias", "RMSE", "> 0.1", "> 0.25", "> 0.5", "fitted scale", "and offset",
@@ -117,12 +90,6 @@ std::string result_html(const ResultSection& result) {
   if (!result.disparity_from.empty()) how += ", disparity: " + result.disparity_from;
   std::string html =
       fmt::format("<h3>{} <span class=\"mode\">{}</span></h3>\n", escape_name(result.name), escape_name(how));
-  html += comparison(result.photographs);
-  if (!result.maps.empty()) {
-    html += "<h4>Maps</h4>\n<div class=\"maps\">\n";
-    for (const Picture& picture : result.maps) html += html_figure(picture);
-    html += "</div>\n";
-  }
   if (result.score) html += score_html(*result.score);
   html += "<h4>Time and memory</h4>\n" + stage_table(result.stages);
   return html + provenance("How this result was made", result.provenance);
@@ -183,10 +150,10 @@ std::string report_page(const std::vector<CaptureSection>& captures) {
   for (const CaptureSection& capture : captures) {
     body +=
         fmt::format("<h2>{}</h2>\n<p class=\"soft\">{}</p>\n", escape_name(capture.name), escape_html(capture.facts));
-    body += flicker(capture.flicker) + provenance("How this capture was made", capture.provenance);
+    body += html_viewer(capture.viewer) + provenance("How this capture was made", capture.provenance);
     for (const ResultSection& result : capture.results) body += result_html(result);
   }
-  return html_page("Dual-pixel portraits", body, "", kReportScript);
+  return html_page("Dual-pixel portraits", body);
 }
 
 }  // namespace dualpixel::evaluation

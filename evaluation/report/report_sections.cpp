@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -18,54 +19,20 @@
 namespace dualpixel::evaluation {
 namespace {
 
-constexpr int kWidestPx = 1344;
-constexpr float kErrorLimitDpPx = 0.5f;
+constexpr double kErrorLimitDpPx = 0.5;
 constexpr float kMostGain = 64;
+constexpr double kFineStep = 1.0 / 256;  ///< of confidence and masks, which need no more
 
-/// Reduces pictures of one capture to the size at which the page shows them.
-struct PageSize {
-  int width = 0;
-  int height = 0;
-
-  explicit PageSize(const Camera& camera) : width(std::min(kWidestPx, camera.width_px)) {
-    height =
-        std::max(1, static_cast<int>(std::lround(static_cast<double>(camera.height_px) * width / camera.width_px)));
-  }
-  Image operator()(const Image& image) const { return resized(image, width, height); }
-};
+/// Pictures as wide as the page shows them.
+Image page_sized(const Image& picture) {
+  const int width = std::min(kViewerWidthPx, picture.width);
+  const double ratio = static_cast<double>(picture.height) / picture.width;
+  return resized(picture, width, std::max(1, static_cast<int>(std::lround(width * ratio))));
+}
 
 /// Brings the brightest hundredth to white; never darkens.
 float display_gain(const Image& linear) {
   return std::clamp(1 / std::max(percentile(linear, 0.99), 1e-6f), 1.0f, kMostGain);
-}
-
-Picture picture(const std::string& title, const std::string& caption, const Image& srgb) {
-  return {title, caption, jpeg_data_uri(srgb)};
-}
-
-Image ramp(float low, float high) {
-  Image values(256, 1);
-  for (int x = 0; x < 256; ++x) values.at(x, 0) = std::lerp(low, high, static_cast<float>(x) / 255);
-  return values;
-}
-
-Picture signed_map(const std::string& title, const std::string& caption, const Image& values, float limit) {
-  return {title,
-          caption,
-          jpeg_data_uri(diverging_colors(values, limit)),
-          jpeg_data_uri(diverging_colors(ramp(-limit, limit), limit)),
-          fmt::format("{:+.1f}", -limit),
-          fmt::format("{:+.1f} DP px", limit)};
-}
-
-Picture gray_map(const std::string& title, const std::string& caption, const Image& values, float limit,
-                 const std::string& unit) {
-  return {title,
-          caption,
-          jpeg_data_uri(gray_levels(values, limit)),
-          jpeg_data_uri(gray_levels(ramp(0, limit), limit)),
-          "0",
-          fmt::format("{:.3g}{}", limit, unit)};
 }
 
 /// Over several lines; bytes that are no UTF-8 are replaced.
@@ -73,15 +40,24 @@ std::string text_of(const nlohmann::json& json) {
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-/// estimate - truth, NaN where the truth is not valid or nothing was estimated.
-Image disparity_error(const Truth& truth, const Image& estimate, const AffineFit& fit) {
-  Image error(estimate.width, estimate.height);
-  for (std::size_t i = 0; i < error.data.size(); ++i) {
-    error.data[i] = truth.valid.data[i] == 1
-                        ? static_cast<float>(fit.scale * estimate.data[i] + fit.offset - truth.disparity_dp_px.data[i])
-                        : std::numeric_limits<float>::quiet_NaN();
+/// Strings that are paths of the machine become paths from the page.
+nlohmann::json with_page_paths(nlohmann::json json, const std::string& page_folder) {
+  if (json.is_string()) {
+    const std::string text = json.get<std::string>();
+    if (text.starts_with('/')) json = path_from_page(text, page_folder);
+  } else if (json.is_structured()) {
+    for (nlohmann::json& entry : json) entry = with_page_paths(entry, page_folder);
   }
-  return error;
+  return json;
+}
+
+/// NaN where nothing was hit.
+Image known_disparity(const Truth& truth) {
+  Image disparity = truth.disparity_dp_px;
+  for (std::size_t i = 0; i < disparity.data.size(); ++i) {
+    if (truth.valid.data[i] != 1) disparity.data[i] = std::numeric_limits<float>::quiet_NaN();
+  }
+  return disparity;
 }
 
 /// A round number of DP px that all but the most extreme disparities stay within.
@@ -114,83 +90,127 @@ std::string facts_of(const Capture& capture) {
   return facts + fmt::format("; {} frame{}", capture.frames.size(), capture.frames.size() == 1 ? "" : "s");
 }
 
-std::vector<Picture> result_maps(const pipeline::PortraitResult& result, const std::optional<Truth>& truth,
-                                 const std::optional<Score>& score, const PageSize& to_page) {
-  std::vector<Picture> maps;
-  if (!result.disparity_dp_px.empty()) {
-    const Image estimate = to_page(result.disparity_dp_px);
-    const Image true_disparity = truth ? to_page(truth->disparity_dp_px) : Image();
-    const float limit = disparity_limit(truth ? true_disparity : estimate);
-    maps.push_back(
-        signed_map("Estimated disparity", "Blue is in front of the focus plane, orange behind.", estimate, limit));
-    if (truth) {
-      const Image seen = disparity_seen_from_first(result, *truth);
-      maps.push_back(signed_map("True disparity", "From geometry and optics.", true_disparity, limit));
-      maps.push_back(signed_map("Error", "Estimate minus truth; gray where nothing was hit.",
-                                to_page(disparity_error(*truth, seen, {})), kErrorLimitDpPx));
-      if (const std::optional<AffineFit>& fit = score->disparity.front().fit) {
-        maps.push_back(signed_map("Error after the affine fit",
-                                  fmt::format("{:.3f} × estimate {:+.3f}, minus truth.", fit->scale, fit->offset),
-                                  to_page(disparity_error(*truth, seen, *fit)), kErrorLimitDpPx));
-      }
+ViewerLayer& layer_named(Viewer& viewer, const std::string& name) {
+  return *std::find_if(viewer.layers.begin(), viewer.layers.end(),
+                       [&](const ViewerLayer& layer) { return layer.name == name; });
+}
+
+/// All that a page can show of a capture and its results, in the order of the keys; what there is none of is left out.
+std::vector<ViewerLayer> report_layers() {
+  using Colors = LayerColors;
+  std::vector<ViewerLayer> layers = {
+      {"Left view", "What the left half-pixels saw in the first frame. What moves between the views is out of focus.",
+       "DN", Colors::light, 0, 1, 1},
+      {"Right view", "What the right half-pixels saw in the first frame.", "DN", Colors::light, 0, 1, 1},
+      {"Picture", "The merged burst, not blurred.", "sRGB"},
+      {"Portrait", "The result.", "sRGB"},
+      {"True photograph", "What a lens with a wider pupil takes of the scene.", "sRGB"},
+      {"Disparity", "As estimated. Blue is in front of the focus plane, orange behind.", "DP px", Colors::diverging},
+      {"True disparity", "From geometry and optics; gray where nothing was hit.", "DP px", Colors::diverging},
+      {"Error", "Estimated minus true disparity.", "DP px", Colors::diverging, 0, kErrorLimitDpPx},
+      {"Confidence", "Of the estimated disparity.", "", Colors::gray, 0, 1, kFineStep},
+      {"Blur radius", "Of the synthetic defocus.", "px", Colors::gray, 0, 1, 1.0 / 16},
+      {"Person mask", "After filtering.", "", Colors::gray, 0, 1, kFineStep},
+      {"Error after fit", "Scale times estimate plus offset, minus truth: the least squares of each result.", "DP px",
+       Colors::diverging, 0, kErrorLimitDpPx}};
+  for (ViewerLayer& layer : layers) {
+    for (const auto& [name, against] : {std::pair{"Left view", "Right view"},
+                                        {"Right view", "Left view"},
+                                        {"Picture", "Portrait"},
+                                        {"Portrait", "True photograph"},
+                                        {"Disparity", "True disparity"}}) {
+      if (layer.name == name) layer.against = against;
     }
-    maps.push_back(gray_map("Confidence", "Of the estimated disparity.", to_page(result.confidence), 1, ""));
   }
-  if (!result.mask.empty()) maps.push_back(gray_map("Person mask", "After filtering.", to_page(result.mask), 1, ""));
-  if (!result.blur_radius_px.empty()) {
-    const Image radius = to_page(result.blur_radius_px);
-    maps.push_back(
-        gray_map("Blur radius", "Of the synthetic defocus.", radius, std::max(1.0f, percentile(radius, 0.995)), " px"));
-  }
-  return maps;
+  return layers;
+}
+
+/// Scale and offset of the affine fit; (1, 0) where there is none.
+std::pair<double, double> fit_of(const std::optional<Score>& score) {
+  if (!score || score->disparity.empty() || !score->disparity.front().fit) return {1, 0};
+  const AffineFit& fit = *score->disparity.front().fit;
+  return {fit.scale, fit.offset};
 }
 
 }  // namespace
 
-CaptureSection make_capture_section(const Capture& capture, const std::string& path) {
-  const Camera& camera = capture.camera;
+std::string path_from_page(const std::string& path, const std::string& folder) {
+  namespace fs = std::filesystem;
+  const fs::path full = fs::absolute(path).lexically_normal();
+  const fs::path relative = full.lexically_relative(fs::absolute(folder).lexically_normal());
+  const auto up = std::count(relative.begin(), relative.end(), fs::path(".."));
+  if (!relative.empty() && up <= 1) return relative.string();
+  return (full.has_filename() ? full : full.parent_path()).filename().string();
+}
+
+CaptureSection make_capture_section(const Capture& capture, const std::string& path, const std::string& page_folder) {
   CaptureSection section;
-  section.name = path;
+  section.name = path_from_page(path, page_folder);
   section.facts = facts_of(capture);
-  const PageSize to_page(camera);
+  section.provenance = text_of(with_page_paths(to_json(capture.provenance, path), page_folder));
+  Viewer& viewer = section.viewer;
+  viewer.width = capture.camera.width_px;
+  viewer.height = capture.camera.height_px;
+  viewer.layers = report_layers();
   const Frame& frame = capture.frames.front();
-  const Image left = to_page(normalized(frame.left, capture.exposure));
-  const Image right = to_page(normalized(frame.right, capture.exposure));
-  const float gain = display_gain(left);
-  const std::string caption = fmt::format(
-      "The two dual-pixel views of the first frame, shown at a gain of {:.3g}. "
-      "What moves between them is out of focus.",
-      gain);
-  section.flicker = {picture("left view", caption, displayed(left, gain)),
-                     picture("right view", caption, displayed(right, gain))};
-  section.provenance = text_of(to_json(capture.provenance, path));
+  const double black = capture.exposure.black_level_dn, range = capture.exposure.white_level_dn - black;
+  const double white = black + range / display_gain(normalized(frame.left, capture.exposure));
+  for (const auto& [name, raw] : {std::pair{"Left view", &frame.left}, {"Right view", &frame.right}}) {
+    ViewerLayer& layer = layer_named(viewer, name);
+    layer.low = black;
+    layer.high = white;
+    Image& numbers = layer.images.emplace_back(raw->width, raw->height);
+    std::copy(raw->data.begin(), raw->data.end(), numbers.data.begin());
+  }
   return section;
 }
 
-ResultSection make_result_section(const Capture& capture, const std::string& capture_path,
-                                  const pipeline::StoredResult& stored, const std::string& result_path) {
+void add_result(CaptureSection& section, const Capture& capture, const std::string& capture_path,
+                const pipeline::StoredResult& stored, const std::string& result_path, const std::string& page_folder) {
   const pipeline::PortraitResult& result = stored.result;
   const std::optional<Truth>& truth = capture.truth;
-  ResultSection section;
-  section.name = result_path;
-  section.provenance = text_of(stored.json["provenance"]);
-  section.stages = result.stages;
-  section.mode = stored.mode;
-  section.disparity_from = disparity_from(stored.json["provenance"]);
-  if (truth) section.score = score_result(capture, capture_path, stored, result_path);
+  ResultSection added;
+  added.name = path_from_page(result_path, page_folder);
+  added.provenance = text_of(with_page_paths(stored.json["provenance"], page_folder));
+  added.stages = result.stages;
+  added.mode = stored.mode;
+  added.disparity_from = disparity_from(with_page_paths(stored.json["provenance"], page_folder));
+  if (truth) added.score = score_result(capture, capture_path, stored, result_path);
 
-  const PageSize to_page(capture.camera);
-  const float gain = display_gain(to_page(truth ? truth->photograph : result.input));
-  const std::string caption = fmt::format("All shown at a gain of {:.3g}. Drag the divider.", gain);
-  const auto add = [&](const char* title, const Image& linear) {
-    section.photographs.push_back(picture(title, caption, displayed(to_page(linear), gain)));
+  Viewer& viewer = section.viewer;
+  const auto add = [&](const char* name, Image image) -> ViewerLayer& {
+    ViewerLayer& layer = layer_named(viewer, name);
+    layer.images.push_back(std::move(image));
+    return layer;
   };
-  add("portrait", result.portrait);
-  add("input, not blurred", result.input);
-  if (truth) add("true photograph", truth->photograph);
-
-  section.maps = result_maps(result, truth, section.score, to_page);
-  return section;
+  const bool first = viewer.results.empty();
+  viewer.results.push_back(added.name);
+  const Image shown = page_sized(truth ? truth->photograph : result.input);
+  const float gain = display_gain(shown);
+  add("Picture", displayed(page_sized(result.input), gain));
+  add("Portrait", displayed(page_sized(result.portrait), gain));
+  if (truth && first) {
+    add("True photograph", displayed(shown, gain));
+    add("True disparity", known_disparity(*truth)).high = disparity_limit(truth->disparity_dp_px);
+  }
+  ViewerLayer& disparity =
+      add("Disparity", truth && !result.disparity_dp_px.empty() ? disparity_seen_from_first(result, *truth)
+                                                                : result.disparity_dp_px);
+  if (truth) {
+    disparity.high = layer_named(viewer, "True disparity").high;
+    if (!result.disparity_dp_px.empty()) {
+      layer_named(viewer, "Error").difference_of = {"Disparity", "True disparity"};
+      layer_named(viewer, "Error after fit").difference_of = {"Disparity", "True disparity"};
+    }
+    layer_named(viewer, "Error after fit").fits.push_back(fit_of(added.score));
+  } else if (!result.disparity_dp_px.empty()) {
+    disparity.high = std::max<double>(disparity_limit(result.disparity_dp_px), first ? 0 : disparity.high);
+  }
+  add("Confidence", result.confidence);
+  ViewerLayer& radius = add("Blur radius", result.blur_radius_px);
+  radius.high = std::max<double>(radius.high, percentile(result.blur_radius_px, 0.995));
+  add("Person mask", result.mask);
+  section.results.push_back(std::move(added));
 }
 
 }  // namespace dualpixel::evaluation

@@ -6,6 +6,7 @@
 
 #include "capture/error.h"
 #include "evaluation/metrics/scoring.h"
+#include "evaluation/report/report_sections.h"
 #include "tests/pipeline/portrait/synthetic.h"
 #include "tests/temporary_folder.h"
 #include "tools/commands/commands.h"
@@ -32,29 +33,38 @@ std::string between(const std::string& text, const std::string& open, const std:
 const std::string kHostile = "a</pre><script>alert(1)</script>\n\"'><img src=x onerror=alert(2)>\xff&";
 
 std::vector<evaluation::CaptureSection> hostile_sections() {
-  const evaluation::Picture picture{kHostile, kHostile, "data:image/jpeg;base64,AAAA", "data:image/jpeg;base64,AAAA",
-                                    kHostile, kHostile};
   const Capture capture = pipeline::synthetic_capture();
   pipeline::StoredResult stored = pipeline::synthetic_stored(capture);
   stored.result.stages[0].name = kHostile;
   stored.mode = kHostile;
-  evaluation::ResultSection result{kHostile, kHostile, kHostile, {picture, picture}, {picture}, {}, {}, {}};
+  evaluation::ResultSection result{kHostile, kHostile, kHostile, {}, {}, {}};
   result.score = evaluation::score_result(capture, kHostile, stored, kHostile);
   result.score->notes.push_back(kHostile);
   result.stages = {{kHostile, 1, 2}};
   result.provenance = kHostile;
-  return {{kHostile, kHostile, {picture, picture}, kHostile, {result}}};
+  evaluation::Viewer viewer{64, 48, {kHostile, kHostile}, {}};
+  viewer.layers = {{kHostile, kHostile, kHostile, evaluation::LayerColors::picture},
+                   {kHostile, kHostile, kHostile, evaluation::LayerColors::gray}};
+  viewer.layers[0].images = {Image(64, 48, 3), Image(64, 48, 3, 0.5f)};
+  viewer.layers[1].images = {Image(64, 48)};
+  return {{kHostile, kHostile, kHostile, viewer, {result}}};
+}
+
+/// Whatever the program does not bring itself: the text of the page without its style and script.
+std::string without_own_files(const std::string& page) {
+  const std::size_t style = page.find("<style"), body = page.find("</style>");
+  return page.substr(0, style) + page.substr(body, page.find("<script nonce") - body);
 }
 
 TEST(ReportPage, EscapesEveryName) {
-  const std::string page = evaluation::report_page(hostile_sections());
-  EXPECT_EQ(count(page, "<script"), 1);
+  const std::string page = without_own_files(evaluation::report_page(hostile_sections()));
+  EXPECT_EQ(count(page, "<script"), 1);  // the viewer's data, which is no script
+  EXPECT_EQ(count(page, "<script type=\"application/json\">"), 1);
   EXPECT_EQ(count(page, "</script>"), 1);
-  EXPECT_EQ(count(page, "onerror=alert(2)>"), 0);
-  // Each picture that is meant to be there: two views, two photographs, a map and its color bar.
-  EXPECT_EQ(count(page, "<img "), 6);
+  EXPECT_EQ(count(page, "onerror=alert(2)>"), count(page, "\\u003cimg src=x onerror=alert(2)>"));
+  EXPECT_EQ(count(page, "<img "), 2);  // the two pictures that are meant to be there
   EXPECT_EQ(count(page, "<pre>"), count(page, "</pre>"));
-  EXPECT_EQ(count(page, "alert(1)&lt;/script&gt;"), count(page, "alert(1)"));
+  EXPECT_EQ(count(page, "alert(1)&lt;/script&gt;") + count(page, "alert(1)\\u003c/script>"), count(page, "alert(1)"));
 }
 
 TEST(ReportPage, ForbidsWhateverItDoesNotBring) {
@@ -65,10 +75,12 @@ TEST(ReportPage, ForbidsWhateverItDoesNotBring) {
   EXPECT_EQ(policy, "default-src 'none'; img-src data:; style-src 'nonce-" + nonce + "'; script-src 'nonce-" + nonce +
                         "'; base-uri 'none'; form-action 'none'");
   EXPECT_EQ(between(page, "<style nonce=\"", "\""), nonce);
-  EXPECT_EQ(page.find("http:"), std::string::npos);
-  EXPECT_EQ(page.find("https:"), std::string::npos);
-  EXPECT_EQ(count(page, " style="), 0);  // the policy would drop them
-  EXPECT_EQ(count(page, "src="), count(page, "src=\"data:image/jpeg;base64,") + count(page, "img src=x onerror"));
+  EXPECT_EQ(count(page, "<script nonce"), 1);
+  const std::string own = without_own_files(page);
+  EXPECT_EQ(own.find("http:"), std::string::npos);
+  EXPECT_EQ(own.find("https:"), std::string::npos);
+  EXPECT_EQ(count(own, " style="), 0);  // the policy would drop them
+  EXPECT_EQ(count(own, "src="), count(own, "src=\"data:image/jpeg;base64,") + count(own, "img src=x onerror"));
 }
 
 TEST(ReportPage, ShowsTheFigures) {
@@ -78,6 +90,16 @@ TEST(ReportPage, ShowsTheFigures) {
     EXPECT_NE(page.find(std::string("<td>") + region + "</td>"), std::string::npos) << region;
   }
   EXPECT_NE(page.find("AIWE(1)"), std::string::npos);
+}
+
+using Names = std::vector<std::string>;
+
+/// Of the layers of the page's only viewer.
+Names layer_names(const std::string& page) {
+  const auto json = nlohmann::json::parse(between(page, "<script type=\"application/json\">", "</script>"));
+  Names names;
+  for (const nlohmann::json& layer : json.at("layers")) names.push_back(layer.at("name"));
+  return names;
 }
 
 /// `dualpixel report ARGUMENTS...`, in this process.
@@ -98,10 +120,13 @@ TEST(Report, IsWrittenFromFoldersWithHostileNames) {
   pipeline::write_result(pipeline::synthetic_result(capture), {{"mode", "dp"}, {"capture", capture_path}}, result_path);
   run_report({result_path, "-o", folder / "report.html"});
   const std::string page = read_bytes(folder / "report.html");
-  EXPECT_EQ(count(page, "<script"), 1);
+  EXPECT_EQ(count(page, "<script nonce"), 1);
   EXPECT_EQ(count(page, "<img src=x"), 0);
-  // Two views, three photographs, estimate, truth, two errors, confidence and blur radius with a bar each.
-  EXPECT_EQ(count(page, "<img "), 2 + 3 + 6 * 2);
+  EXPECT_EQ(page.find(folder.path), std::string::npos);  // paths are those from the page
+  // The picture, the portrait and the true photograph; the rest are maps.
+  EXPECT_EQ(count(page, "<img "), 3);
+  EXPECT_EQ(layer_names(page), (Names{"Left view", "Right view", "Picture", "Portrait", "True photograph", "Disparity",
+                                      "True disparity", "Error", "Confidence", "Blur radius", "Error after fit"}));
 }
 
 TEST(Report, OfRealDataHasNoTruth) {
@@ -112,9 +137,16 @@ TEST(Report, OfRealDataHasNoTruth) {
   write_capture(capture, folder / "c");
   pipeline::write_result(result, {{"mode", "dp"}}, folder / "r");
   run_report({folder / "r", "-o", folder / "report.html", "--capture", folder / "c"});
-  const std::string page = read_bytes(folder / "report.html");
-  EXPECT_EQ(count(page, "<img "), 2 + 2 + 3 * 2);
-  EXPECT_EQ(page.find("true photograph<"), std::string::npos);
+  EXPECT_EQ(layer_names(read_bytes(folder / "report.html")),
+            (Names{"Left view", "Right view", "Picture", "Portrait", "Disparity", "Confidence", "Blur radius"}));
+}
+
+TEST(Report, ShowsPathsAsThePageSeesThem) {
+  EXPECT_EQ(evaluation::path_from_page("/a/out/dp", "/a/out"), "dp");
+  EXPECT_EQ(evaluation::path_from_page("/a/out/x/../dp/", "/a/out"), "dp/");
+  EXPECT_EQ(evaluation::path_from_page("/a/capture", "/a/out"), "../capture");
+  EXPECT_EQ(evaluation::path_from_page("/home/somebody/capture", "/a/out"), "capture");
+  EXPECT_EQ(evaluation::path_from_page("/home/somebody/capture/", "/a/out"), "capture");
 }
 
 TEST(Report, NamesWhatIsMissing) {

@@ -31,6 +31,7 @@ void add_fit_camera(CLI::App& program);
 void add_plan(CLI::App& program);
 /// --tolerance-px of `plan` and of `simulate --auto`.
 CLI::Option* add_tolerance_option(CLI::App& command, double& tolerance_dp_px);
+void add_chart(CLI::App& program);
 void add_bench(CLI::App& program);
 /// `experiment`, whose subcommands each measure one thing over a sweep, and write JSON and a page of charts.
 void add_experiment(CLI::App& program);

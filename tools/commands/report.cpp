@@ -26,7 +26,7 @@ struct ReportOptions {
 
 /// What a result was made from: a capture's folder, or a plain pair.
 struct Source {
-  std::string name;  ///< on the page
+  std::string name;  ///< a path
   std::optional<pipeline::PlainPair> pair;
 };
 
@@ -74,15 +74,18 @@ Capture read_source(const Source& source) {
 }
 
 void run(const ReportOptions& options) {
+  const std::string page_folder = std::filesystem::absolute(options.output).parent_path().string();
   std::vector<evaluation::CaptureSection> sections;
+  std::string latest;
   Capture capture;
   for (const std::string& path : options.results) {
     const pipeline::StoredResult stored = pipeline::read_result(path);
     const Source source = source_of(stored, options.capture, path);
     if (!source.pair) pipeline::require_own_capture(stored, source.name, path);
-    if (sections.empty() || sections.back().name != source.name) {
+    if (sections.empty() || latest != source.name) {
       capture = read_source(source);
-      sections.push_back(evaluation::make_capture_section(capture, source.name));
+      sections.push_back(evaluation::make_capture_section(capture, source.name, page_folder));
+      latest = source.name;
     }
     if (stored.result.input.width != capture.camera.width_px ||
         stored.result.input.height != capture.camera.height_px) {
@@ -90,7 +93,7 @@ void run(const ReportOptions& options) {
                                    stored.result.input.width, stored.result.input.height, printable(source.name),
                                    capture.camera.width_px, capture.camera.height_px));
     }
-    sections.back().results.push_back(evaluation::make_result_section(capture, source.name, stored, path));
+    evaluation::add_result(sections.back(), capture, source.name, stored, path, page_folder);
   }
   replace_file(options.output, evaluation::report_page(sections));
 }

@@ -1,0 +1,147 @@
+#include "evaluation/chart/chart.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "capture/error.h"
+
+namespace dualpixel::evaluation {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kFormat = "dualpixel-chart";
+constexpr int kVersion = 1;
+constexpr double kLeastTimeChange = 0.10, kLeastErrorChange = 0.01;
+constexpr double kStandardErrors = 3;
+
+Json json_of(const Measured& measured) {
+  Json json = {{"value", measured.value}};
+  if (measured.standard_error) json["standard_error"] = *measured.standard_error;
+  return json;
+}
+
+Measured measured_of(const nlohmann::json& json) {
+  Measured measured{json.at("value").get<double>()};
+  if (json.contains("standard_error")) measured.standard_error = json["standard_error"].get<double>();
+  return measured;
+}
+
+bool differs(const Measured& before, const Measured& now, double least) {
+  const double change = std::abs(now.value - before.value);
+  const double noise = std::hypot(before.standard_error.value_or(0), now.standard_error.value_or(0));
+  return change > least * std::abs(before.value) && change > kStandardErrors * noise;
+}
+
+template <typename Entry>
+const Entry* find_by(const std::vector<Entry>& entries, std::string Entry::*name, const std::string& wanted) {
+  const auto found =
+      std::find_if(entries.begin(), entries.end(), [&](const Entry& entry) { return entry.*name == wanted; });
+  return found != entries.end() ? &*found : nullptr;
+}
+
+}  // namespace
+
+std::vector<bool> pareto_front(const std::vector<ChartPoint>& points) {
+  std::vector<bool> front;
+  for (const ChartPoint& point : points) {
+    front.push_back(std::none_of(points.begin(), points.end(), [&](const ChartPoint& other) {
+      const bool no_worse = other.error.value <= point.error.value && other.time.value <= point.time.value;
+      return no_worse && (other.error.value < point.error.value || other.time.value < point.time.value);
+    }));
+  }
+  return front;
+}
+
+Measured mean_of(const std::vector<double>& repetitions) {
+  const auto n = static_cast<double>(repetitions.size());
+  const double mean = std::accumulate(repetitions.begin(), repetitions.end(), 0.0) / n;
+  if (repetitions.size() < 2) return {mean};
+  double squares = 0;
+  for (const double value : repetitions) squares += (value - mean) * (value - mean);
+  return {mean, std::sqrt(squares / (n - 1) / n)};
+}
+
+Json to_json(const Chart& chart) {
+  Json json = {{"format", kFormat},         {"version", kVersion},       {"program", chart.version},
+               {"machine", chart.machine},  {"quick", chart.quick},      {"complete", chart.complete},
+               {"sections", Json::array()}, {"left_out", chart.left_out}};
+  for (const ChartSection& section : chart.sections) {
+    Json points = Json::array();
+    for (const ChartPoint& point : section.points) {
+      points.push_back({{"name", point.name}, {"error", json_of(point.error)}, {"time", json_of(point.time)}});
+      if (point.is_default) points.back()["default"] = true;
+    }
+    json["sections"].push_back({{"title", section.title},
+                                {"stage", section.stage},
+                                {"note", section.note},
+                                {"error_unit", section.error_unit},
+                                {"time_unit", section.time_unit},
+                                {"points", points}});
+  }
+  return json;
+}
+
+Chart read_chart(const nlohmann::json& json, const std::string& file) {
+  try {
+    if (json.at("format") != kFormat || json.at("version") != kVersion) {
+      throw InputError(fmt::format("{}: /format, /version: must be \"{}\" and {}", printable(file), kFormat, kVersion));
+    }
+    Chart chart{json.at("quick"), json.at("program"), json.at("machine"), {}, json.at("left_out"), json.at("complete")};
+    for (const nlohmann::json& section : json.at("sections")) {
+      ChartSection& read = chart.sections.emplace_back(ChartSection{section.at("title"),
+                                                                    section.at("note"),
+                                                                    section.at("error_unit"),
+                                                                    section.at("time_unit"),
+                                                                    {},
+                                                                    section.at("stage")});
+      for (const nlohmann::json& point : section.at("points")) {
+        read.points.push_back({point.at("name"), measured_of(point.at("error")), measured_of(point.at("time")),
+                               point.value("default", false)});
+      }
+    }
+    return chart;
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(printable(file) + ": is no chart's JSON: " + printable(error.what()));
+  }
+}
+
+std::vector<ChartChange> compare(const Chart& before, const Chart& now) {
+  std::vector<ChartChange> changes;
+  for (const ChartSection& section : now.sections) {
+    const ChartSection* old_section = find_by(before.sections, &ChartSection::title, section.title);
+    if (!old_section || old_section->error_unit != section.error_unit || old_section->time_unit != section.time_unit) {
+      continue;
+    }
+    for (const ChartPoint& point : section.points) {
+      const ChartPoint* old = find_by(old_section->points, &ChartPoint::name, point.name);
+      if (!old) continue;
+      const auto add = [&](const char* figure, Measured ChartPoint::*of, double least) {
+        if (differs(old->*of, point.*of, least)) {
+          changes.push_back({section.title, point.name, figure, (old->*of).value, (point.*of).value});
+        }
+      };
+      add("error", &ChartPoint::error, kLeastErrorChange);
+      add("time", &ChartPoint::time, kLeastTimeChange);
+    }
+  }
+  std::stable_partition(changes.begin(), changes.end(), [](const ChartChange& change) { return change.worse(); });
+  return changes;
+}
+
+std::string to_text(const std::vector<ChartChange>& changes) {
+  if (changes.empty()) return "nothing changed by more than noise\n";
+  std::string text;
+  for (const ChartChange& change : changes) {
+    text += fmt::format("{:<6} {}, {}: {} {:.4g}, was {:.4g} ({:+.1f} %)\n", change.worse() ? "worse" : "better",
+                        printable(change.section), printable(change.point), change.figure, change.now, change.before,
+                        100 * (change.now / change.before - 1));
+  }
+  return text;
+}
+
+}  // namespace dualpixel::evaluation

@@ -1,0 +1,66 @@
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// Speed against accuracy, stage by stage: the page of `dualpixel chart`, the JSON beside it, and what has changed
+/// since an older one.
+namespace dualpixel::evaluation {
+
+/// A mean over repetitions with its standard error; none where it was measured once.
+struct Measured {
+  double value = 0;
+  std::optional<double> standard_error = {};
+};
+
+/// One setting of a stage. Smaller is better in both.
+struct ChartPoint {
+  std::string name;
+  Measured error, time;
+  bool is_default = false;
+};
+
+struct ChartSection {
+  std::string title;
+  std::string note;  ///< what was measured on what, and what repetitions are
+  std::string error_unit, time_unit;
+  std::vector<ChartPoint> points;
+  std::string stage = {};  ///< of chart_stages() that measured it
+};
+
+struct Chart {
+  bool quick = false;
+  std::string version;  ///< of the program
+  std::string machine;  ///< processor and threads
+  std::vector<ChartSection> sections;
+  std::vector<std::string> left_out;  ///< what a reader may miss, and why
+  bool complete = false;
+};
+
+/// Whether no other point has both less error and less time, one of them strictly; in the points' order.
+std::vector<bool> pareto_front(const std::vector<ChartPoint>& points);
+
+/// The mean of repetitions, with its standard error where there are two or more.
+Measured mean_of(const std::vector<double>& repetitions);
+
+nlohmann::ordered_json to_json(const Chart& chart);
+/// Throws InputError that names `file`.
+Chart read_chart(const nlohmann::json& json, const std::string& file);
+std::string to_page(const Chart& chart);
+
+/// A figure of one setting that differs from an older chart's by more than noise explains.
+struct ChartChange {
+  std::string section, point, figure;  ///< figure: "error" or "time"
+  double before = 0, now = 0;
+  bool worse() const { return now > before; }
+};
+
+/// Noise: three standard errors of the difference, where both have them. Time counts from 10 % on, error from 1 %,
+/// since machines vary and rounding does. Settings that only one of the charts has are passed over.
+std::vector<ChartChange> compare(const Chart& before, const Chart& now);
+
+/// One line a change, what got worse first.
+std::string to_text(const std::vector<ChartChange>& changes);
+
+}  // namespace dualpixel::evaluation

@@ -1,0 +1,100 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "capture/error.h"
+#include "evaluation/chart/chart.h"
+#include "evaluation/report/page.h"
+#include "evaluation/report/plot.h"
+#include "evaluation/report/table.h"
+
+namespace dualpixel::evaluation {
+namespace {
+
+constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
+
+/// Whether a logarithmic axis shows more than a linear one would.
+bool spans_decades(const std::vector<ChartPoint>& points, Measured ChartPoint::*of) {
+  double low = std::numeric_limits<double>::infinity(), high = 0;
+  for (const ChartPoint& point : points) {
+    low = std::min(low, (point.*of).value);
+    high = std::max(high, (point.*of).value);
+  }
+  return high > 4 * low && low > 0;
+}
+
+/// The front and the default bear their names; the table below holds all.
+Plot plot_of(const ChartSection& section) {
+  const std::vector<bool> front = pareto_front(section.points);
+  Plot plot;
+  plot.title = section.title;
+  plot.x_label = "time, " + section.time_unit;
+  plot.y_label = "error, " + section.error_unit;
+  plot.wide = true;
+  plot.log_x = spans_decades(section.points, &ChartPoint::time);
+  plot.log_y = spans_decades(section.points, &ChartPoint::error);
+  Series others{"others", {}, false, true}, best{"Pareto front", {}, false, true}, chosen{"default", {}, false, true};
+  Series line{"", {}}, errors{"± one standard error", {}};
+  std::vector<std::pair<double, double>> front_points;
+  for (std::size_t i = 0; i < section.points.size(); ++i) {
+    const ChartPoint& point = section.points[i];
+    Series& dots = point.is_default ? chosen : front[i] ? best : others;
+    dots.points.emplace_back(point.time.value, point.error.value);
+    if (point.is_default || front[i]) dots.labels.push_back(point.name);
+    if (front[i]) front_points.emplace_back(point.time.value, point.error.value);
+    if (point.error.standard_error) {
+      const double half = *point.error.standard_error;
+      for (const double end : {point.error.value - half, point.error.value + half}) {
+        errors.points.emplace_back(point.time.value, end);
+      }
+      errors.points.emplace_back(kGap, kGap);
+    }
+  }
+  std::sort(front_points.begin(), front_points.end());
+  line.points = front_points;
+  line.dashed = true;
+  plot.series = {best, chosen, others, errors, line};
+  plot.series.erase(std::remove_if(plot.series.begin(), plot.series.end(),
+                                   [](const Series& series) { return series.points.empty(); }),
+                    plot.series.end());
+  return plot;
+}
+
+std::string text_of(const Measured& measured) {
+  if (!measured.standard_error) return fmt::format("{:.4g}", measured.value);
+  return fmt::format("{:.4g} ± {:.2g}", measured.value, *measured.standard_error);
+}
+
+Table table_of(const ChartSection& section) {
+  const std::vector<bool> front = pareto_front(section.points);
+  Table table{{"setting", "error, " + section.error_unit, "time, " + section.time_unit, "on the front", "default"}, {}};
+  for (std::size_t i = 0; i < section.points.size(); ++i) {
+    const ChartPoint& point = section.points[i];
+    table.rows.push_back(
+        {point.name, text_of(point.error), text_of(point.time), front[i] ? "yes" : "", point.is_default ? "yes" : ""});
+  }
+  return table;
+}
+
+}  // namespace
+
+std::string to_page(const Chart& chart) {
+  std::string body = fmt::format(
+      "<h1>Speed against accuracy</h1>\n<p>{}{}; dualpixel {}. To the left and down is better; a setting on the Pareto "
+      "front has no other that is both faster and more accurate.</p>\n",
+      escape_name(chart.machine), chart.quick ? ", in short" : "", escape_name(chart.version));
+  for (const ChartSection& section : chart.sections) {
+    body += "<h2>" + escape_name(section.title) + "</h2>\n<p class=\"soft\">" +
+            escape_html(printable(section.note, 1000)) + "</p>\n" + html_plots({plot_of(section)}) +
+            html_table(table_of(section));
+  }
+  if (!chart.left_out.empty()) {
+    body += "<h2>Not on this page</h2>\n<ul>";
+    for (const std::string& line : chart.left_out) body += "<li>" + escape_html(printable(line, 1000)) + "</li>";
+    body += "</ul>\n";
+  }
+  return html_page("Speed against accuracy", body);
+}
+
+}  // namespace dualpixel::evaluation

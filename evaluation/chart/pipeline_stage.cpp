@@ -1,0 +1,129 @@
+#include "evaluation/chart/pipeline_stage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "capture/capture.h"
+#include "capture/timing.h"
+#include "evaluation/metrics/scoring.h"
+#include "evaluation/simulated_scene.h"
+#include "pipeline/portrait/result_io.h"
+#include "pipeline/portrait/run_portrait.h"
+
+namespace dualpixel::evaluation {
+namespace {
+
+/// One burst of portrait.json. Seeds differ in all noise, the rendering's included.
+Capture chart_capture(const ChartInput& input, int seed) {
+  const int width = input.quick ? 448 : 1344;
+  return simulate_scene(input.scenes_folder + "/portrait.json",
+                        {fmt::format("sensor.width_px={}", width), fmt::format("sensor.height_px={}", width * 3 / 4),
+                         fmt::format("render.seed={}", seed)});
+}
+
+/// A way to run the pipeline, and its figures on each capture.
+struct Setting {
+  std::string name;
+  pipeline::PortraitOptions options;
+  std::string mode;
+  std::size_t frames = 0;  ///< 0: all
+  bool is_default = false;
+  std::vector<double> cpu_ms, disparity_dp_px, portrait_percent;
+};
+
+std::vector<Setting> mode_settings() {
+  std::vector<Setting> settings;
+  for (const auto& mode : pipeline::kModes) {
+    for (const pipeline::Matcher& matcher : pipeline::matchers()) {
+      const bool first = &matcher == &pipeline::matchers().front();
+      if (mode.value == pipeline::Mode::seg && !first) continue;  // matches nothing
+      Setting& setting = settings.emplace_back();
+      setting.mode = mode.name;
+      setting.name = setting.mode;
+      if (mode.value != pipeline::Mode::seg) setting.name += fmt::format(", {}", matcher.name);
+      setting.options = pipeline::default_options(matcher.name);
+      setting.options.mode = mode.value;
+      setting.is_default = first && mode.value == pipeline::PortraitOptions().mode;
+    }
+  }
+  return settings;
+}
+
+std::vector<Setting> frame_settings() {
+  std::vector<Setting> settings;
+  for (const std::size_t frames : {1, 2, 4, 9}) {
+    Setting& setting = settings.emplace_back();
+    setting.name = fmt::format("{} frame{}", frames, frames == 1 ? "" : "s");
+    setting.mode = "dp";
+    setting.frames = frames;
+    setting.is_default = frames == 9;  // as portrait.json has it
+  }
+  return settings;
+}
+
+void run(Setting& setting, const Capture& whole) {
+  Capture capture = whole;
+  if (setting.frames > 0) capture.frames.resize(std::min(setting.frames, capture.frames.size()));
+  std::optional<Image> mask;
+  if (setting.options.mode != pipeline::Mode::dp) mask = capture.truth->person_mask;
+  pipeline::StoredResult stored;
+  stored.mode = setting.mode;
+  stored.json = {{"provenance", {{"mode", setting.mode}}}, {"stages", nlohmann::json::array()}};
+  setting.cpu_ms.push_back(
+      1e3 * cpu_seconds([&] { stored.result = pipeline::run_portrait(capture, setting.options, mask); }));
+  const Score score = score_result(capture, "capture", stored, "result");
+  if (!score.disparity.empty() && score.disparity.front().rmse_affine_px) {
+    setting.disparity_dp_px.push_back(*score.disparity.front().rmse_affine_px);
+  }
+  if (score.portrait && score.portrait->psnr_srgb_db) {
+    setting.portrait_percent.push_back(100 * std::pow(10, -*score.portrait->psnr_srgb_db / 20));
+  }
+}
+
+ChartSection section_of(const std::string& title, const std::string& note, const std::string& unit,
+                        const std::vector<Setting>& settings, std::vector<double> Setting::*error) {
+  ChartSection section{title, note, unit, "CPU ms", {}};
+  for (const Setting& setting : settings) {
+    if ((setting.*error).empty()) continue;
+    section.points.push_back({setting.name, mean_of(setting.*error), mean_of(setting.cpu_ms), setting.is_default});
+  }
+  return section;
+}
+
+}  // namespace
+
+std::vector<ChartSection> measure_pipeline(const ChartInput& input) {
+  const int seeds = input.quick ? 3 : 6;
+  std::vector<Setting> modes = mode_settings(), frames = frame_settings();
+  std::string size;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    const Capture capture = chart_capture(input, seed);
+    size = fmt::format("{} x {}", capture.camera.width_px, capture.camera.height_px);
+    if (seed == 1) pipeline::run_portrait(capture);  // what is made once is made before the clock runs
+    for (std::vector<Setting>* settings : {&modes, &frames}) {
+      for (Setting& setting : *settings) run(setting, capture);
+    }
+  }
+  const std::string note = fmt::format(
+      "Bursts of portrait.json, {} photosites; means and standard errors over seeds 1 to {}. Masks are the true ones; "
+      "finding people is not in the time.",
+      size, seeds);
+  return {section_of("Whole pipeline: portrait",
+                     note + " Error: RMS difference from the true photograph in sRGB, of white.", "%", modes,
+                     &Setting::portrait_percent),
+          section_of("Whole pipeline: disparity", note + " Error: RMSE after the affine fit, AIWE(2).", "DP px", modes,
+                     &Setting::disparity_dp_px),
+          section_of("Burst merge", note + " Mode dp; error: RMSE of disparity after the affine fit.", "DP px", frames,
+                     &Setting::disparity_dp_px)};
+}
+
+std::string write_chart_capture(const ChartInput& input) {
+  std::string folder = input.scratch + "/capture";
+  write_capture(chart_capture(input, 1), folder);
+  return folder;
+}
+
+}  // namespace dualpixel::evaluation

@@ -1,0 +1,136 @@
+#include "evaluation/chart/stages.h"
+
+#include <fmt/format.h>
+
+#include "capture/json_fields.h"
+#include "evaluation/benchmarks/disparity_benchmark.h"
+#include "evaluation/benchmarks/lens_benchmark.h"
+#include "evaluation/benchmarks/render_benchmark.h"
+#include "evaluation/benchmarks/smoothing_benchmark.h"
+#include "evaluation/chart/pipeline_stage.h"
+#include "evaluation/experiments/calibration_cost.h"
+#include "pipeline/disparity/matchers.h"
+#include "simulator/scene_file.h"
+
+namespace dualpixel::evaluation {
+namespace {
+
+std::vector<ChartSection> measure_renderer(const ChartInput& input) {
+  RenderBenchmarkOptions options;
+  if (input.quick) options = {.reference_samples = 256, .most_samples = 32};
+  const SceneRenderBenchmark benchmark =
+      measure_rendering(input.scenes_folder + "/slanted_planes.json", options, [](double) {});
+  ChartSection section{"Renderer",
+                       "24 patches of slanted_planes.json, each way of sampling at growing counts; one run each, "
+                       "against a converged reference.",
+                       "of the sensor's noise",
+                       "CPU s",
+                       {}};
+  for (const RenderCurve& curve : benchmark.curves) {
+    if (curve.name == "Embree alone") continue;  // no renderer
+    for (const RenderRun& run : curve.runs) {
+      section.points.push_back({fmt::format("{}, {:.3g} spp", curve.name, run.samples), {run.error}, {run.time_s}});
+    }
+  }
+  return {section};
+}
+
+std::vector<ChartSection> measure_lens_models(const ChartInput& input) {
+  std::vector<std::string> files = {input.lenses_folder + "/phone_6p_4.2mm_f1.8.json"};
+  if (!input.quick) {
+    files.push_back(input.lenses_folder + "/phone_7p_4.9mm_f1.85.json");
+    files.push_back(input.lenses_folder + "/full_frame_50mm_f1.8.json");
+  }
+  std::vector<ChartSection> sections;
+  for (const LensBenchmark& lens : measure_lenses(files, input.scenes_folder + "/slanted_planes.json")) {
+    ChartSection& section = sections.emplace_back(
+        ChartSection{"Lens models: " + lens.lens,
+                     "Disparity over the field and over depths against the exact trace, whose own error is none and "
+                     "is left out; time of a sample of slanted_planes.json on one core, once.",
+                     "DP px",
+                     "ns a sample",
+                     {}});
+    for (const LensModelCost& model : lens.models) {
+      if (model.disparity_error_dp_px == 0) continue;
+      section.points.push_back({model.model, {model.disparity_error_dp_px}, {1e9 / model.samples_per_core_s}});
+    }
+  }
+  return sections;
+}
+
+std::vector<ChartSection> measure_matchers(const ChartInput& input) {
+  std::vector<std::string> scenes = {input.scenes_folder + "/slanted_planes.json",
+                                     input.scenes_folder + "/occlusion_edges.json"};
+  if (!input.quick) scenes.push_back(input.scenes_folder + "/portrait.json");
+  const DisparityBenchmark benchmark = measure_disparity(scenes);
+  ChartSection section{"Matchers",
+                       fmt::format("RMSE of what was answered, and wall time with all threads at 1344 x 1008; standard "
+                                   "errors over {} scenes. OpenCV's matchers where the build has them.",
+                                   scenes.size()),
+                       "DP px",
+                       "ms",
+                       {}};
+  for (std::size_t i = 0; i < benchmark.scenes.front().methods.size(); ++i) {
+    std::vector<double> errors, ms;
+    for (const DisparityBenchmark::Scene& scene : benchmark.scenes) {
+      errors.push_back(scene.methods[i].rmse_dp_px);
+      ms.push_back(scene.methods[i].ms);
+    }
+    const std::string& name = benchmark.scenes.front().methods[i].method;
+    section.points.push_back({name, mean_of(errors), mean_of(ms), name == pipeline::matchers().front().name});
+  }
+  return {section};
+}
+
+std::vector<ChartSection> measure_solver(const ChartInput& input) {
+  const SmoothingBenchmark benchmark = measure_smoothing(write_chart_capture(input));
+  ChartSection section{"Solver and upsampling",
+                       "Smoothing of the paper matcher's disparity of one small portrait.json, fitted to the truth; "
+                       "one run each.",
+                       "DP px",
+                       "CPU ms",
+                       {}};
+  for (const SmoothingComparison& method : benchmark.methods) {
+    section.points.push_back(
+        {method.family + ": " + method.name, {method.matched.errors.rmse_dp_px}, {method.matched.cpu_ms}});
+  }
+  return {section};
+}
+
+std::vector<ChartSection> measure_calibration(const ChartInput& input) {
+  const std::string file = input.scenes_folder + "/portrait.json";
+  nlohmann::json json = read_json_file(file);
+  const CalibrationCost cost = measure_calibration_cost(simulator::read_simulation(json, file), [](double) {});
+  ChartSection section{"Calibration",
+                       "Deviation of a plane's disparity over the field that is left after correction, over the "
+                       "photographs that were taken.",
+                       "DP px",
+                       "photographs",
+                       {}};
+  for (const CalibrationEffort& effort : cost.efforts) {
+    section.points.push_back(
+        {effort.axis + " " + effort.value, {effort.residual_dp_px}, {static_cast<double>(effort.photographs())}});
+  }
+  return {section};
+}
+
+}  // namespace
+
+const std::vector<ChartStage>& chart_stages() {
+  static const std::vector<ChartStage> stages = {
+      {"pipeline", true, measure_pipeline},       {"renderer", true, measure_renderer},
+      {"lens models", true, measure_lens_models}, {"matchers", true, measure_matchers},
+      {"solver", true, measure_solver},           {"calibration", false, measure_calibration}};
+  return stages;
+}
+
+std::vector<std::string> chart_left_out(bool quick) {
+  std::vector<std::string> lines = {
+      "Defocus renderers: bench defocus times them and experiment defocus judges them, but not on the same pictures.",
+      "Segmentation: needs a folder of pictures with masks; experiment segmentation judges it.",
+      "Cycles: tools/compare_cycles.py runs it."};
+  if (quick) lines.insert(lines.begin(), "Calibration: takes minutes; without --quick it is here.");
+  return lines;
+}
+
+}  // namespace dualpixel::evaluation

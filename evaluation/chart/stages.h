@@ -1,0 +1,23 @@
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "evaluation/chart/chart.h"
+#include "evaluation/chart/chart_input.h"
+
+/// What `dualpixel chart` measures, stage by stage, by the benchmarks and experiments that exist.
+namespace dualpixel::evaluation {
+
+struct ChartStage {
+  std::string name;
+  bool in_quick = true;
+  std::function<std::vector<ChartSection>(const ChartInput&)> measure;
+};
+
+const std::vector<ChartStage>& chart_stages();
+
+/// What no section shows, and why.
+std::vector<std::string> chart_left_out(bool quick);
+
+}  // namespace dualpixel::evaluation

@@ -1,0 +1,10 @@
+#pragma once
+#include <string_view>
+
+/// The files of evaluation/report/web, which the program holds: all pages inline them.
+namespace dualpixel::evaluation {
+
+std::string_view page_style();   ///< page.css
+std::string_view page_script();  ///< page.js
+
+}  // namespace dualpixel::evaluation

@@ -1,0 +1,74 @@
+#include "evaluation/chart/chart.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "capture/error.h"
+
+namespace dualpixel::evaluation {
+namespace {
+
+Chart small_chart() {
+  Chart chart{true, "0.1", "a machine", {}, {"nothing"}, true};
+  chart.sections = {
+      {"Matchers",
+       "on a pair",
+       "DP px",
+       "ms",
+       {{"slow", {0.1, 0.01}, {100, 1.0}}, {"fast", {0.3, 0.01}, {10, 0.1}, true}, {"neither", {0.31, 0.01}, {101}}}}};
+  return chart;
+}
+
+TEST(Chart, FrontHoldsWhatNothingBeatsInBoth) {
+  EXPECT_EQ(pareto_front(small_chart().sections[0].points), (std::vector{true, true, false}));
+  // of two alike, neither beats the other; equal error at less time does
+  EXPECT_EQ(pareto_front({{"a", {1}, {1}}, {"b", {1}, {1}}, {"c", {1}, {2}}}), (std::vector{true, true, false}));
+}
+
+TEST(Chart, MeanHasTheStandardErrorOfTheMean) {
+  const Measured mean = mean_of({1, 2, 3, 4});
+  EXPECT_EQ(mean.value, 2.5);
+  EXPECT_NEAR(*mean.standard_error, std::sqrt(5.0 / 3 / 4), 1e-12);  // variance 5/3 of four values, of their mean
+  EXPECT_FALSE(mean_of({7}).standard_error);
+}
+
+TEST(Chart, IsReadAsItWasWritten) {
+  const nlohmann::json json = to_json(small_chart());
+  EXPECT_EQ(nlohmann::json(to_json(read_chart(json, "x"))), json);
+  EXPECT_THROW(read_chart({{"format", "other"}}, "x"), InputError);
+  EXPECT_THROW(read_chart(nlohmann::json::array(), "x"), InputError);
+}
+
+TEST(Chart, ComparisonPassesOverNoise) {
+  const Chart before = small_chart();
+  Chart now = before;
+  EXPECT_EQ(to_text(compare(before, now)), "nothing changed by more than noise\n");
+  std::vector<ChartPoint>& points = now.sections[0].points;
+  points[0].error.value += 0.04;  // under three of the difference's sqrt(2) * 0.01
+  points[1].time.value += 0.9;    // over three standard errors, but under 10 %
+  EXPECT_TRUE(compare(before, now).empty());
+  points[0].error.value = 0.15;
+  points[1].time.value = 12;
+  points[2].time.value = 50;
+  points.push_back({"new", {1}, {1}});
+  const std::vector<ChartChange> changes = compare(before, now);
+  ASSERT_EQ(changes.size(), 3u);
+  EXPECT_EQ(to_text(changes),
+            "worse  Matchers, slow: error 0.15, was 0.1 (+50.0 %)\n"
+            "worse  Matchers, fast: time 12, was 10 (+20.0 %)\n"
+            "better Matchers, neither: time 50, was 101 (-50.5 %)\n");
+}
+
+TEST(Chart, PageNamesEverySettingEscaped) {
+  Chart chart = small_chart();
+  chart.sections[0].points[0].name = "<script>x";
+  const std::string page = to_page(chart);
+  EXPECT_EQ(page.find("<script>x"), std::string::npos);
+  EXPECT_NE(page.find("<td>&lt;script&gt;x</td><td>0.1 ± 0.01</td><td>100 ± 1</td><td>yes</td>"), std::string::npos);
+  EXPECT_NE(page.find("<td>fast</td><td>0.3 ± 0.01</td><td>10 ± 0.1</td><td>yes</td><td>yes</td>"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace dualpixel::evaluation

@@ -1,0 +1,116 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "capture/error.h"
+#include "capture/files.h"
+#include "capture/json_fields.h"
+#include "evaluation/chart/stages.h"
+#include "tools/commands/commands.h"
+
+namespace dualpixel::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ChartOptions {
+  std::string page, older;
+  std::string scenes = "build/release/scenes", lenses = "lens_models";
+  bool quick = false;
+};
+
+/// Processor and threads.
+std::string machine() {
+  std::ifstream cpus("/proc/cpuinfo");
+  std::string name = "unknown processor";
+  for (std::string line; std::getline(cpus, line);) {
+    if (line.starts_with("model name")) {
+      name = line.substr(line.find(':') + 2);
+      break;
+    }
+  }
+  return fmt::format("{}, {} threads", name, std::thread::hardware_concurrency());
+}
+
+/// The sections that an interrupted run of the same kind has left in `file`.
+evaluation::Chart interrupted(const std::string& file, const evaluation::Chart& fresh) {
+  if (!fs::exists(file)) return fresh;
+  evaluation::Chart chart = evaluation::read_chart(read_json_file(file), file);
+  const bool same =
+      !chart.complete && chart.quick == fresh.quick && chart.version == fresh.version && chart.machine == fresh.machine;
+  return same ? chart : fresh;
+}
+
+/// A folder beside the page for as long as it is measured.
+struct ScratchFolder {
+  std::string path;
+  explicit ScratchFolder(std::string path_) : path(std::move(path_)) { fs::create_directories(path); }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+};
+
+void run(const ChartOptions& options) {
+  std::optional<evaluation::Chart> older;
+  if (!options.older.empty()) older = evaluation::read_chart(read_json_file(options.older), options.older);
+  const std::string json_file = fs::path(options.page).replace_extension(".json").string();
+  if (json_file == options.page) throw InputError(printable(options.page) + ": must not end in .json");
+  evaluation::Chart chart = interrupted(json_file, {options.quick, DUALPIXEL_VERSION, machine(), {}, {}, false});
+  chart.left_out = evaluation::chart_left_out(options.quick);
+  const ScratchFolder scratch(options.page + ".scratch");
+  const evaluation::ChartInput input{options.quick, options.scenes, options.lenses, scratch.path};
+  Progress progress("chart");
+  std::size_t done = 0;
+  for (const evaluation::ChartStage& stage : evaluation::chart_stages()) {
+    progress(static_cast<double>(done++) / static_cast<double>(evaluation::chart_stages().size()));
+    if (options.quick && !stage.in_quick) continue;
+    const bool measured = std::any_of(chart.sections.begin(), chart.sections.end(),
+                                      [&](const evaluation::ChartSection& s) { return s.stage == stage.name; });
+    if (measured) continue;
+    for (evaluation::ChartSection& section : stage.measure(input)) {
+      section.stage = stage.name;
+      chart.sections.push_back(std::move(section));
+    }
+    replace_file(json_file, to_json(chart).dump(2) + "\n");
+  }
+  progress(1);
+  chart.complete = true;
+  replace_file(options.page, to_page(chart));
+  replace_file(json_file, to_json(chart).dump(2) + "\n");
+  if (older) std::cout << to_text(compare(*older, chart));
+}
+
+}  // namespace
+
+void add_chart(CLI::App& program) {
+  auto options = std::make_shared<ChartOptions>();
+  CLI::App* command = program.add_subcommand("chart", "Chart speed against accuracy of every stage, on one page");
+  command->add_option("-o,--output", options->page, "Page to write; its figures go into a .json file beside it")
+      ->required()
+      ->type_name("PAGE.html");
+  command->add_flag("--quick", options->quick, "Small pictures, few repetitions: minutes");
+  command->add_option("--compare", options->older, "Say what differs from an older chart by more than noise")
+      ->type_name("OLD.json");
+  command->add_option("--scenes", options->scenes, "Folder of the shipped scenes")
+      ->type_name("DIR")
+      ->capture_default_str();
+  command->add_option("--lenses", options->lenses, "Folder of lens files")->type_name("DIR")->capture_default_str();
+  add_threads_option(*command);
+  command->footer(
+      "An interrupted run goes on where it stopped.\nExample:\n  dualpixel chart --quick -o out/chart.html\n"
+      "  dualpixel chart --quick -o out/new.html --compare out/chart.json");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace dualpixel::tools
