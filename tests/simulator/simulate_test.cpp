@@ -386,8 +386,6 @@ TEST(SlowSimulate, StatesSamplesAndErrorOfAllPosesTogether) {
   EXPECT_GE(spent[1], 0.9 * spent[0]);       // variance falls at least as 1/n: splitting a net gains nothing
 }
 
-// A mesh that shrinks to nothing at 0.2 s, after the fifth frame as float has it: refused by its file's name and before
-// the first frame is rendered.
 // Half of the view shines, half is black: the black half sees a share of the mean, which lies between.
 TEST(Simulate, GlareSpreadsAShareOfTheLightEvenly) {
   json document = minimal();
@@ -446,31 +444,54 @@ TEST(Simulate, PhotographMayLookThroughALens) {
   EXPECT_NE(refusal(document).find("/truth/photograph_aperture_scale"), std::string::npos);
 }
 
-TEST(Simulate, RefusesAnAnimationThatLosesTrianglesBeforeRendering) {
+/// A mesh of one triangle that is flat at `times_s` where `widths` is 0, and another that stays.
+std::string flattened_triangle(const std::vector<float>& times_s, const std::vector<float>& widths) {
   GltfBuilder gltf = one_triangle();
   gltf.root["nodes"].push_back({{"mesh", 0}, {"translation", {0, 0, -1}}});
   gltf.root["scenes"][0]["nodes"] = {0, 1};
   gltf.root["materials"] = {{{"emissiveFactor", {1, 1, 1}}}};
   gltf.primitive()["material"] = 0;
-  const int times = gltf.add_accessor<float>({0, 0.2f}, "SCALAR");
-  const int scales = gltf.add_accessor<float>({1, 1, 1, 0, 1, 1}, "VEC3");
+  std::vector<float> factors;
+  for (const float width : widths) factors.insert(factors.end(), {width, 1, 1});
+  const int times = gltf.add_accessor<float>(times_s, "SCALAR");
+  const int scales = gltf.add_accessor<float>(factors, "VEC3");
   const json sampler = {{"input", times}, {"output", scales}};
   const json channel = {{"sampler", 0}, {"target", {{"node", 1}, {"path", "scale"}}}};
   gltf.root["animations"] = json::array({{{"samplers", {sampler}}, {"channels", {channel}}}});
+  return gltf.glb();
+}
+
+/// How an animated burst is refused; empty where it is not.
+std::string animation_refusal(const json& document, const std::string& path) {
+  const Simulation s = read_simulation(document, path);
+  bool rendered = false;
+  const std::string message = dualpixel::simulator::refusal(
+      [&] { simulate(s, load_scene(s), [&](const std::string&, double) { rendered = true; }); });
+  EXPECT_FALSE(rendered);
+  return message;
+}
+
+// A mesh that shrinks to nothing at 0.2 s, after the fifth frame as float has it: refused by its file's name and before
+// the first frame is rendered.
+TEST(Simulate, RefusesAnAnimationThatLosesTrianglesBeforeRendering) {
   const TemporaryFolder folder;
-  write_bytes(folder / "scene.glb", gltf.glb());
+  write_bytes(folder / "scene.glb", flattened_triangle({0, 0.2f}, {1, 0}));
   json document = minimal();
   document["sensor"] = {{"width_px", 8}, {"height_px", 8}};
   document["camera"] = {{"position_m", {0, 0, 1}}, {"look_at_m", {0, 0, 0}}};
   document["burst"] = {{"frames", 6}, {"animation", true}, {"interval_s", 0.05}};
-  const Simulation s = read_simulation(document, folder / "s.json");
-  bool rendered = false;
-  const std::string message = dualpixel::simulator::refusal(
-      [&] { simulate(s, load_scene(s), [&](const std::string&, double) { rendered = true; }); });
-  EXPECT_EQ(message, (folder / "scene.glb") +
-                         ": /animations: at t = 0.25 s triangles of mesh 1 appear or vanish: must be the same in all "
-                         "frames");
-  EXPECT_FALSE(rendered);
+  const char* const rest = " s triangles of mesh 1 appear or vanish: must be the same in all frames";
+  EXPECT_EQ(animation_refusal(document, folder / "s.json"),
+            (folder / "scene.glb") + ": /animations: at t = 0.25" + rest);
+
+  // An even number of poses has none in the middle of the exposure, whose geometry truth shows. With 64 rows of 0.5 ms
+  // the last of four bands is at 12 ms there, and at 7 and 17 ms in the two poses of 20 ms.
+  write_bytes(folder / "scene.glb", flattened_triangle({0, 0.011f, 0.0115f, 0.0125f, 0.013f}, {1, 1, 0, 0, 1}));
+  document["sensor"] = {{"width_px", 8}, {"height_px", 64}, {"row_time_us", 500}};
+  document["exposure"] = {{"time_s", 0.02}};
+  document["burst"] = {{"frames", 2}, {"animation", true}, {"interval_s", 0.1}, {"exposure_poses", 2}};
+  EXPECT_EQ(animation_refusal(document, folder / "s.json"),
+            (folder / "scene.glb") + ": /animations: at t = 0.012" + rest);
 }
 
 TEST(Simulate, RefusesScenesBeyondMemory) {
