@@ -249,10 +249,26 @@ TEST(CameraFit, NamesWhatItCannotUse) {
         Row{"/fit/0/field", "focus_um", "m.json: /fit/0/field: focus_um: must be the JSON pointer"},
         Row{"/fit/0/low", 60, "m.json: /fit/0/high: 50: must be above low, 60"},
         Row{"/fit/0/low", 1, "m.json: /fit/0/field: /focus_um: starts at 0, outside of [1, 50]"},
+        Row{"/fit/1/field", "/focus_um", "m.json: /fit/1/field: /focus_um: is named before: must be named once"},
+        Row{"/sensor/width_px", 3, "m.json: /sensor/width_px: 3: must be even"},
         Row{"/lens/f_number", -1, "m.json: /lens/f_number: "},
         Row{"/sensor/width_px", -1, "m.json: /sensor/width_px: "}, Row{"/version", removed, "m.json: /version: "}}) {
     EXPECT_EQ(refusal(row.pointer, row.value).rfind(row.message, 0), 0U) << refusal(row.pointer, row.value);
   }
+}
+
+// What only judges, by its kind or its place, tells the fit nothing.
+TEST(CameraFit, RefusesGridsWithoutAFigureThatIsFitted) {
+  const auto grids_refusal = [](const json& light, const char* figure) {
+    const json grid = {{"focus_distance_m", 1}, {"depth_m", 1}, {"x", {0.2, 0.6}}, {"y", {0.5}}, {figure, {light}}};
+    return refusal("/grids", json::array({grid}));
+  };
+  const json null;
+  const std::string message = "m.json: /grids: no figure at a place that is fitted: must";
+  EXPECT_EQ(grids_refusal({1, null}, "light"), "");
+  EXPECT_EQ(grids_refusal({null, 1}, "light").rfind(message, 0), 0U);
+  EXPECT_EQ(grids_refusal({null, null}, "light").rfind(message, 0), 0U);
+  EXPECT_EQ(grids_refusal({1, 1}, "left_skew_x").rfind(message, 0), 0U);
 }
 
 }  // namespace
