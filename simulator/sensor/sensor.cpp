@@ -102,17 +102,17 @@ std::array<double, 3> white_electrons(const SensorOptions& sensor) {
   return electrons;
 }
 
-/// From balanced camera colors to the scene's, its white at 1, 1, 1.
-Matrix3 scene_from_balanced(const SensorOptions& sensor) {
-  Matrix3 balanced_from_scene;
+/// From the scene's colors, its white at 1, 1, 1, to balanced camera colors.
+Matrix3 balanced_from_scene(const SensorOptions& sensor) {
+  Matrix3 balanced;
   const std::array<double, 3> white = white_electrons(sensor);
   for (int c = 0; c < 3; ++c) {
     for (int k = 0; k < 3; ++k) {
-      balanced_from_scene[3 * c + k] =
+      balanced[3 * c + k] =
           sensor.electrons_per_lux_s[c] * sensor.color_matrix[3 * c + k] * sensor.illuminant[k] / white[c];
     }
   }
-  return inverse(balanced_from_scene);
+  return balanced;
 }
 
 FixedPattern fixed_pattern(const SensorOptions& sensor, std::uint64_t photosite) {
@@ -128,6 +128,29 @@ FixedPattern fixed_pattern(const SensorOptions& sensor, std::uint64_t photosite)
 int binned(const SensorOptions& sensor) {
   const int photosites = sensor.dp_downsample_x * sensor.dp_downsample_y;
   return photosites == 1 ? 1 : photosites / 2;
+}
+
+/// What a capture says of colors stays within what its readers take.
+std::optional<OptionProblem> check_colors(const SensorOptions& s) {
+  constexpr double kMostSeen = 100, kLeastElectrons = 1e-3, kMostChange = 1e6;
+  for (const double value : s.illuminant) {
+    if (const auto why = out_of_range(value, 1e-3, 1e3)) return OptionProblem{"illuminant", *why};
+  }
+  for (const double value : s.color_matrix) {
+    if (const auto why = out_of_range(value, -kMostSeen, kMostSeen)) return OptionProblem{"color_matrix", *why};
+  }
+  for (const double electrons : white_electrons(s)) {
+    if (electrons >= kLeastElectrons) continue;
+    return OptionProblem{"color_matrix", fmt::format("{:g} electrons for each lx s of the illuminant under one filter: "
+                                                     "each row must see {:g} or more",
+                                                     electrons, kLeastElectrons)};
+  }
+  const double change = std::abs(determinant(balanced_from_scene(s)));
+  if (change > 1 / kMostChange && change < kMostChange) return std::nullopt;
+  return OptionProblem{"color_matrix",
+                       fmt::format("determinant {:g} where the illuminant is white: must have an inverse, "
+                                   "{:g} to {:g}",
+                                   change, 1 / kMostChange, kMostChange)};
 }
 
 }  // namespace
@@ -146,14 +169,7 @@ std::optional<OptionProblem> check(const SensorOptions& s) {
       return OptionProblem{"electrons_per_lux_s", fmt::format("{}: must lie in [0.001, 1e9]", value)};
     }
   }
-  for (double value : s.illuminant) {
-    if (!(value > 0 && value < 1e9)) return OptionProblem{"illuminant", fmt::format("{}: must lie in (0, 1e9)", value)};
-  }
-  for (const double electrons : white_electrons(s)) {
-    if (!(electrons > 0 && electrons < 1e12 && std::abs(determinant(s.color_matrix)) > 1e-6)) {
-      return OptionProblem{"color_matrix", "must have an inverse, and see something of the illuminant in each row"};
-    }
-  }
+  if (auto problem = check_colors(s)) return problem;
   const int dp_x = s.dp_downsample_x, dp_y = s.dp_downsample_y;
   if (!(dp_x == 2 && (dp_y == 2 || dp_y == 4)) && !(dp_x == 1 && dp_y == 1)) {
     return OptionProblem{"dp_downsample_y",
@@ -163,6 +179,16 @@ std::optional<OptionProblem> check(const SensorOptions& s) {
     return OptionProblem{"black_level_dn", *why};
   }
   return std::nullopt;
+}
+
+std::optional<OptionProblem> check_dark(const SensorOptions& sensor, const ExposureOptions& exposure) {
+  const double dark_e = dark_electrons(sensor, exposure), most_e = 0.98 * sensor.full_well_e;
+  if (dark_e <= most_e) return std::nullopt;
+  return OptionProblem{
+      "dark_current_e_per_s",
+      fmt::format("{:g}: gathers {:.4g} electrons in {:g} s at {:g} C: must leave some of the well, {:.4g} "
+                  "at most",
+                  sensor.dark_current_e_per_s, dark_e, exposure.time_s, sensor.temperature_c, most_e)};
 }
 
 SensorGrid sensor_grid(const SensorOptions& sensor) {
@@ -215,13 +241,13 @@ Exposure describe_exposure(const SensorOptions& sensor, const ExposureOptions& e
   e.white_level_dn = std::exp2(sensor.bits) - 1;
   // where right is what is left of the sum, it is none where the sum clips; dark current fills wells, too
   const double most_dn = (subtracted ? 0.5 : 1) * (e.white_level_dn - sensor.black_level_dn);
-  const double room_e = std::max(sensor.full_well_e - dark_electrons(sensor, exposure), 0.02 * sensor.full_well_e);
+  const double room_e = sensor.full_well_e - dark_electrons(sensor, exposure);
   e.dp_white_level_dn = sensor.black_level_dn + std::min(most_dn, gain * 0.5 * room_e);
   e.mosaic_noise = {gain, read_noise_dn2(sensor, exposure, true) + 1.0 / 12};
   e.dp_noise = {gain / binned(sensor), view_read / binned(sensor) + (subtracted ? 2.5 : 1) / 12};
   const std::array<double, 3> white = white_electrons(sensor);
   for (int c = 0; c < 3; ++c) e.white_balance[c] = white[1] / white[c];
-  if (sensor.color_matrix != kIdentity3) e.color_matrix = scene_from_balanced(sensor);
+  if (sensor.color_matrix != kIdentity3) e.color_matrix = inverse(balanced_from_scene(sensor));
   e.lux_s_per_unit = (e.white_level_dn - e.black_level_dn) / gain / white[1];
   return e;
 }

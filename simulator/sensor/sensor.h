@@ -110,6 +110,9 @@ inline std::optional<OptionProblem> check(const ExposureOptions& exposure) {
   return check_ranges(exposure, kExposureRanges);
 }
 
+/// Whether the charge that gathers without light leaves a fiftieth of the well.
+std::optional<OptionProblem> check_dark(const SensorOptions& sensor, const ExposureOptions& exposure);
+
 /// The electrons that the wells of a photosite's halves keep of `left` and `right`.
 inline void fill_wells(const SensorOptions& sensor, double& left, double& right) {
   const double well = 0.5 * sensor.full_well_e;
