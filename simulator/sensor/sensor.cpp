@@ -239,10 +239,13 @@ Exposure describe_exposure(const SensorOptions& sensor, const ExposureOptions& e
   e.bits = sensor.bits;
   e.black_level_dn = sensor.black_level_dn;
   e.white_level_dn = std::exp2(sensor.bits) - 1;
-  // where right is what is left of the sum, it is none where the sum clips; dark current fills wells, too
-  const double most_dn = (subtracted ? 0.5 : 1) * (e.white_level_dn - sensor.black_level_dn);
-  const double room_e = sensor.full_well_e - dark_electrons(sensor, exposure);
-  e.dp_white_level_dn = sensor.black_level_dn + std::min(most_dn, gain * 0.5 * room_e);
+  // dark current fills wells, too, and its mean is taken off
+  const double range_dn = e.white_level_dn - sensor.black_level_dn;
+  const double free_well_e = sensor.full_well_e - dark_electrons(sensor, exposure);
+  const double mosaic_dn = gain * free_well_e;
+  if (mosaic_dn < range_dn - 1e-6) e.mosaic_white_level_dn = sensor.black_level_dn + mosaic_dn;
+  // where right is what is left of the sum, it is none where the sum clips
+  e.dp_white_level_dn = sensor.black_level_dn + std::min((subtracted ? 0.5 : 1) * range_dn, 0.5 * mosaic_dn);
   e.mosaic_noise = {gain, read_noise_dn2(sensor, exposure, true) + 1.0 / 12};
   e.dp_noise = {gain / binned(sensor), view_read / binned(sensor) + (subtracted ? 2.5 : 1) / 12};
   const std::array<double, 3> white = white_electrons(sensor);

@@ -279,6 +279,7 @@ TEST(Schema, SaysOfCapturesWhatTheReaderSays) {
   capture.truth->noise = {.views = 0.1, .all_in_focus = 0.2, .photograph = 0.3};
   capture.truth->photograph_lens = "ideal";
   capture.exposure.dp_white_level_dn = 500;
+  capture.exposure.mosaic_white_level_dn = 900;
   capture.exposure.color_matrix = Matrix3{1.5, -0.3, -0.2, -0.3, 1.5, -0.2, -0.1, -0.3, 1.4};
   write_capture(capture, path);
   const auto read = [&](const json& document) {

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -235,6 +236,31 @@ TEST(Sensor, AViewsWhiteLevelIsWhereItsWellIsFull) {
     EXPECT_NEAR(*described.dp_white_level_dn, white, 1e-9);
     const Frame frame = expose(Image(64, 64, 2, 9000.0f), sensor, {0.01, iso}, 1);
     EXPECT_NEAR(statistics(frame.left).mean, white, 1);
+  }
+}
+
+// What a full photosite reads: its well below ISO 100, less the dark charge that fills it and whose mean is taken off;
+// the digital limit, which goes without saying, from there on. Of 4096 photosites: four standard errors of the read
+// noise.
+TEST(Sensor, TheMosaicsWhiteLevelIsWhereItsWellIsFull) {
+  SensorOptions sensor = fine_sensor();
+  sensor.width_px = sensor.height_px = 64;
+  EXPECT_FALSE(describe_exposure(sensor, {0.01, 100}).mosaic_white_level_dn);
+  EXPECT_FALSE(describe_exposure(sensor, {0.01, 800}).mosaic_white_level_dn);
+  sensor.dark_current_e_per_s = 6000;
+  for (const auto& [time_s, iso, white] : {std::tuple{1e-7, 50.0, 256 + 16127 / 2.0},
+                                           {0.2, 50.0, 256 + 16127 * 0.4},
+                                           {0.2, 100.0, 256 + 16127 * 0.8},
+                                           {0.2, 250.0, 16383.0}}) {
+    const Exposure described = describe_exposure(sensor, {time_s, iso});
+    EXPECT_NEAR(described.mosaic_white_level_dn.value_or(16383), white, 1e-3);
+    const Frame frame = expose(Image(64, 64, 2, 9000.0f), sensor, {time_s, iso}, 1);
+    if (white < 16000) {
+      EXPECT_NEAR(statistics(frame.mosaic).mean, white,
+                  4 * std::hypot(2 * gain_dn_per_electron(sensor, iso), 0.29) / 64);
+    } else {
+      EXPECT_GE(statistics(frame.mosaic).mean, white - 1);
+    }
   }
 }
 
