@@ -124,6 +124,12 @@ FixedPattern fixed_pattern(const SensorOptions& sensor, std::uint64_t photosite)
   return {gain(), gain(), offset(), offset(), offset()};
 }
 
+/// How many read-outs' variance a signal has. In a view, half of what left - right has: where right is the sum less
+/// left, that is 2 left - sum, five read-outs' instead of two, but no more dark current.
+double noise_read_outs(const SensorOptions& sensor, bool whole) {
+  return !whole && sensor.readout == Readout::sum_and_left ? 2.5 : 1;
+}
+
 /// Half-photosites that a DP pixel is the mean of.
 int binned(const SensorOptions& sensor) {
   const int photosites = sensor.dp_downsample_x * sensor.dp_downsample_y;
@@ -222,17 +228,15 @@ double dark_electrons(const SensorOptions& sensor, const ExposureOptions& exposu
 double read_noise_dn2(const SensorOptions& sensor, const ExposureOptions& exposure, bool whole) {
   const double gain = gain_dn_per_electron(sensor, exposure.iso);
   const double dark_e = (whole ? 1 : 0.5) * dark_electrons(sensor, exposure);
-  return gain * gain * (sensor.read_noise_e * sensor.read_noise_e + dark_e) +
-         sensor.read_noise_after_gain_dn * sensor.read_noise_after_gain_dn + sensor.row_noise_dn * sensor.row_noise_dn;
+  return noise_read_outs(sensor, whole) * (gain * gain * (sensor.read_noise_e * sensor.read_noise_e) +
+                                           sensor.read_noise_after_gain_dn * sensor.read_noise_after_gain_dn +
+                                           sensor.row_noise_dn * sensor.row_noise_dn) +
+         gain * gain * dark_e;
 }
 
 Exposure describe_exposure(const SensorOptions& sensor, const ExposureOptions& exposure) {
   const double gain = gain_dn_per_electron(sensor, exposure.iso);
-  const double half_read = read_noise_dn2(sensor, exposure, false);
-  const double dark = gain * gain * 0.5 * dark_electrons(sensor, exposure);
   const bool subtracted = sensor.readout == Readout::sum_and_left;
-  // left - right = 2 left - sum: five read-outs' variance instead of two, but no more dark current
-  const double view_read = subtracted ? 2.5 * (half_read - dark) + dark : half_read;
   Exposure e;
   e.time_s = exposure.time_s;
   e.iso = exposure.iso;
@@ -247,7 +251,8 @@ Exposure describe_exposure(const SensorOptions& sensor, const ExposureOptions& e
   // where right is what is left of the sum, it is none where the sum clips
   e.dp_white_level_dn = sensor.black_level_dn + std::min((subtracted ? 0.5 : 1) * range_dn, 0.5 * mosaic_dn);
   e.mosaic_noise = {gain, read_noise_dn2(sensor, exposure, true) + 1.0 / 12};
-  e.dp_noise = {gain / binned(sensor), view_read / binned(sensor) + (subtracted ? 2.5 : 1) / 12};
+  e.dp_noise = {gain / binned(sensor),
+                read_noise_dn2(sensor, exposure, false) / binned(sensor) + noise_read_outs(sensor, false) / 12};
   const std::array<double, 3> white = white_electrons(sensor);
   for (int c = 0; c < 3; ++c) e.white_balance[c] = white[1] / white[c];
   if (sensor.color_matrix != kIdentity3) e.color_matrix = inverse(balanced_from_scene(sensor));

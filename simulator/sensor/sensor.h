@@ -129,7 +129,8 @@ double gain_dn_per_electron(const SensorOptions& sensor, double iso);
 /// Mean number of electrons that an undivided photosite which is not hot gathers without light.
 double dark_electrons(const SensorOptions& sensor, const ExposureOptions& exposure);
 
-/// Variance of one read-out, DN^2, quantisation aside: of half a photosite (with its dark current) or a whole one.
+/// Variance without light, DN^2, quantization aside: of a whole photosite's read-out, or of a half's in a view, which
+/// is half of that of left - right (as Exposure's).
 double read_noise_dn2(const SensorOptions& sensor, const ExposureOptions& exposure, bool whole);
 
 /// Levels, colors, and the noise profiles that follow from shot noise, read noise and quantisation (variance 1/12

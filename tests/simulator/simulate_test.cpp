@@ -1,6 +1,7 @@
 #include "simulator/simulate.h"
 #include "simulator/render/adaptive.h"
 #include "simulator/sampling/mosaic.h"
+#include "simulator/sensor_noise.h"
 
 #include <gtest/gtest.h>
 
@@ -492,6 +493,38 @@ TEST(Simulate, RefusesAnAnimationThatLosesTrianglesBeforeRendering) {
   document["burst"] = {{"frames", 2}, {"animation", true}, {"interval_s", 0.1}, {"exposure_poses", 2}};
   EXPECT_EQ(animation_refusal(document, folder / "s.json"),
             (folder / "scene.glb") + ": /animations: at t = 0.012" + rest);
+}
+
+// What rendering is held against is the variance of a half in the views: of the electrons that a white thing frees
+// under its filter, and of the read-outs that the views' profile states, 2.5 where right is sum - left, quantization
+// aside.
+TEST(SensorNoise, IsThatOfWhiteInTheViews) {
+  json document = minimal();
+  document["sensor"] = {{"width_px", 4},
+                        {"height_px", 4},
+                        {"dp_downsample_x", 1},
+                        {"dp_downsample_y", 1},
+                        {"readout", "sum_and_left"},
+                        {"row_noise_dn", 2},
+                        {"color_matrix", {0.7, 0.25, 0.05, 0.2, 0.7, 0.1, 0.02, 0.28, 0.7}},
+                        {"illuminant", {1.3, 1, 0.6}}};
+  const Simulation s = read_simulation(document, "s.json");
+  constexpr double kLux = 0.2, kNits = 300;
+  const ErrorTarget noise = sensor_noise(s, kLux);
+  Image white(4, 4, 3);
+  for (int i = 0; i < 16; ++i) {
+    for (int c = 0; c < 3; ++c) white.data[3 * i + c] = static_cast<float>(kNits * s.sensor.illuminant[c]);
+  }
+  const Image electrons = expected_electrons(white, white, s.sensor, s.exposure, kLux);
+  const double gain = gain_dn_per_electron(s.sensor, s.exposure.iso);
+  const double read_e2 = (describe_exposure(s.sensor, s.exposure).dp_noise.read_dn2 - 2.5 / 12) / (gain * gain);
+  const std::pair<int, int> photosites[3] = {{0, 0}, {1, 0}, {1, 1}};
+  for (int c = 0; c < 3; ++c) {
+    const double count = electrons.at(photosites[c].first, photosites[c].second, 0);
+    const double nits = kNits * s.sensor.illuminant[c];
+    const double expected = (count + read_e2) * (nits / count) * (nits / count);
+    EXPECT_NEAR(noise.per_nit[c] * nits + noise.constant[c], expected, 1e-5 * expected) << c;
+  }
 }
 
 TEST(Simulate, RefusesScenesBeyondMemory) {
