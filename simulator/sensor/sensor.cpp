@@ -88,7 +88,7 @@ RowNoise row_noise_of(const SensorOptions& sensor, std::uint64_t seed, int y) {
 }
 
 /// Dark current over that at 25 C.
-double warmth(const SensorOptions& sensor) {
+double temperature_factor(const SensorOptions& sensor) {
   return std::exp2((sensor.temperature_c - 25) / sensor.dark_current_doubling_c);
 }
 
@@ -222,7 +222,7 @@ double gain_dn_per_electron(const SensorOptions& sensor, double iso) {
 }
 
 double dark_electrons(const SensorOptions& sensor, const ExposureOptions& exposure) {
-  return sensor.dark_current_e_per_s * warmth(sensor) * exposure.time_s;
+  return sensor.dark_current_e_per_s * temperature_factor(sensor) * exposure.time_s;
 }
 
 double read_noise_dn2(const SensorOptions& sensor, const ExposureOptions& exposure, bool whole) {
@@ -284,7 +284,7 @@ Frame expose(const Image& electrons, const SensorOptions& sensor, const Exposure
   const int height = electrons.height;
   const double gain = gain_dn_per_electron(sensor, exposure.iso);
   const double white = std::exp2(sensor.bits) - 1;
-  const double dark_e = dark_electrons(sensor, exposure), leak_s = exposure.time_s * warmth(sensor);
+  const double dark_e = dark_electrons(sensor, exposure), leak_s = exposure.time_s * temperature_factor(sensor);
   const auto level = [&](double counted) { return sensor.black_level_dn + gain * counted; };
   const auto digitize = [&](double dn) { return static_cast<std::uint16_t>(std::clamp(std::round(dn), 0.0, white)); };
 
