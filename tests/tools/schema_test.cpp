@@ -204,7 +204,7 @@ TEST(Schema, SaysOfMeasurementsWhatTheReaderSays) {
   };
   expect_agreement("measurements", document, {"/lens", "/sensor"}, read,
                    {"one for each number of", "must be above low", "must be the JSON pointer", "starts at",
-                    "the lens cannot focus", "/lens"});
+                    "the lens cannot focus", "/lens", "is named before", "no figure at a place that is fitted"});
 }
 
 TEST(Schema, AcceptsTheShippedScenes) {
