@@ -56,10 +56,11 @@ struct Exposure {
   double time_s = 0;
   double iso = 0;
   int bits = 10;
-  double black_level_dn = 0;                ///< of a mosaic photosite and of a DP half-pixel alike
-  double white_level_dn = 0;                ///< at which the mosaic clips
-  std::optional<double> dp_white_level_dn;  ///< at which a DP view clips; empty: at white_level_dn
-  NoiseProfile mosaic_noise;                ///< of one photosite
+  double black_level_dn = 0;                    ///< of a mosaic photosite and of a DP half-pixel alike
+  double white_level_dn = 0;                    ///< of the normalized signal 1
+  std::optional<double> mosaic_white_level_dn;  ///< at which the mosaic clips; empty: at white_level_dn
+  std::optional<double> dp_white_level_dn;      ///< likewise a DP view
+  NoiseProfile mosaic_noise;                    ///< of one photosite
   NoiseProfile dp_noise;  ///< of one pixel of one DP view; where views are correlated, half that of their difference
   /// Gains of R, G, B, green 1, that make a neutral gray read the same in all three: "as shot" white balance.
   std::array<double, 3> white_balance = {1, 1, 1};
@@ -69,9 +70,9 @@ struct Exposure {
       0;  ///< luminous exposure on the sensor that the normalized signal 1.0 corresponds to; 0: unknown
 };
 
-/// Raw digital numbers. The signal normalized as (DN - black) / (white - black) runs from 0 to 1 where the mosaic
-/// clips, and to view_white() where a view does. A DP view's pixel is the mean of the green half-photosites that it
-/// covers, so that the normalized left + right is the normalized signal of undivided green photosites.
+/// Raw digital numbers. The signal normalized as (DN - black) / (white - black) runs from 0 to mosaic_white() where the
+/// mosaic clips, and to view_white() where a view does. A DP view's pixel is the mean of the green half-photosites that
+/// it covers, so that the normalized left + right is the normalized signal of undivided green photosites.
 struct Frame {
   ImageU16 mosaic;  ///< width_px x height_px; may be empty in a capture of DP views alone
   ImageU16 left;    ///< dp_width x dp_height
@@ -88,11 +89,19 @@ inline Image normalized(const ImageU16& raw, const Exposure& exposure) {
   return signal;
 }
 
-/// The normalized signal at which a DP view clips: 1/2 where each half of a photosite has a well of its own.
-inline double view_white(const Exposure& exposure) {
-  return (exposure.dp_white_level_dn.value_or(exposure.white_level_dn) - exposure.black_level_dn) /
+/// A level as the normalized signal; an empty one is 1.
+inline double normalized_level(std::optional<double> level_dn, const Exposure& exposure) {
+  return (level_dn.value_or(exposure.white_level_dn) - exposure.black_level_dn) /
          (exposure.white_level_dn - exposure.black_level_dn);
 }
+
+/// The normalized signal at which the mosaic clips: below 1 where wells are full before the digital range is.
+inline double mosaic_white(const Exposure& exposure) {
+  return normalized_level(exposure.mosaic_white_level_dn, exposure);
+}
+
+/// The normalized signal at which a DP view clips: 1/2 where each half of a photosite has a well of its own.
+inline double view_white(const Exposure& exposure) { return normalized_level(exposure.dp_white_level_dn, exposure); }
 
 /// RMS over the picture of the standard error that rendering leaves, normalized signal.
 struct TruthNoise {

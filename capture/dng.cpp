@@ -116,7 +116,8 @@ void set_colors(TiffFile& file, const Capture& capture) {
 void write_dng(const std::string& path, const ImageU16& raw, const Capture& capture, bool mosaic,
                const NoiseProfile& noise, double pixel_height) {
   const Exposure& exposure = capture.exposure;
-  const double white = mosaic ? exposure.white_level_dn : exposure.dp_white_level_dn.value_or(exposure.white_level_dn);
+  const double white =
+      (mosaic ? exposure.mosaic_white_level_dn : exposure.dp_white_level_dn).value_or(exposure.white_level_dn);
   const double range = white - exposure.black_level_dn;
   constexpr int kLinearRaw = 34892, kD65 = 21;
 

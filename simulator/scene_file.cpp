@@ -338,6 +338,7 @@ Simulation read_simulation(const nlohmann::json& json, const std::string& path) 
 std::optional<OptionProblem> check(const Simulation& s) {
   if (auto problem = within("sensor", check(s.sensor))) return problem;
   if (auto problem = within("exposure", check(s.exposure))) return problem;
+  if (auto problem = within("sensor", check_dark(s.sensor, s.exposure))) return problem;
   if (auto problem = within("burst", check_burst(s))) return problem;
   if (auto problem = within("environment", check_environment(s))) return problem;
   if (auto problem = check_ranges(s, kSceneRanges)) return problem;

@@ -127,12 +127,14 @@ double pose_s(const Simulation& s, int frame, int pose) {
   return middle_s(s, frame) + ((pose + 0.5) / poses_of(s) - 0.5) * s.exposure.time_s;
 }
 
-/// Reads the scene at every time that will be rendered, so that none is refused when hours have been spent on others.
+/// Reads the scene at every time that will be rendered or that truth is of (a frame's middle, and each band's), so that
+/// none is refused when hours have been spent on others.
 void check_animation(const Simulation& s, const Scene& first) {
   std::set<double> times_s;
   for (int frame = 0; frame < s.burst_frames; ++frame) {
     times_s.insert(middle_s(s, frame));
     for (const Band& band : bands_of(s)) {
+      times_s.insert(band_s(s, middle_s(s, frame), band));
       for (int pose = 0; pose < poses_of(s); ++pose) times_s.insert(band_s(s, pose_s(s, frame, pose), band));
     }
   }

@@ -115,11 +115,13 @@ void check_capture(const Capture& capture, const CaptureCheck& check) {
   check.require(
       exposure.black_level_dn < exposure.white_level_dn, "/exposure/black_level_dn",
       fmt::format("{:g} must be below the white level {:g}", exposure.black_level_dn, exposure.white_level_dn));
-  const double dp_white = exposure.dp_white_level_dn.value_or(exposure.white_level_dn);
-  check.require(dp_white > exposure.black_level_dn && dp_white <= exposure.white_level_dn,
-                "/exposure/dp_white_level_dn",
-                fmt::format("{:g} must lie above the black level {:g}, and not above the white level {:g}", dp_white,
-                            exposure.black_level_dn, exposure.white_level_dn));
+  for (const auto& [level_dn, field] : {std::pair{exposure.mosaic_white_level_dn, "/exposure/mosaic_white_level_dn"},
+                                        {exposure.dp_white_level_dn, "/exposure/dp_white_level_dn"}}) {
+    const double clips = level_dn.value_or(exposure.white_level_dn);
+    check.require(clips > exposure.black_level_dn && clips <= exposure.white_level_dn, field,
+                  fmt::format("{:g} must lie above the black level {:g}, and not above the white level {:g}", clips,
+                              exposure.black_level_dn, exposure.white_level_dn));
+  }
   check.require(std::all_of(exposure.white_balance.begin(), exposure.white_balance.end(),
                             [](double gain) { return gain > 0 && std::isfinite(gain); }),
                 "/exposure/white_balance", "gains must be positive");

@@ -91,6 +91,7 @@ Json to_json(const Exposure& exposure) {
                {"bits", exposure.bits},
                {"black_level_dn", exposure.black_level_dn},
                {"white_level_dn", exposure.white_level_dn}};
+  if (exposure.mosaic_white_level_dn) json["mosaic_white_level_dn"] = *exposure.mosaic_white_level_dn;
   if (exposure.dp_white_level_dn) json["dp_white_level_dn"] = *exposure.dp_white_level_dn;
   json["mosaic_noise"] = to_json(exposure.mosaic_noise);
   json["dp_noise"] = to_json(exposure.dp_noise);
@@ -121,8 +122,11 @@ Exposure read_exposure(Fields fields) {
   fields.required("bits").integer("bits", exposure.bits, 8, 16);
   fields.required("black_level_dn").number("black_level_dn", exposure.black_level_dn, 0, 65535);
   fields.required("white_level_dn").number("white_level_dn", exposure.white_level_dn, 0, 65535);
-  constexpr const char* kDpWhite = "dp_white_level_dn";
-  if (fields.has(kDpWhite)) fields.number(kDpWhite, exposure.dp_white_level_dn.emplace(), 0, 65535);
+  const auto level = [&](const char* name, std::optional<double>& dn) {
+    if (fields.has(name)) fields.number(name, dn.emplace(), 0, 65535);
+  };
+  level("mosaic_white_level_dn", exposure.mosaic_white_level_dn);
+  level("dp_white_level_dn", exposure.dp_white_level_dn);
   exposure.mosaic_noise = read_noise(fields.object("mosaic_noise"));
   exposure.dp_noise = read_noise(fields.object("dp_noise"));
   fields.numbers("white_balance", exposure.white_balance.data(), 3);

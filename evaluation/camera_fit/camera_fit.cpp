@@ -80,8 +80,8 @@ double scale_of(const FigureRow& row, const std::vector<double>& measured) {
   return scale > 0 ? scale : 1;
 }
 
-/// Errors over tolerances at the fitted places; empty where some place has no light.
-Eigen::VectorXd weighted_errors(const CameraMeasurements& m, const PreparedCamera& camera) {
+/// Errors over tolerances at the fitted places; none where some place has no light.
+std::optional<Eigen::VectorXd> weighted_errors(const CameraMeasurements& m, const PreparedCamera& camera) {
   std::vector<double> errors;
   for (std::size_t g = 0; g < m.grids.size(); ++g) {
     const MeasuredGrid& grid = m.grids[g];
@@ -94,12 +94,12 @@ Eigen::VectorXd weighted_errors(const CameraMeasurements& m, const PreparedCamer
         const double measured = grid.figures[k].values[i];
         if (std::isnan(measured) || !is_fitted_place(i % grid.x.size(), i / grid.x.size())) continue;
         const double error = (predicted[k][i] - measured) / unit;
-        if (!std::isfinite(error)) return {};
+        if (!std::isfinite(error)) return std::nullopt;
         errors.push_back(error);
       }
     }
   }
-  return Eigen::Map<Eigen::VectorXd>(errors.data(), static_cast<Eigen::Index>(errors.size()));
+  return Eigen::VectorXd(Eigen::Map<Eigen::VectorXd>(errors.data(), static_cast<Eigen::Index>(errors.size())));
 }
 
 /// The lens with the fitted fields at `at`, each from 0 (low) to 1 (high).
@@ -120,9 +120,9 @@ struct Trial {
 std::optional<Trial> try_at(const CameraMeasurements& m, const Eigen::VectorXd& at, const PreparedCamera* like) {
   try {
     PreparedCamera camera = prepare_camera(m, lens_at(m, at), like);
-    Eigen::VectorXd errors = weighted_errors(m, camera);
-    if (errors.size() == 0) return {};
-    return Trial{std::move(camera), std::move(errors)};
+    std::optional<Eigen::VectorXd> errors = weighted_errors(m, camera);
+    if (!errors) return {};
+    return Trial{std::move(camera), std::move(*errors)};
   } catch (const InputError&) {
     return {};
   }

@@ -20,9 +20,6 @@ struct FigureScore {
   } fitted, judged;                        ///< at places that the fit used, at the others
 };
 
-/// Whether the fit uses a place: every second one, as on a chess board.
-inline bool is_fitted_place(std::size_t column, std::size_t row) { return (column + row) % 2 == 0; }
-
 /// A lens made ready at the focus distance of every grid.
 struct PreparedCamera {
   nlohmann::json optics;  ///< the lens but for its split pixel

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -62,6 +63,17 @@ MeasuredGrid read_grid(Fields grid) {
   return g;
 }
 
+/// Whether the grid has a figure that is fitted at one of the places that are.
+bool has_fitted_figure(const MeasuredGrid& grid) {
+  return std::any_of(grid.figures.begin(), grid.figures.end(), [&](const MeasuredGrid::Values& figure) {
+    if (!row_of(kFigures, figure.figure).fitted) return false;
+    for (std::size_t i = 0; i < figure.values.size(); ++i) {
+      if (!std::isnan(figure.values[i]) && is_fitted_place(i % grid.x.size(), i / grid.x.size())) return true;
+    }
+    return false;
+  });
+}
+
 FittedField read_fitted(Fields fields, const nlohmann::json& lens) {
   FittedField f;
   fields.required("field").text("field", f.pointer);
@@ -97,7 +109,14 @@ CameraMeasurements read_camera_measurements(const nlohmann::json& json, const st
   m.lens = root.raw("lens");
   m.sensor_json = root.has("sensor") ? root.raw("sensor") : nlohmann::json::object();
   m.sensor = simulator::read_sensor(root.object("sensor"));
-  for (Fields& fields : root.required("fit").objects("fit")) m.fit.push_back(read_fitted(fields, m.lens));
+  require_valid(within("sensor", check(m.sensor)), path);
+  for (Fields& fields : root.required("fit").objects("fit")) {
+    const FittedField& field = m.fit.emplace_back(read_fitted(fields, m.lens));
+    if (std::count_if(m.fit.begin(), m.fit.end(), [&](const FittedField& f) { return f.pointer == field.pointer; }) >
+        1) {
+      fields.fail("field", printable(field.pointer) + ": is named before: must be named once");
+    }
+  }
   for (Fields& fields : root.required("grids").objects("grids")) {
     m.grids.push_back(read_grid(fields));
     simulator::read_lens(m.lens, path, "/lens", m.grids.back().focus_distance_m);
@@ -107,6 +126,11 @@ CameraMeasurements read_camera_measurements(const nlohmann::json& json, const st
   }
   if (m.grids.empty() || m.grids.size() > kMostGrids) {
     root.fail("grids", fmt::format("must have 1 to {} grids", kMostGrids));
+  }
+  if (std::none_of(m.grids.begin(), m.grids.end(), has_fitted_figure)) {
+    root.fail("grids",
+              "no figure at a place that is fitted: must have one that does not only judge, where column + row, "
+              "counted from 0, is even");
   }
   root.done();
   return m;

@@ -60,6 +60,9 @@ struct MeasuredGrid {
   std::vector<Values> figures;
 };
 
+/// Whether the fit uses a place: every second one, as on a chess board.
+inline bool is_fitted_place(std::size_t column, std::size_t row) { return (column + row) % 2 == 0; }
+
 /// A number of the lens that the fit may change.
 struct FittedField {
   std::string pointer;  ///< JSON pointer inside `lens`
@@ -76,8 +79,8 @@ struct CameraMeasurements {
   std::vector<MeasuredGrid> grids;
 };
 
-/// Throws InputError: unknown fields, values out of range, grids of another size than their places, fields of the fit
-/// that are no number of the lens or lie outside of their bounds.
+/// Throws InputError: unknown fields, values out of range, grids of another size than their places, none with a figure
+/// that is fitted, fields of the fit that are no number of the lens, lie outside of their bounds or are named twice.
 CameraMeasurements read_camera_measurements(const nlohmann::json& json, const std::string& path);
 
 }  // namespace dualpixel::evaluation

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "capture/image/rows.h"
 #include "pipeline/burst/align.h"
@@ -34,7 +35,7 @@ struct PairShape {
   int width, height;
   float motion_x, motion_y;  ///< pixels per Bayer px
   float black;               ///< DN
-  float range;               ///< DN from black to the mosaic's white
+  float range;               ///< DN from black to white, the normalized signal 1
   float clipped;             ///< from here on a plane is clipped, DN above black
   float clipped_noise;       ///< variance where it is
   float shot, read;          ///< variance = shot * (DN - black) + read
@@ -329,6 +330,15 @@ void merge_pair(const std::vector<PlanePair<const std::uint16_t>>& frames, int b
   }
 }
 
+/// Sets where planes clip whose own white is `white_dn`, empty: at the normalized signal 1. A full well is read out
+/// with noise, on either side of its level; at the end of the range even that is cut.
+void clip_at(std::optional<double> white_dn, PairShape& shape) {
+  const float white = white_dn ? static_cast<float>(*white_dn) - shape.black : shape.range;
+  const bool read_out = white < shape.range;
+  shape.clipped = read_out ? white - 3 * std::sqrt(shape.read) : shape.range;
+  shape.clipped_noise = read_out ? std::max(shape.read, kRounding) : 0;
+}
+
 }  // namespace
 
 OptionFields fields(MergeOptions& options) {
@@ -353,8 +363,7 @@ MergedBurst merge_burst(const std::vector<Frame>& frames, int base, const std::v
 
   PairShape shape;
   shape.black = static_cast<float>(exposure.black_level_dn);
-  shape.range = shape.clipped = static_cast<float>(exposure.white_level_dn) - shape.black;
-  shape.clipped_noise = 0;
+  shape.range = static_cast<float>(exposure.white_level_dn) - shape.black;
   shape.strength = static_cast<float>(options.strength);
   std::vector<PlanePair<const std::uint16_t>> pairs(frames.size());
   MergedBurst merged;
@@ -366,6 +375,7 @@ MergedBurst merge_burst(const std::vector<Frame>& frames, int base, const std::v
     shape.motion_x = shape.motion_y = 1;
     shape.shot = static_cast<float>(exposure.mosaic_noise.shot_dn);
     shape.read = static_cast<float>(exposure.mosaic_noise.read_dn2);
+    clip_at(exposure.mosaic_white_level_dn, shape);
     const std::ptrdiff_t stride = 2 * first.mosaic.width;
     for (int line = 0; line < 2; ++line) {  // of each 2 x 2 photosites
       for (std::size_t z = 0; z < frames.size(); ++z) {
@@ -384,11 +394,7 @@ MergedBurst merge_burst(const std::vector<Frame>& frames, int base, const std::v
   shape.motion_y = static_cast<float>(shape.height) / static_cast<float>(height);
   shape.shot = static_cast<float>(exposure.dp_noise.shot_dn);
   shape.read = static_cast<float>(exposure.dp_noise.read_dn2);
-  if (exposure.dp_white_level_dn && *exposure.dp_white_level_dn < exposure.white_level_dn) {
-    // a full well is read out with noise, on either side of its level; at the mosaic's white even that is cut
-    shape.clipped_noise = std::max(shape.read, kRounding);
-    shape.clipped = static_cast<float>(*exposure.dp_white_level_dn) - shape.black - 3 * std::sqrt(shape.read);
-  }
+  clip_at(exposure.dp_white_level_dn, shape);
   for (std::size_t z = 0; z < frames.size(); ++z) {
     pairs[z] = {frames[z].left.row(0), frames[z].right.row(0), shape.width};
   }

@@ -53,7 +53,7 @@ OptionFields fields(MergeOptions& options);
 /// compared with the energy that noise explains. Up to 1.4 times that, the tile is merged as above; from 1.8 times on
 /// it is not merged (A_z = 1); in between the two are blended linearly. For this test each pixel has its own variance,
 /// and a clipped pixel has none, or that of the
-/// read-out where a view's well is full below the mosaic's white. With it a moving object has no more error than in the
+/// read-out where wells are full below the signal 1. With it a moving object has no more error than in the
 /// base frame, and clipped highlights don't ring. It needs a noise profile that is right: where the noise is twice what
 /// the profile says, nothing is merged and the base frame remains.
 ///

@@ -346,9 +346,9 @@ void prepare(Run& run, const std::optional<Image>& person_mask) {
   }
   const std::array<double, 3>& gains = run.capture.exposure.white_balance;
   const bool of_views = run.capture.frames[0].mosaic.empty() && !options.picture;
-  // a photosite is full where both of its halves are, which a mosaic may read as less than its white
-  const double full = 2 * view_white(run.capture.exposure);
-  run.defocus.bokeh.white = of_views ? full : std::min(full, 1.0) * *std::min_element(gains.begin(), gains.end());
+  run.defocus.bokeh.white = of_views
+                                ? 2 * view_white(run.capture.exposure)
+                                : mosaic_white(run.capture.exposure) * *std::min_element(gains.begin(), gains.end());
   run.result.warnings = std::move(known.warnings);
   if (options.mode != Mode::seg) prepare_correction(run);
   if (options.disparity) take_disparity(run);

@@ -76,7 +76,7 @@ class Capture:
         """Reads and verifies a capture's folder. Raises InputError."""
     @property
     def left(self) -> _Floats:
-        """The first frame's left view, (height, width) in DP pixels: 0 black, 1 where the mosaic clips."""
+        """The first frame's left view, (height, width) in DP pixels: 0 black, 1 white."""
     @property
     def right(self) -> _Floats: ...
     @property

@@ -15,6 +15,16 @@ namespace {
 
 constexpr int kDeepestChain = 8;  ///< of files that name another: a circle of them ends somewhere
 
+/// A half that no ray of the middle photosite reaches makes no view.
+void check_split(const Fields& lens, const Lens& read) {
+  const SplitPixel::Shares light = read.split.light(read.thin.rim_slope());
+  if (light.left > 0 && light.right > 0) return;
+  lens.fail("split", fmt::format("lets no light of the lens's pupil into the {} half: must into both",
+                                 light.left > 0    ? "right"
+                                 : light.right > 0 ? "left"
+                                                   : "left and the right"));
+}
+
 Lens read_fields(Fields lens, const std::string& file, double focus_distance_m) {
   Lens result;
   int version = 1;
@@ -26,6 +36,7 @@ Lens read_fields(Fields lens, const std::string& file, double focus_distance_m) 
   read_named(lens, "model", model, kLensModels);
   result.model = row_of(kLensModels, model).read(lens, file, focus_distance_m, result.thin);
   result.split = read_split(lens.object("split"));
+  check_split(lens, result);
   lens.boolean("diffraction", result.diffraction);
   lens.number("veiling_glare", result.veiling_glare, 0, 0.5);
   lens.done();

@@ -88,7 +88,7 @@ RowNoise row_noise_of(const SensorOptions& sensor, std::uint64_t seed, int y) {
 }
 
 /// Dark current over that at 25 C.
-double warmth(const SensorOptions& sensor) {
+double temperature_factor(const SensorOptions& sensor) {
   return std::exp2((sensor.temperature_c - 25) / sensor.dark_current_doubling_c);
 }
 
@@ -102,17 +102,17 @@ std::array<double, 3> white_electrons(const SensorOptions& sensor) {
   return electrons;
 }
 
-/// From balanced camera colors to the scene's, its white at 1, 1, 1.
-Matrix3 scene_from_balanced(const SensorOptions& sensor) {
-  Matrix3 balanced_from_scene;
+/// From the scene's colors, its white at 1, 1, 1, to balanced camera colors.
+Matrix3 balanced_from_scene(const SensorOptions& sensor) {
+  Matrix3 balanced;
   const std::array<double, 3> white = white_electrons(sensor);
   for (int c = 0; c < 3; ++c) {
     for (int k = 0; k < 3; ++k) {
-      balanced_from_scene[3 * c + k] =
+      balanced[3 * c + k] =
           sensor.electrons_per_lux_s[c] * sensor.color_matrix[3 * c + k] * sensor.illuminant[k] / white[c];
     }
   }
-  return inverse(balanced_from_scene);
+  return balanced;
 }
 
 FixedPattern fixed_pattern(const SensorOptions& sensor, std::uint64_t photosite) {
@@ -124,10 +124,39 @@ FixedPattern fixed_pattern(const SensorOptions& sensor, std::uint64_t photosite)
   return {gain(), gain(), offset(), offset(), offset()};
 }
 
+/// How many read-outs' variance a signal has. In a view, half of what left - right has: where right is the sum less
+/// left, that is 2 left - sum, five read-outs' instead of two, but no more dark current.
+double noise_read_outs(const SensorOptions& sensor, bool whole) {
+  return !whole && sensor.readout == Readout::sum_and_left ? 2.5 : 1;
+}
+
 /// Half-photosites that a DP pixel is the mean of.
 int binned(const SensorOptions& sensor) {
   const int photosites = sensor.dp_downsample_x * sensor.dp_downsample_y;
   return photosites == 1 ? 1 : photosites / 2;
+}
+
+/// What a capture says of colors stays within what its readers take.
+std::optional<OptionProblem> check_colors(const SensorOptions& s) {
+  constexpr double kMostSeen = 100, kLeastElectrons = 1e-3, kMostChange = 1e6;
+  for (const double value : s.illuminant) {
+    if (const auto why = out_of_range(value, 1e-3, 1e3)) return OptionProblem{"illuminant", *why};
+  }
+  for (const double value : s.color_matrix) {
+    if (const auto why = out_of_range(value, -kMostSeen, kMostSeen)) return OptionProblem{"color_matrix", *why};
+  }
+  for (const double electrons : white_electrons(s)) {
+    if (electrons >= kLeastElectrons) continue;
+    return OptionProblem{"color_matrix", fmt::format("{:g} electrons for each lx s of the illuminant under one filter: "
+                                                     "each row must see {:g} or more",
+                                                     electrons, kLeastElectrons)};
+  }
+  const double change = std::abs(determinant(balanced_from_scene(s)));
+  if (change > 1 / kMostChange && change < kMostChange) return std::nullopt;
+  return OptionProblem{"color_matrix",
+                       fmt::format("determinant {:g} where the illuminant is white: must have an inverse, "
+                                   "{:g} to {:g}",
+                                   change, 1 / kMostChange, kMostChange)};
 }
 
 }  // namespace
@@ -146,16 +175,7 @@ std::optional<OptionProblem> check(const SensorOptions& s) {
       return OptionProblem{"electrons_per_lux_s", fmt::format("{}: must lie in [0.001, 1e9]", value)};
     }
   }
-  for (double value : s.illuminant) {
-    if (!(value >= 1e-6 && value <= 1e6)) {
-      return OptionProblem{"illuminant", fmt::format("{}: must lie in [1e-6, 1e6]", value)};
-    }
-  }
-  for (const double electrons : white_electrons(s)) {
-    if (!(electrons > 0 && electrons < 1e12 && std::abs(determinant(s.color_matrix)) > 1e-6)) {
-      return OptionProblem{"color_matrix", "must have an inverse, and see something of the illuminant in each row"};
-    }
-  }
+  if (auto problem = check_colors(s)) return problem;
   const int dp_x = s.dp_downsample_x, dp_y = s.dp_downsample_y;
   if (!(dp_x == 2 && (dp_y == 2 || dp_y == 4)) && !(dp_x == 1 && dp_y == 1)) {
     return OptionProblem{"dp_downsample_y",
@@ -165,6 +185,16 @@ std::optional<OptionProblem> check(const SensorOptions& s) {
     return OptionProblem{"black_level_dn", *why};
   }
   return std::nullopt;
+}
+
+std::optional<OptionProblem> check_dark(const SensorOptions& sensor, const ExposureOptions& exposure) {
+  const double dark_e = dark_electrons(sensor, exposure), most_e = 0.98 * sensor.full_well_e;
+  if (dark_e <= most_e) return std::nullopt;
+  return OptionProblem{
+      "dark_current_e_per_s",
+      fmt::format("{:g}: gathers {:.4g} electrons in {:g} s at {:g} C: must leave some of the well, {:.4g} "
+                  "at most",
+                  sensor.dark_current_e_per_s, dark_e, exposure.time_s, sensor.temperature_c, most_e)};
 }
 
 SensorGrid sensor_grid(const SensorOptions& sensor) {
@@ -192,38 +222,40 @@ double gain_dn_per_electron(const SensorOptions& sensor, double iso) {
 }
 
 double dark_electrons(const SensorOptions& sensor, const ExposureOptions& exposure) {
-  return sensor.dark_current_e_per_s * warmth(sensor) * exposure.time_s;
+  return sensor.dark_current_e_per_s * temperature_factor(sensor) * exposure.time_s;
 }
 
 double read_noise_dn2(const SensorOptions& sensor, const ExposureOptions& exposure, bool whole) {
   const double gain = gain_dn_per_electron(sensor, exposure.iso);
   const double dark_e = (whole ? 1 : 0.5) * dark_electrons(sensor, exposure);
-  return gain * gain * (sensor.read_noise_e * sensor.read_noise_e + dark_e) +
-         sensor.read_noise_after_gain_dn * sensor.read_noise_after_gain_dn + sensor.row_noise_dn * sensor.row_noise_dn;
+  return noise_read_outs(sensor, whole) * (gain * gain * (sensor.read_noise_e * sensor.read_noise_e) +
+                                           sensor.read_noise_after_gain_dn * sensor.read_noise_after_gain_dn +
+                                           sensor.row_noise_dn * sensor.row_noise_dn) +
+         gain * gain * dark_e;
 }
 
 Exposure describe_exposure(const SensorOptions& sensor, const ExposureOptions& exposure) {
   const double gain = gain_dn_per_electron(sensor, exposure.iso);
-  const double half_read = read_noise_dn2(sensor, exposure, false);
-  const double dark = gain * gain * 0.5 * dark_electrons(sensor, exposure);
   const bool subtracted = sensor.readout == Readout::sum_and_left;
-  // left - right = 2 left - sum: five read-outs' variance instead of two, but no more dark current
-  const double view_read = subtracted ? 2.5 * (half_read - dark) + dark : half_read;
   Exposure e;
   e.time_s = exposure.time_s;
   e.iso = exposure.iso;
   e.bits = sensor.bits;
   e.black_level_dn = sensor.black_level_dn;
   e.white_level_dn = std::exp2(sensor.bits) - 1;
-  // where right is what is left of the sum, it is none where the sum clips; dark current fills wells, too
-  const double most_dn = (subtracted ? 0.5 : 1) * (e.white_level_dn - sensor.black_level_dn);
-  const double room_e = std::max(sensor.full_well_e - dark_electrons(sensor, exposure), 0.02 * sensor.full_well_e);
-  e.dp_white_level_dn = sensor.black_level_dn + std::min(most_dn, gain * 0.5 * room_e);
+  // dark current fills wells, too, and its mean is taken off
+  const double range_dn = e.white_level_dn - sensor.black_level_dn;
+  const double free_well_e = sensor.full_well_e - dark_electrons(sensor, exposure);
+  const double mosaic_dn = gain * free_well_e;
+  if (mosaic_dn < range_dn - 1e-6) e.mosaic_white_level_dn = sensor.black_level_dn + mosaic_dn;
+  // where right is what is left of the sum, it is none where the sum clips
+  e.dp_white_level_dn = sensor.black_level_dn + std::min((subtracted ? 0.5 : 1) * range_dn, 0.5 * mosaic_dn);
   e.mosaic_noise = {gain, read_noise_dn2(sensor, exposure, true) + 1.0 / 12};
-  e.dp_noise = {gain / binned(sensor), view_read / binned(sensor) + (subtracted ? 2.5 : 1) / 12};
+  e.dp_noise = {gain / binned(sensor),
+                read_noise_dn2(sensor, exposure, false) / binned(sensor) + noise_read_outs(sensor, false) / 12};
   const std::array<double, 3> white = white_electrons(sensor);
   for (int c = 0; c < 3; ++c) e.white_balance[c] = white[1] / white[c];
-  if (sensor.color_matrix != kIdentity3) e.color_matrix = scene_from_balanced(sensor);
+  if (sensor.color_matrix != kIdentity3) e.color_matrix = inverse(balanced_from_scene(sensor));
   e.lux_s_per_unit = (e.white_level_dn - e.black_level_dn) / gain / white[1];
   return e;
 }
@@ -252,7 +284,7 @@ Frame expose(const Image& electrons, const SensorOptions& sensor, const Exposure
   const int height = electrons.height;
   const double gain = gain_dn_per_electron(sensor, exposure.iso);
   const double white = std::exp2(sensor.bits) - 1;
-  const double dark_e = dark_electrons(sensor, exposure), leak_s = exposure.time_s * warmth(sensor);
+  const double dark_e = dark_electrons(sensor, exposure), leak_s = exposure.time_s * temperature_factor(sensor);
   const auto level = [&](double counted) { return sensor.black_level_dn + gain * counted; };
   const auto digitize = [&](double dn) { return static_cast<std::uint16_t>(std::clamp(std::round(dn), 0.0, white)); };
 

@@ -38,7 +38,7 @@ struct SensorOptions {
   /// lx s is 4.1e15 photons/m^2, 8000 on 1.4 um square; filter and quantum efficiency leave about half.
   std::array<double, 3> electrons_per_lux_s = {3600, 4000, 3200};
   double full_well_e = 6000;            ///< of the undivided photosite; the white level at ISO 100
-  double well_spill = 0;                ///< share of what a half's well cannot hold that goes to its twin's
+  double well_spill = 0;                ///< share of the overflow of a half's well that the other half's takes
   double read_noise_e = 2.0;            ///< standard deviation of one read-out, ahead of the gain
   double read_noise_after_gain_dn = 0;  ///< likewise, behind it
   double row_noise_dn = 0;  ///< standard deviation of what all photosites of a row have in common in one read-out
@@ -110,14 +110,17 @@ inline std::optional<OptionProblem> check(const ExposureOptions& exposure) {
   return check_ranges(exposure, kExposureRanges);
 }
 
+/// Whether the charge that gathers without light leaves a fiftieth of the well.
+std::optional<OptionProblem> check_dark(const SensorOptions& sensor, const ExposureOptions& exposure);
+
 /// The electrons that the wells of a photosite's halves keep of `left` and `right`.
 inline void fill_wells(const SensorOptions& sensor, double& left, double& right) {
   const double well = 0.5 * sensor.full_well_e;
   if (left <= well && right <= well) return;
-  const double spilled_left = sensor.well_spill * std::max(left - well, 0.0);
-  const double spilled_right = sensor.well_spill * std::max(right - well, 0.0);
-  left = std::min(left + spilled_right, well);
-  right = std::min(right + spilled_left, well);
+  const double from_left = sensor.well_spill * std::max(left - well, 0.0);
+  const double from_right = sensor.well_spill * std::max(right - well, 0.0);
+  left = std::min(left + from_right, well);
+  right = std::min(right + from_left, well);
 }
 
 /// Digital numbers per electron: the full well reaches the white level at ISO 100.
@@ -126,12 +129,13 @@ double gain_dn_per_electron(const SensorOptions& sensor, double iso);
 /// Mean number of electrons that an undivided photosite which is not hot gathers without light.
 double dark_electrons(const SensorOptions& sensor, const ExposureOptions& exposure);
 
-/// Variance of one read-out, DN^2, quantisation aside: of half a photosite (with its dark current) or a whole one.
+/// Variance without light, DN^2, quantization aside: of a whole photosite's read-out, or of a half's in a view, which
+/// is half of that of left - right (as Exposure's).
 double read_noise_dn2(const SensorOptions& sensor, const ExposureOptions& exposure, bool whole);
 
-/// Levels, colors, and the noise profiles that follow from shot noise, read noise and quantisation (variance 1/12
+/// Levels, colors, and the noise profiles that follow from shot noise, read noise and quantization (variance 1/12
 /// DN^2). That of the views is half that of their difference: of one of them, where both are read out by themselves.
-/// They hold where the noise ahead of quantisation exceeds half a DN and the mean lies three standard deviations from 0
+/// They hold where the noise ahead of quantization exceeds half a DN and the mean lies three standard deviations from 0
 /// and from white; fixed pattern, hot pixels among it, is not part of them.
 Exposure describe_exposure(const SensorOptions& sensor, const ExposureOptions& exposure);
 

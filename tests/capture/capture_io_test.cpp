@@ -43,6 +43,7 @@ Capture small_capture(bool with_truth) {
                       .bits = 10,
                       .black_level_dn = 64,
                       .white_level_dn = 1023,
+                      .mosaic_white_level_dn = 1000.5,
                       .dp_white_level_dn = 543.5,
                       .mosaic_noise = {0.2, 1.5},
                       .dp_noise = {0.1, 0.5},
@@ -144,6 +145,7 @@ TEST(CaptureIo, EverythingSurvivesTheRoundTrip) {
   EXPECT_EQ(back.exposure.bits, 10);
   EXPECT_EQ(back.exposure.black_level_dn, 64);
   EXPECT_EQ(back.exposure.white_level_dn, 1023);
+  EXPECT_EQ(back.exposure.mosaic_white_level_dn, 1000.5);
   EXPECT_EQ(back.exposure.dp_white_level_dn, 543.5);
   EXPECT_EQ(back.exposure.mosaic_noise.shot_dn, 0.2);
   EXPECT_EQ(back.exposure.mosaic_noise.read_dn2, 1.5);
@@ -256,6 +258,10 @@ TEST(CaptureIo, RefusesToWriteWhatIsInconsistent) {
   EXPECT_NE(refusal([](Capture& c) { c.exposure.dp_white_level_dn = 64; }).find("/exposure/dp_white_level_dn: 64"),
             std::string::npos);
   EXPECT_NE(refusal([](Capture& c) { c.exposure.dp_white_level_dn = 1024; }), "");
+  EXPECT_NE(refusal([](Capture& c) {
+              c.exposure.mosaic_white_level_dn = 1024;
+            }).find("/exposure/mosaic_white_level_dn: 1024"),
+            std::string::npos);
   EXPECT_NE(refusal([](Capture& c) { c.exposure.color_matrix = Matrix3{1, 0, 0, 1, 0, 0, 0, 0, 1}; }), "");
   EXPECT_NE(refusal([](Capture& c) { c.frames[0].camera_from_world[0] = NAN; }), "");
   EXPECT_NE(refusal([](Capture& c) { c.truth->depth_m.at(1, 1) = NAN; }), "");

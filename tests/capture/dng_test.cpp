@@ -144,6 +144,16 @@ TEST(Dng, AViewIsMonochromeAndItsPixelsMayBeHigh) {
   EXPECT_DOUBLE_EQ(file[kNoiseProfile].at(0), 0.5 / (544 - 64));
 }
 
+TEST(Dng, AMosaicIsWhiteWhereItClips) {
+  const TemporaryFolder folder;
+  Capture capture = capture_of("RGGB");
+  capture.exposure.mosaic_white_level_dn = 544;
+  write_dng(folder / "a.dng", ramp(2, 2), capture, true, {.shot_dn = 0.5});
+  const Directory file(folder / "a.dng");
+  EXPECT_EQ(file[kWhiteLevel], std::vector<double>{544});
+  EXPECT_DOUBLE_EQ(file[kNoiseProfile].at(0), 0.5 / (544 - 64));
+}
+
 TEST(Dng, RefusesPlacesThatCannotBeWritten) {
   const TemporaryFolder folder;
   const std::string path = folder / "none/a.dng";

@@ -28,6 +28,24 @@ TEST(Options, EachProblemNamesFieldValueAndWhatIsAllowed) {
       {"sensor/black_level_dn: 513: must be a number in [0, 512]",
        [](Simulation& s) { s.sensor.black_level_dn = 513; }},
       {"sensor/electrons_per_lux_s: 0: must lie in", [](Simulation& s) { s.sensor.electrons_per_lux_s[1] = 0; }},
+      {"sensor/color_matrix: 1e+308: must be a number in [-100, 100]",
+       [](Simulation& s) { s.sensor.color_matrix = {1e308, -1e308, 1, 0, 1, 0, 0, 0, 1}; }},
+      {"sensor/color_matrix: 0 electrons for each lx s of the illuminant under one filter: each row must see 0.001",
+       [](Simulation& s) { s.sensor.color_matrix = {1, -1, 0, 0, 1, 0, 0, 0, 1}; }},
+      {"sensor/color_matrix: determinant 0 where the illuminant is white: must have an inverse, 1e-06 to 1e+06",
+       [](Simulation& s) { s.sensor.color_matrix = {1, 0, 0, 1, 0, 0, 0, 0, 1}; }},
+      // rows that see almost as much of one color as they take of another: captures could not undo them
+      {"sensor/color_matrix: determinant",
+       [](Simulation& s) { s.sensor.color_matrix = {100, -99.999, 0, 0, 100, -99.999, -99.999, 0, 100}; }},
+      {"sensor/illuminant: 1e-300: must be a number in [0.001, 1000]",
+       [](Simulation& s) { s.sensor.illuminant[0] = 1e-300; }},
+      {"sensor/dark_current_e_per_s: 10: gathers 4.789e+51 electrons in 0.01 s at 200 C: must leave some of the well, "
+       "5880 at most",
+       [](Simulation& s) {
+         s.sensor.dark_current_e_per_s = 10;
+         s.sensor.temperature_c = 200;
+         s.sensor.dark_current_doubling_c = 1;
+       }},
       {"sensor/prnu: nan: must be a number in [0, 0.5]", [](Simulation& s) { s.sensor.prnu = std::nan(""); }},
       {"exposure/iso: 0: must be a number in [1, 1e+06]", [](Simulation& s) { s.exposure.iso = 0; }},
       {"burst/interval_s: 0.04: must be a number in [0.5, 100000]", [](Simulation& s) { s.exposure.time_s = 0.5; }},

@@ -166,10 +166,15 @@ void read_scene(const json& document) { simulator::read_simulation(document, DUA
 
 TEST(Schema, SaysOfScenesWhatTheReaderSays) {
   const std::vector<std::string> skipped = {"/lens", "/camera/file"};
-  const std::vector<std::string> reasons = {"/sensor/black_level_dn: ", "/burst/interval_s: ",
-                                            "/camera/look_at_m: ",      "/sensor/color_matrix: must have an inverse",
-                                            "/truth/photograph_lens: ", "/truth/photograph_aperture_scale: is that of",
-                                            "/lens/focal_length_mm: ",  "/model_size_m: cannot be given",
+  const std::vector<std::string> reasons = {"/sensor/black_level_dn: ",
+                                            "/burst/interval_s: ",
+                                            "/camera/look_at_m: ",
+                                            "of the illuminant under one filter: each row",
+                                            "where the illuminant is white: must have an inverse",
+                                            "/truth/photograph_lens: ",
+                                            "/truth/photograph_aperture_scale: is that of",
+                                            "/lens/focal_length_mm: ",
+                                            "/model_size_m: cannot be given",
                                             "this machine has"};
   expect_agreement("scene", scene(), skipped, read_scene, reasons);
   for (const json& environment : {json{{"model", "constant"}, {"nits", {1, 2, 3}}},
@@ -199,7 +204,7 @@ TEST(Schema, SaysOfMeasurementsWhatTheReaderSays) {
   };
   expect_agreement("measurements", document, {"/lens", "/sensor"}, read,
                    {"one for each number of", "must be above low", "must be the JSON pointer", "starts at",
-                    "the lens cannot focus", "/lens"});
+                    "the lens cannot focus", "/lens", "is named before", "no figure at a place that is fitted"});
 }
 
 TEST(Schema, AcceptsTheShippedScenes) {
@@ -274,6 +279,7 @@ TEST(Schema, SaysOfCapturesWhatTheReaderSays) {
   capture.truth->noise = {.views = 0.1, .all_in_focus = 0.2, .photograph = 0.3};
   capture.truth->photograph_lens = "ideal";
   capture.exposure.dp_white_level_dn = 500;
+  capture.exposure.mosaic_white_level_dn = 900;
   capture.exposure.color_matrix = Matrix3{1.5, -0.3, -0.2, -0.3, 1.5, -0.2, -0.1, -0.3, 1.4};
   write_capture(capture, path);
   const auto read = [&](const json& document) {

@@ -18,7 +18,8 @@ namespace dualpixel::simulator {
 ///               x = u (1 - h/f) + h t - shift; right takes 0 < x < w, left -w < x < 0, the rest is lost. h = f with
 ///               a large w is the hard split.
 ///   table       measured shares over p, linear in between.
-/// Weights never add up to more than 1. Real sensors split softly: phones have alpha = 0.19 ... 0.22, as the default.
+/// Weights never add up to more than 1. Real sensors split softly: a Pixel 4 has alpha = 0.203 ... 0.233
+/// (lens_models/README.md), the default 0.21.
 struct SplitPixel {
   SplitKind kind = SplitKind::ramp;
   double k = 1.19;
@@ -74,21 +75,34 @@ struct SplitPixel {
     return {s.left + crosstalk * (s.right - s.left), s.right + crosstalk * (s.left - s.right)};
   }
 
-  /// Centroid disparity over signed blur diameter behind a full circular pupil whose rim has the slope `rim_slope`
-  /// (1 / (2 N) at infinity): half the distance of the two centroids in p.
+  /// Light of each half, any unit, from a full circular pupil whose rim has the slope `rim_slope` (1 / (2 N) at
+  /// infinity).
+  Shares light(double rim_slope) const { return over_pupil(rim_slope).light; }
+
+  /// Centroid disparity over signed blur diameter behind that pupil: half the distance of the two centroids in p.
   double alpha(double rim_slope = 0) const {
     if (kind == SplitKind::hard) return (1 - 2 * crosstalk) * 4 / (3 * M_PI);
     if (kind == SplitKind::ramp) return (1 - 2 * crosstalk) / (4 * k);
-    double left = 0, right = 0, left_p = 0, right_p = 0;
+    const auto [light, moment] = over_pupil(rim_slope);
+    return light.left > 0 && light.right > 0 ? 0.5 * (moment.right / light.right - moment.left / light.left) : 0;
+  }
+
+ private:
+  /// Sums over the pupil of the shares, and of the shares times p.
+  struct Sums {
+    Shares light{}, moment{};
+  };
+  Sums over_pupil(double rim_slope) const {
     constexpr int kSteps = 4096;
+    Sums sums;
     for (int i = 0; i < kSteps; ++i) {
       const double p = (2 * i + 1.0) / kSteps - 1;
       const double chord = std::sqrt(1 - p * p);
       const Shares s = shares(p, p * rim_slope);
-      left += s.left * chord, left_p += s.left * chord * p;
-      right += s.right * chord, right_p += s.right * chord * p;
+      sums.light.left += s.left * chord, sums.moment.left += s.left * chord * p;
+      sums.light.right += s.right * chord, sums.moment.right += s.right * chord * p;
     }
-    return left > 0 && right > 0 ? 0.5 * (right_p / right - left_p / left) : 0;
+    return sums;
   }
 };
 

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
+#include <optional>
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
@@ -58,8 +59,8 @@ json rows_of(const std::vector<double>& values, std::size_t columns) {
   return rows;
 }
 
-// Measurements of a camera that is known, by rays that the fit does not use: it finds the camera's numbers. What the
-// fit's 1024 rays err by is under a hundredth of each range.
+// Measurements of a camera that is known, by 16384 rays a place, of which the fit uses the first 4096: it finds the
+// camera's numbers. What these err by against all is under a hundredth of each range.
 TEST(CameraFit, FindsACameraThatIsKnown) {
   json document = blank();
   CameraMeasurements m = read_camera_measurements(document, "small.json");
@@ -124,21 +125,38 @@ json phone_measurements(const std::string& figures) {
   return document;
 }
 
-// The figures of docs/fit_camera.md, where the measurements are at hand: RMS at the places that were not fitted,
-// rounded up.
-TEST(ShippedCamera, IsAsNearToThePhoneAsTheDocumentSays) {
+/// Empty where the measurements are not at hand.
+std::optional<CameraMeasurements> read_phone_measurements() {
   const std::string figures = DUALPIXEL_SOURCE_DIR "/../shared/data/pixel4/pixel4.json";
-  if (!std::filesystem::exists(figures)) GTEST_SKIP() << figures << " is not here";
-  const CameraMeasurements m = read_camera_measurements(
-      phone_measurements(figures), DUALPIXEL_SOURCE_DIR "/tests/data/camera_fit/phone_2019_start.json");
+  if (!std::filesystem::exists(figures)) return std::nullopt;
+  return read_camera_measurements(phone_measurements(figures),
+                                  DUALPIXEL_SOURCE_DIR "/tests/data/camera_fit/phone_2019_start.json");
+}
+
+// The figures of docs/fit_camera.md, where the measurements are at hand, at the places that were not fitted: RMS,
+// largest error and the share of places within the tolerance. No tolerance is derived: these are regressions, the
+// figures that were measured, rounded up.
+TEST(ShippedCamera, IsAsNearToThePhoneAsTheDocumentSays) {
+  const std::optional<CameraMeasurements> measured = read_phone_measurements();
+  if (!measured) GTEST_SKIP() << "the phone's measurements are not here";
+  const CameraMeasurements& m = *measured;
   const json camera = read_json_file(DUALPIXEL_SOURCE_DIR "/scenes/cameras/phone_2019.json");
-  const std::map<Figure, double> stated = {{Figure::light, .020},         {Figure::left_share, .005},
-                                           {Figure::disparity, .020},     {Figure::left_sigma_x, .021},
-                                           {Figure::right_sigma_x, .024}, {Figure::left_sigma_y, .029},
-                                           {Figure::right_sigma_y, .016}, {Figure::left_skew_x, .054},
-                                           {Figure::right_skew_x, .085},  {Figure::sum_sigma_ratio, .021}};
-  for (const FigureScore& s : score_camera(m, camera["lens"])) {
-    EXPECT_LT(s.judged.rms, stated.at(s.figure)) << row_of(kFigures, s.figure).name;
+  struct Stated {
+    double rms, most, within;
+  };
+  const std::map<Figure, Stated> stated = {
+      {Figure::light, {.020, .048, .69}},          {Figure::left_share, {.005, .0135, 1}},
+      {Figure::disparity, {.020, .0455, .95}},     {Figure::left_sigma_x, {.021, .0455, 1}},
+      {Figure::right_sigma_x, {.024, .0615, .95}}, {Figure::left_sigma_y, {.029, .0665, .95}},
+      {Figure::right_sigma_y, {.016, .0315, 1}},   {Figure::left_skew_x, {.054, .105, .97}},
+      {Figure::right_skew_x, {.085, .165, .74}},   {Figure::sum_sigma_ratio, {.021, .0575, 1}}};
+  const std::vector<FigureScore> scores = score_camera(m, camera["lens"]);
+  std::printf("%s", to_text(scores).c_str());
+  for (const FigureScore& s : scores) {
+    const Stated& figure = stated.at(s.figure);
+    EXPECT_LT(s.judged.rms, figure.rms) << row_of(kFigures, s.figure).name;
+    EXPECT_LT(s.judged.most, figure.most) << row_of(kFigures, s.figure).name;
+    EXPECT_GE(s.judged.within, figure.within) << row_of(kFigures, s.figure).name;
   }
   // without coma the skews, to which nothing was fitted, are far off
   json without = camera["lens"];
@@ -150,12 +168,36 @@ TEST(ShippedCamera, IsAsNearToThePhoneAsTheDocumentSays) {
   }
 }
 
+/// Sum of a lens's coefficients: the polynomial at h = 1.
+double at_the_edge(const json& lens, const char* field) {
+  double sum = 0;
+  for (const json& c : lens.at(field)) sum += c.get<double>();
+  return sum;
+}
+
+// From all aberrations 0 the fit is as near as the camera that ships, along directions that the measurements leave open
+// (docs/fit_camera.md); these they determine. Where it ends there depends on rounding: .2917 to .2971 has been seen.
+TEST(SlowCameraFit, FitsThePhoneFromItsStart) {
+  const std::optional<CameraMeasurements> measured = read_phone_measurements();
+  if (!measured) GTEST_SKIP() << "the phone's measurements are not here";
+  const CameraFit fit = fit_camera(*measured);
+  const json shipped = read_json_file(DUALPIXEL_SOURCE_DIR "/scenes/cameras/phone_2019.json")["lens"];
+  EXPECT_GT(fit.before, 14);
+  EXPECT_LT(fit.after, 0.3);
+  EXPECT_NEAR(at_the_edge(fit.lens, "coma_um"), at_the_edge(shipped, "coma_um"), 0.8);
+  EXPECT_NEAR(at_the_edge(fit.lens, "exit_pupil_growth"), at_the_edge(shipped, "exit_pupil_growth"), 0.01);
+  for (const auto& [field, tolerance] :
+       {std::pair{"focal_length_px", 0.03}, {"height_px", 0.02}, {"diode_width_px", 0.01}, {"radius_px", 0.01}}) {
+    EXPECT_NEAR(fit.lens["split"][field].get<double>(), shipped["split"][field].get<double>(), tolerance) << field;
+  }
+}
+
 CameraMeasurements full_frame_measurements() {
   const std::string path = DUALPIXEL_SOURCE_DIR "/tests/data/camera_fit/full_frame_measurements.json";
   return read_camera_measurements(read_json_file(path), path);
 }
 
-// The figures of docs/fit_camera.md: RMS at the places that were not fitted, rounded up.
+// The figures of docs/fit_camera.md: RMS at the places that were not fitted. A regression, rounded up.
 TEST(ShippedCamera, IsAsNearToTheFullFrameCameraAsTheDocumentSays) {
   const CameraMeasurements m = full_frame_measurements();
   json lens = read_json_file(DUALPIXEL_SOURCE_DIR "/lens_models/full_frame_50mm_f4_dual_pixel.json");
@@ -166,8 +208,8 @@ TEST(ShippedCamera, IsAsNearToTheFullFrameCameraAsTheDocumentSays) {
   EXPECT_LT(scores[1].judged.rms, .085);
 }
 
-// The command that docs/fit_camera.md names, from the file's start: it ends at the split that ships. What the fit
-// leaves, 4.6, changes by a hundredth where diode width and radius change together by a fifth.
+// The command that docs/fit_camera.md names, from the file's start: it ends at the split that ships. A regression. What
+// the fit leaves, 4.6, changes by a hundredth where diode width and radius change together by a fifth.
 TEST(SlowCameraFit, FindsTheShippedFullFrameCamera) {
   const CameraMeasurements m = full_frame_measurements();
   const CameraFit fit = fit_camera(m);
@@ -180,34 +222,67 @@ TEST(SlowCameraFit, FindsTheShippedFullFrameCamera) {
   }
 }
 
+/// Over 6 x 8 places of the field, at the phone's focus and depth.
+struct SplitFigures {
+  double middle = 0;  ///< alpha: disparity over 4 sigma_y of both kernels, of the four middle places
+  double least_alpha = 1, most_alpha = 0;
+  double least_share = 1, most_share = 0;  ///< of the light, that the left view has
+};
+
+SplitFigures split_figures(const simulator::Lens& lens, const char* name) {
+  constexpr int kWidth = 4032, kHeight = 3024;
+  const simulator::LensSampler sampler(
+      lens, {kWidth, kHeight, 2e-3 * image_radius_mm(lens) / 5040, {kWidth / 2.0, kHeight / 2.0}});
+  SplitFigures f;
+  for (int row = 0; row < 6; ++row) {
+    for (int column = 0; column < 8; ++column) {
+      const PointFigures p =
+          trace_point(sampler, (2 * column + 1) * kWidth / 16, (2 * row + 1) * kHeight / 12, 0.717, 16384);
+      const double alpha = (p.right.centroid_m.x - p.left.centroid_m.x) / (4 * p.sum_sigma_m.y);
+      const double share = p.left.light / (p.left.light + p.right.light);
+      if ((row == 2 || row == 3) && (column == 3 || column == 4)) f.middle += alpha / 4;
+      f.least_alpha = std::min(f.least_alpha, alpha), f.most_alpha = std::max(f.most_alpha, alpha);
+      f.least_share = std::min(f.least_share, share), f.most_share = std::max(f.most_share, share);
+    }
+  }
+  std::printf("%s: alpha %.3f in the middle, %.3f to %.3f; left share %.3f to %.3f\n", name, f.middle, f.least_alpha,
+              f.most_alpha, f.least_share, f.most_share);
+  return f;
+}
+
+simulator::Lens phone_lens(const std::string& name) {
+  return simulator::read_lens_file(DUALPIXEL_SOURCE_DIR "/lens_models/" + name + ".json", 0.137);
+}
+
 // Measured on a Pixel 4 (docs/fit_camera.md): disparity over 4 sigma_y of both kernels, which is alpha for a disc, is
 // .233 in the middle of the field, .203 to .232 over the rest, and the left view has .50 to .59 of the light. A ramp of
-// k = 1.19 gives .21 and .50 everywhere but for vignetting.
+// k = 1.19 gives .21 and .50 everywhere but for vignetting. In the middle the lenses must be as measured, to the 4 %
+// that disparity is asked for; over the field they are other lenses: those ranges are regressions, those of
+// lens_models/README.md, whose share lies evenly about a half since their microlenses follow each chief ray.
 TEST(PhoneLenses, SplitAsThePhoneThatWasMeasured) {
-  for (const char* name : {"phone_6p_4.2mm_f1.8", "phone_aberrated_4.4mm_f1.8"}) {
-    const simulator::Lens lens =
-        simulator::read_lens_file(std::string(DUALPIXEL_SOURCE_DIR "/lens_models/") + name + ".json", 0.137);
-    constexpr int kWidth = 4032, kHeight = 3024;
-    const simulator::LensSampler sampler(
-        lens, {kWidth, kHeight, 2e-3 * image_radius_mm(lens) / 5040, {kWidth / 2.0, kHeight / 2.0}});
-    double middle = 0, least = 1, most = 0, uneven = 0;
-    for (int row = 0; row < 6; ++row) {
-      for (int column = 0; column < 8; ++column) {
-        const PointFigures f =
-            trace_point(sampler, (2 * column + 1) * kWidth / 16, (2 * row + 1) * kHeight / 12, 0.717, 16384);
-        const double alpha = (f.right.centroid_m.x - f.left.centroid_m.x) / (4 * f.sum_sigma_m.y);
-        const bool central = (row == 2 || row == 3) && (column == 3 || column == 4);
-        if (central) middle += alpha / 4;
-        least = std::min(least, alpha);
-        most = std::max(most, alpha);
-        uneven = std::max(uneven, std::abs(f.left.light / (f.left.light + f.right.light) - 0.5));
-      }
-    }
-    std::printf("%s: alpha %.3f in the middle, %.3f to %.3f; left share within %.3f of a half\n", name, middle, least,
-                most, uneven);
-    EXPECT_NEAR(middle, 0.233, 0.04 * 0.233) << name;
-    EXPECT_LT(uneven, 0.09) << name;
+  struct Stated {
+    const char* name;
+    double least_alpha, most_alpha, uneven;
+  };
+  for (const Stated& stated :
+       {Stated{"phone_6p_4.2mm_f1.8", .215, .266, .046}, {"phone_aberrated_4.4mm_f1.8", .204, .253, .032}}) {
+    const SplitFigures f = split_figures(phone_lens(stated.name), stated.name);
+    EXPECT_NEAR(f.middle, 0.233, 0.04 * 0.233) << stated.name;
+    EXPECT_NEAR(f.least_alpha, stated.least_alpha, 0.001) << stated.name;
+    EXPECT_NEAR(f.most_alpha, stated.most_alpha, 0.001) << stated.name;
+    EXPECT_NEAR(std::max(f.most_share - 0.5, 0.5 - f.least_share), stated.uneven, 0.001) << stated.name;
   }
+}
+
+// Why the seven-element lens keeps the ramp (lens_models/README.md): behind the others' microlens its alpha varies over
+// the field twice as much as theirs, and 3.6 times as much as was measured.
+TEST(PhoneLenses, TheMicrolensDoesNotSuitTheSevenElements) {
+  simulator::Lens lens = phone_lens("phone_7p_4.9mm_f1.85");
+  EXPECT_EQ(lens.split.kind, SplitKind::ramp);
+  lens.split = phone_lens("phone_6p_4.2mm_f1.8").split;
+  const SplitFigures f = split_figures(lens, "phone_7p_4.9mm_f1.85 behind the microlens");
+  EXPECT_NEAR(f.least_alpha, 0.19, 0.005);
+  EXPECT_NEAR(f.most_alpha, 0.30, 0.005);
 }
 
 std::string refusal(const std::string& pointer, const json& value) {
@@ -249,10 +324,26 @@ TEST(CameraFit, NamesWhatItCannotUse) {
         Row{"/fit/0/field", "focus_um", "m.json: /fit/0/field: focus_um: must be the JSON pointer"},
         Row{"/fit/0/low", 60, "m.json: /fit/0/high: 50: must be above low, 60"},
         Row{"/fit/0/low", 1, "m.json: /fit/0/field: /focus_um: starts at 0, outside of [1, 50]"},
+        Row{"/fit/1/field", "/focus_um", "m.json: /fit/1/field: /focus_um: is named before: must be named once"},
+        Row{"/sensor/width_px", 3, "m.json: /sensor/width_px: 3: must be even"},
         Row{"/lens/f_number", -1, "m.json: /lens/f_number: "},
         Row{"/sensor/width_px", -1, "m.json: /sensor/width_px: "}, Row{"/version", removed, "m.json: /version: "}}) {
     EXPECT_EQ(refusal(row.pointer, row.value).rfind(row.message, 0), 0U) << refusal(row.pointer, row.value);
   }
+}
+
+// What only judges, by its kind or its place, tells the fit nothing.
+TEST(CameraFit, RefusesGridsWithoutAFigureThatIsFitted) {
+  const auto grids_refusal = [](const json& light, const char* figure) {
+    const json grid = {{"focus_distance_m", 1}, {"depth_m", 1}, {"x", {0.2, 0.6}}, {"y", {0.5}}, {figure, {light}}};
+    return refusal("/grids", json::array({grid}));
+  };
+  const json null;
+  const std::string message = "m.json: /grids: no figure at a place that is fitted: must";
+  EXPECT_EQ(grids_refusal({1, null}, "light"), "");
+  EXPECT_EQ(grids_refusal({null, 1}, "light").rfind(message, 0), 0U);
+  EXPECT_EQ(grids_refusal({null, null}, "light").rfind(message, 0), 0U);
+  EXPECT_EQ(grids_refusal({1, 1}, "left_skew_x").rfind(message, 0), 0U);
 }
 
 }  // namespace

@@ -34,6 +34,7 @@ simulator::Scene textured_plane(double depth_m) {
 }
 
 struct Error {
+  double truth = 0;  ///< the wall's disparity
   double mean = 0, rms = 0;
   double contrast = 0;  ///< of the left view before noise: standard deviation over mean
 };
@@ -71,11 +72,13 @@ Error disparity_error(double depth_m, bool diffraction, const pipeline::Matcher&
       error.mean += e, error.rms += e * e, count += 1;
     }
   }
-  return {error.mean / count, std::sqrt(error.rms / count), contrast_of(capture.truth->left)};
+  return {truth, error.mean / count, std::sqrt(error.rms / count), contrast_of(capture.truth->left)};
 }
 
 // The figures of docs/camera_effects.md. The Airy pattern is narrower than a DP pixel at f/1.8: it takes contrast, and
-// pulls what is measured towards 0 by some hundredths of a pixel, as blur that both views have in common does.
+// pulls what is measured towards 0 by some hundredths of a pixel, as blur that both views have in common does: always
+// that way where there is disparity to speak of. How far is a regression: the largest of the document's figures,
+// rounded up.
 TEST(SlowDiffraction, CostsLittleDisparityNearTheFocus) {
   for (const pipeline::Matcher& matcher : pipeline::matchers()) {
     for (const double depth_m : {0.7, 0.8, 0.86, 0.9, 0.95, 1.1, 1.3}) {
@@ -88,8 +91,11 @@ TEST(SlowDiffraction, CostsLittleDisparityNearTheFocus) {
       if (depth_m == 0.9) {
         EXPECT_LT(on.contrast, 0.97 * off.contrast) << matcher.name;
       }
-      EXPECT_LT(on.rms, off.rms + 0.05) << matcher.name << ' ' << depth_m;
-      EXPECT_LT(std::abs(on.mean - off.mean), 0.05) << matcher.name << ' ' << depth_m;
+      if (std::abs(off.truth) > 0.15) {
+        EXPECT_GT((off.mean - on.mean) * off.truth, 0) << matcher.name << ' ' << depth_m;
+      }
+      EXPECT_LT(on.rms, off.rms + (depth_m == 0.9 ? 0.006 : 0.037)) << matcher.name << ' ' << depth_m;
+      EXPECT_LT(std::abs(on.mean - off.mean), 0.047) << matcher.name << ' ' << depth_m;
     }
   }
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <stdexcept>
 #include <string>
@@ -258,7 +259,7 @@ TEST(Merge, DifferencesOfAnyStrengthDoNoHarm) {
     for (unsigned z = 1; z < 6; ++z) frames.push_back(expose(changed, exposure, 4 + z));
     const auto before = errors(normalized(frames[0], exposure), flat, {0, 0, 64, 64});
     const auto after =
-        errors(merge_burst(frames, 0, motions_of(std::vector<Pose>(6), 64, 64), exposure), flat, {0, 0, 64, 64});
+        errors(merge_burst(frames, 0, motions_of(std::vector<Pose>(6), 128, 128), exposure), flat, {0, 0, 64, 64});
     for (int plane = 0; plane < 3; ++plane) EXPECT_LE(after[plane], before[plane] * (1 + 1e-5)) << deviations;
   }
 }
@@ -401,29 +402,40 @@ TEST(Merge, ViewsClipAtTheirOwnWhite) {
 }
 
 // A full well that is read out with noise: the mean of six frames has a sixth of its variance (plus what the shrinkage
-// keeps), as elsewhere. With no variance at the well nothing would be merged. 2 x 64 x 16 samples: to 3 % each.
+// keeps), as elsewhere. With no variance at the well nothing would be merged. 2 x 64 x 16 samples: to 3 % each; of a
+// mosaic that clips at its own white there are more.
 TEST(Merge, ReadOutsOfFullWellsAreMerged) {
   Exposure exposure = exposure_at(100);
   exposure.dp_white_level_dn = 544;
-  exposure.dp_noise.read_dn2 = 16;
+  exposure.mosaic_white_level_dn = 800;
+  exposure.dp_noise.read_dn2 = exposure.mosaic_noise.read_dn2 = 16;
   std::vector<Frame> frames = hand_held(Target(5), 128, 128, exposure, 1);
   frames.resize(1);
   std::mt19937 random(3);
-  std::normal_distribution<double> noise(544, 4);
+  const auto fill = [&](ImageU16& image, double white) {
+    std::normal_distribution<double> noise(white, 4);
+    for (std::uint16_t& value : image.data) value = static_cast<std::uint16_t>(std::lround(noise(random)));
+  };
   frames.resize(6, frames[0]);
-  for (Frame& frame : frames) {
-    for (ImageU16* image : {&frame.left, &frame.right}) {
-      for (std::uint16_t& value : image->data) value = static_cast<std::uint16_t>(std::lround(noise(random)));
-    }
-  }
+  for (Frame& frame : frames) fill(frame.left, 544), fill(frame.right, 544), fill(frame.mosaic, 800);
   const MergedBurst merged = align_and_merge(frames, exposure);
-  double variance = 0, count = 0;
-  for (const Image* image : {&merged.left, &merged.right}) {
-    for (int y = 8; y < image->height - 8; ++y) {
-      for (int x = 8; x < image->width - 8; ++x) variance += std::pow(959 * image->at(x, y) - 480, 2), ++count;
+  const auto variance = [](const Image& image, double white) {  // over that of one frame
+    double sum = 0, count = 0;
+    for (int y = 8; y < image.height - 8; ++y) {
+      for (int x = 8; x < image.width - 8; ++x) sum += std::pow(959 * image.at(x, y) - (white - 64), 2), ++count;
     }
-  }
-  EXPECT_LT(variance / count / 16, 1.2 * merged_view_variance(6));
+    return sum / count / 16;
+  };
+  EXPECT_LT((variance(merged.left, 544) + variance(merged.right, 544)) / 2, 1.2 * merged_view_variance(6));
+  EXPECT_LT(variance(merged.mosaic, 800), 1.2 * 0.447 * 0.447);  // StaticBurst's
+
+  // Ten DN less in the others is more than the read noise of full wells explains, 1 + 100 / 32 times that: the base
+  // frame remains. Shot noise, which full wells have none of, would explain it. The mean of 128 x 128 is known to 4 /
+  // 128 DN.
+  for (std::size_t z = 1; z < frames.size(); ++z) fill(frames[z].mosaic, 790);
+  const Image kept = merge_burst(frames, 0, motions_of(std::vector<Pose>(6), 128, 128), exposure).mosaic;
+  const double mean = std::accumulate(kept.data.begin(), kept.data.end(), 0.0) / static_cast<double>(kept.data.size());
+  EXPECT_NEAR(64 + 959 * mean, 800, 4 * 4.0 / 256);
 }
 
 TEST(Merge, SmallestFramesAreFinite) {

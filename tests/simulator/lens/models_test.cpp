@@ -103,6 +103,22 @@ TEST(LensModels, AFaultNamesTheFileThatHoldsIt) {
               }).starts_with(file + ": "));
 }
 
+// f/1.8 lets the light of the middle's microlens land within .78 / 3.6 = .22 photosites of 0, and its disc reaches .23
+// around each point: beyond .45 less the diodes' .3, one half gets nothing; beyond .75, neither does.
+TEST(LensModels, ASplitThatKeepsAHalfDarkIsRefused) {
+  const auto refusal = [](double shift) {
+    const nlohmann::json split = {{"model", "microlens"}, {"shift_px", shift}};
+    return message_of<InputError>([&] { read_lens({{"split", split}}, "a.json", "/lens", 1e9); });
+  };
+  EXPECT_EQ(refusal(0.44), "");
+  EXPECT_EQ(refusal(0.46),
+            "a.json: /lens/split: lets no light of the lens's pupil into the right half: must into both");
+  EXPECT_EQ(refusal(-0.46),
+            "a.json: /lens/split: lets no light of the lens's pupil into the left half: must into both");
+  EXPECT_EQ(refusal(10),
+            "a.json: /lens/split: lets no light of the lens's pupil into the left and the right half: must into both");
+}
+
 TEST(LensModels, AFocusOutOfReachIsRefused) {
   for (const LensModelRow& row : kLensModels) {
     const Lens lens = shipped_lens(row.name);

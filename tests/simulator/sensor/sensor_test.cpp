@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -24,7 +25,7 @@ Statistics statistics(const ImageU16& image) {
   return s;
 }
 
-/// 14 bits: read noise of 5 DN, so that quantisation noise is the 1/12 DN^2 that the profile says.
+/// 14 bits: read noise of 5 DN, so that quantization noise is the 1/12 DN^2 that the profile says.
 SensorOptions fine_sensor() {
   SensorOptions s;
   s.width_px = 1024;
@@ -195,7 +196,8 @@ TEST(Sensor, BlackMiddleAndWhiteAtEveryBitDepth) {
   }
 }
 
-// Charge beyond a half's own well is lost, or goes to the twin as far as that has room: counted by hand, electrons.
+// The overflow of a half's well is lost, or goes to the other half's as far as that has room: counted by hand,
+// electrons.
 TEST(Sensor, EachHalfHasAWellOfItsOwn) {
   SensorOptions sensor = fine_sensor();
   sensor.width_px = sensor.height_px = 64;
@@ -235,6 +237,31 @@ TEST(Sensor, AViewsWhiteLevelIsWhereItsWellIsFull) {
     EXPECT_NEAR(*described.dp_white_level_dn, white, 1e-9);
     const Frame frame = expose(Image(64, 64, 2, 9000.0f), sensor, {0.01, iso}, 1);
     EXPECT_NEAR(statistics(frame.left).mean, white, 1);
+  }
+}
+
+// What a full photosite reads: its well below ISO 100, less the dark charge that fills it and whose mean is taken off;
+// the digital limit, which goes without saying, from there on. Of 4096 photosites: four standard errors of the read
+// noise.
+TEST(Sensor, TheMosaicsWhiteLevelIsWhereItsWellIsFull) {
+  SensorOptions sensor = fine_sensor();
+  sensor.width_px = sensor.height_px = 64;
+  EXPECT_FALSE(describe_exposure(sensor, {0.01, 100}).mosaic_white_level_dn);
+  EXPECT_FALSE(describe_exposure(sensor, {0.01, 800}).mosaic_white_level_dn);
+  sensor.dark_current_e_per_s = 6000;
+  for (const auto& [time_s, iso, white] : {std::tuple{1e-7, 50.0, 256 + 16127 / 2.0},
+                                           {0.2, 50.0, 256 + 16127 * 0.4},
+                                           {0.2, 100.0, 256 + 16127 * 0.8},
+                                           {0.2, 250.0, 16383.0}}) {
+    const Exposure described = describe_exposure(sensor, {time_s, iso});
+    EXPECT_NEAR(described.mosaic_white_level_dn.value_or(16383), white, 1e-3);
+    const Frame frame = expose(Image(64, 64, 2, 9000.0f), sensor, {time_s, iso}, 1);
+    if (white < 16000) {
+      EXPECT_NEAR(statistics(frame.mosaic).mean, white,
+                  4 * std::hypot(2 * gain_dn_per_electron(sensor, iso), 0.29) / 64);
+    } else {
+      EXPECT_GE(statistics(frame.mosaic).mean, white - 1);
+    }
   }
 }
 
@@ -284,6 +311,59 @@ TEST(Sensor, RightAsSumLessLeftHasCorrelatedNoise) {
   EXPECT_EQ(apart.left.data, frame.left.data);
 }
 
+/// Variance of left - right within rows, and that of the rows' means.
+struct RowStatistics {
+  double within = 0, between = 0;
+};
+
+RowStatistics difference_by_rows(const Frame& frame) {
+  RowStatistics s;
+  double mean = 0;
+  const int width = frame.left.width, height = frame.left.height;
+  for (int y = 0; y < height; ++y) {
+    double sum = 0, squares = 0;
+    for (int x = 0; x < width; ++x) {
+      const double difference = frame.left.at(x, y) - frame.right.at(x, y);
+      sum += difference, squares += difference * difference;
+    }
+    s.within += (squares - sum * sum / width) / (width - 1) / height;
+    s.between += sum / width * (sum / width) / height;
+    mean += sum / width / height;
+  }
+  s.between -= mean * mean;
+  return s;
+}
+
+// The views' profile is half of the variance of left - right, of what each read-out adds and of dark current, which no
+// way of reading out doubles. Right as sum - left makes it 2 left - sum: five read-outs and five rows' noise. A DP
+// pixel of 2 x 4 is a mean of four, one of each row. 4096 rows of 64, or 1024 of 32: a variance within rows has a
+// standard error of 0.3 or 0.8 %, one between them of 2.2 or 4.4 %; four of each.
+TEST(Sensor, ViewNoiseIsHalfTheVarianceOfTheViewsDifference) {
+  SensorOptions sensor = fine_sensor();
+  sensor.width_px = 64;
+  sensor.height_px = 4096;
+  sensor.dark_current_e_per_s = 20;
+  sensor.row_noise_dn = 3;
+  const ExposureOptions exposure{1, 100};
+  const double gain2 = std::pow(gain_dn_per_electron(sensor, 100), 2), read = gain2 * 4, dark = gain2 * 10, row = 9;
+  for (const Readout readout : {Readout::independent, Readout::sum_and_left}) {
+    for (const bool dense : {true, false}) {
+      sensor.readout = readout;
+      sensor.dp_downsample_x = dense ? 1 : 2;
+      sensor.dp_downsample_y = dense ? 1 : 4;
+      const double readouts = readout == Readout::independent ? 1 : 2.5, of = dense ? 1 : 4;
+      const double within = (readouts * read + dark) / of + readouts / 12, between = readouts * row / of;
+      EXPECT_NEAR(describe_exposure(sensor, exposure).dp_noise.read_dn2, within + between, 1e-9);
+      const Frame frame = expose(Image(64, 4096, 2, 0.0f), sensor, exposure, 3);
+      const RowStatistics found = difference_by_rows(frame);
+      const double rows = frame.left.height, pixels = rows * frame.left.width;
+      EXPECT_NEAR(found.within / (2 * within), 1, 4 * std::sqrt(2 / pixels));
+      const double means = 2 * (between + within / frame.left.width);
+      EXPECT_NEAR(found.between / means, 1, 4 * std::sqrt(2 / rows));
+    }
+  }
+}
+
 // A row's mean varies by the row noise (and by a 1024th of the read noise's variance); 512 rows: a deviation has a
 // standard error of 3.1 %, and a correlation one of 4.4 %; four of each.
 TEST(Sensor, RowsShareTheNoiseOfTheirReadOut) {
@@ -325,6 +405,9 @@ TEST(Sensor, DarkCurrentGrowsWithTimeAndTemperatureAndLeavesItsShotNoise) {
   EXPECT_NEAR(statistics(frame.right).variance, half, 0.01 * half);
   EXPECT_NEAR(describe_exposure(sensor, exposure).mosaic_noise.read_dn2, whole, 1e-9);
   EXPECT_NEAR(describe_exposure(sensor, exposure).dp_noise.read_dn2, half, 1e-9);
+  // it frees electrons without light: sensitivity has no part in it
+  sensor.prnu = 0.1;
+  EXPECT_EQ(expose(Image(1024, 512, 2, 0.0f), sensor, exposure, 3).mosaic.data, frame.mosaic.data);
 }
 
 // 1 % of the photosites leak 2000 e/s on the average, exponentially: after 0.1 s the share beyond 400 electrons is
@@ -337,17 +420,26 @@ TEST(Sensor, HotPixelsLeakInTheSamePlacesOfEveryFrame) {
   const Frame first = expose(dark, sensor, {0.1, 100}, 3), second = expose(dark, sensor, {0.1, 100}, 4);
   const double gain = gain_dn_per_electron(sensor, 100), photosites = 1024 * 512;
   EXPECT_NEAR((statistics(first.mosaic).mean - 256) / gain / 2, 1, 0.08);
-  int hot = 0, left_hot = 0, stayed = 0;
+  sensor.fixed_pattern_seed = 2;
+  const Frame other = expose(dark, sensor, {0.1, 100}, 3);
+  sensor.fixed_pattern_seed = 1;
+  int hot = 0, left_hot = 0, stayed = 0, of_other = 0;
   for (std::size_t i = 0; i < first.mosaic.data.size(); ++i) {
     if (first.mosaic.data[i] < 256 + 400 * gain) continue;
     ++hot;
     left_hot += first.left.data[i] > 256 + 200 * gain;
     EXPECT_NE(first.left.data[i] > 256 + 200 * gain, first.right.data[i] > 256 + 200 * gain);
     stayed += second.mosaic.data[i] > 256 + 250 * gain;
+    of_other += other.mosaic.data[i] > 256 + 250 * gain;
   }
   EXPECT_NEAR(hot, photosites * 0.01 * std::exp(-2), 4 * 27);
   EXPECT_NEAR(left_hot, hot / 2, 4 * std::sqrt(hot) / 2);
   EXPECT_EQ(stayed, hot);
+  // another camera's lie elsewhere: by chance .01 exp(-1.25) of the places, 2 of 709, and four times the root of that
+  EXPECT_LT(of_other, 8);
+  // 8 degrees more double the leakage
+  sensor.temperature_c = 33;
+  EXPECT_EQ(expose(dark, sensor, {0.05, 100}, 3).mosaic.data, first.mosaic.data);
 }
 
 // What a filter sees is its row of the matrix; the capture's white balance and matrix lead back to the scene's colors,
@@ -381,6 +473,19 @@ TEST(Sensor, StatesHowToUndoItsColors) {
     EXPECT_NEAR(rgb / 6000 * described.lux_s_per_unit, 2 * 0.01 * reflectance[c], 1e-6) << c;
   }
   EXPECT_FALSE(describe_exposure(fine_sensor(), {0.01, 100}).color_matrix);
+}
+
+// A filter whose row takes more of a color than it sees gathers nothing, not what would be missing.
+TEST(Sensor, AFilterNeverSeesLessThanNothing) {
+  SensorOptions sensor;
+  sensor.width_px = sensor.height_px = 4;
+  sensor.color_matrix = {1.5, -0.5, 0, 0, 1, 0, 0, 0, 1};
+  Image green(4, 4, 3);
+  for (int i = 0; i < 16; ++i) green.data[3 * i + 1] = 1;
+  const Image electrons = expected_electrons(green, green, sensor, {0.01, 100}, 1);
+  EXPECT_EQ(electrons.at(0, 0, 0), 0);
+  EXPECT_EQ(electrons.at(0, 0, 1), 0);
+  EXPECT_FLOAT_EQ(electrons.at(1, 0, 0), 40);
 }
 
 // Dense DP: every half-photosite on its own; and what is binned is the mean of the same read-outs.
