@@ -144,13 +144,14 @@ void read_truth_fields(Fields truth, const nlohmann::json& own_lens, double focu
   if (lens == "own") {
     json = own_lens;
     json["f_number"] = s.lens.thin.f_number / s.photograph_aperture_scale;
-  } else if (scaled) {
-    truth.fail("photograph_aperture_scale", "is that of the lens file that photograph_lens names: leave it out");
   }
   try {
     s.photograph = read_lens(json, s.path, "/lens", focus_distance_m);
   } catch (const InputError& error) {
-    truth.fail("photograph_lens", printable(lens) + ": " + error.what());
+    truth.fail("photograph_lens", printable(lens) + ": " + error.what() + did_you_mean(lens, {"ideal", "own"}));
+  }
+  if (lens != "own" && scaled) {
+    truth.fail("photograph_aperture_scale", "is that of the lens file that photograph_lens names: leave it out");
   }
   s.photograph->split = {};
   s.photograph_aperture_scale = s.photograph->thin.pupil_diameter_m() / s.lens.thin.pupil_diameter_m();
