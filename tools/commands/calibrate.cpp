@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -76,10 +75,6 @@ void open_sweep(const std::string& folder, const Json& description) {
   if (error) throw InputError(printable(folder) + "/measurements: cannot be made: " + error.message());
 }
 
-void warn(const pipeline::Calibration& calibration) {
-  for (const std::string& warning : calibration.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
-}
-
 void sweep_camera(const CalibrateOptions& options) {
   nlohmann::json json = read_json_file(options.camera);
   for (const std::string& assignment : options.overrides) apply_override(json, assignment);
@@ -92,7 +87,7 @@ void sweep_camera(const CalibrateOptions& options) {
       camera,
       evaluation::run_sweep(simulation, options.sweep, options.output + "/measurements", [&](double f) { bar(f); }));
   replace_file(options.output + "/calibration.json", to_json(calibration).dump() + "\n");
-  warn(calibration);
+  print_warnings(calibration.warnings);
 }
 
 void fit_captures(const CalibrateOptions& options) {
@@ -108,7 +103,7 @@ void fit_captures(const CalibrateOptions& options) {
   }
   write_file(out.path() + "/calibration.json", to_json(calibration).dump() + "\n");
   out.commit();
-  warn(calibration);
+  print_warnings(calibration.warnings);
 }
 
 void run(const CalibrateOptions& options) {
