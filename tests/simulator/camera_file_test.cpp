@@ -63,6 +63,21 @@ TEST(CameraFile, TheLensOfAFileThatTheSceneReplacesMayBeAnything) {
   EXPECT_DOUBLE_EQ(read_simulation(scene_with(close), folder / "s.json").lens.thin.focal_length_m, 4.442e-3);
 }
 
+TEST(CameraFile, WarnsWhereTheScenesLensHidesTheCameras) {
+  const TemporaryFolder folder;
+  folder.write("sub/camera.json", R"({"version": 1, "lens": {"f_number": 3}, "sensor": {"bits": 12}})");
+  const auto warnings = [&](const json& more) { return read_simulation(scene_with(more), folder / "s.json").warnings; };
+  EXPECT_TRUE(warnings(json::object()).empty());
+  EXPECT_TRUE(warnings({{"lens", {{"f_number", 4}}}}).empty());
+  EXPECT_TRUE(warnings({{"lens", nullptr}}).empty());
+  const std::vector<std::string> hidden = warnings({{"lens", {{"model", "thin"}}}});
+  ASSERT_EQ(hidden.size(), 1u);
+  EXPECT_EQ(hidden[0], (folder / "s.json") + ": /lens: hides the lens of " + (folder / "sub/camera.json") +
+                           ", whose sensor alone is used; take both by lens=null");
+  folder.write("sub/camera.json", R"({"version": 1, "sensor": {"bits": 12}})");
+  EXPECT_TRUE(warnings({{"lens", {{"model", "thin"}}}}).empty());
+}
+
 TEST(CameraFile, MapsAreRelativeToTheCamerasFile) {
   const TemporaryFolder folder;
   folder.write("sub/camera.json", R"({"version": 1, "lens": {"model": "aberrated", "left_gain": {"map": "m.exr"}}})");

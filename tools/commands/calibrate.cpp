@@ -31,6 +31,7 @@ struct CalibrateOptions {
 
 /// Everything that the measurements of a sweep depend on; the lens by the disparities that it makes.
 Json describe_sweep(const simulator::Simulation& simulation, const evaluation::SweepOptions& options) {
+  print_warnings(simulation.warnings);
   const Camera camera = describe_camera(simulation);
   // focused as in the sweep: the scene's own focus does not matter
   const simulator::LensSampler lens = evaluation::focused_lens(simulation, options.nearest_focus_m);

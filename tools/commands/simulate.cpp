@@ -122,6 +122,7 @@ void add_jobs(const SimulateOptions& options, std::size_t scene, std::vector<Job
     const bool loaded = simulator::make_ready(job.simulation, ready);
     simulator::require_renderable(job.simulation, ready->scene);
     simulator::CameraView camera = simulator::place_camera(job.simulation, ready->scene);
+    print_warnings(simulator::warnings_of(job.simulation), job.name);
     jobs.push_back(
         {job.name, std::move(job.simulation), std::move(camera), job.name.empty() ? folder : folder + "/" + job.name});
     if (!std::exchange(first, false) && !loaded) continue;
