@@ -74,6 +74,7 @@ struct CameraMeasurements {
   simulator::SensorOptions sensor;
   std::vector<FittedField> fit;
   std::vector<MeasuredGrid> grids;
+  std::vector<std::string> warnings;  ///< a line for each thing that can be, but is seldom meant
 };
 
 /// Throws InputError: unknown fields, values out of range, grids of another size than their places, fields of the fit
