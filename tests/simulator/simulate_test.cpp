@@ -438,7 +438,7 @@ TEST(Simulate, PhotographMayLookThroughALens) {
   EXPECT_NEAR(large.photograph_aperture_scale, 3, 1e-9);
   EXPECT_LT(std::sqrt(mean_product(large.photograph, large.photograph, ideal.photograph)), 2 * noise);
 
-  document["truth"]["photograph_aperture_scale"] = 2;
+  document["truth"] = {{"photograph_lens", folder / "large.json"}, {"photograph_aperture_scale", 2}};
   EXPECT_NE(refusal(document).find("/truth/photograph_aperture_scale"), std::string::npos);
   document["truth"] = {{"photograph_lens", "none.json"}};
   EXPECT_NE(refusal(document).find("/truth/photograph_lens: none.json"), std::string::npos) << refusal(document);
