@@ -309,8 +309,10 @@ std::vector<Fields> Fields::objects(const std::string& key) {
 
 Fields Fields::object(const std::string& key) {
   const json* found = find(key);
+  const json* own = own_ && own_->contains(key) ? &(*own_)[key] : nullptr;
+  if (own && found && *own == *found) return {*found, own_file_, own_pointer_ + pointer_step(key)};
   Fields fields(found ? *found : kEmptyObject, file_, pointer_ + pointer_step(key));
-  if (own_ && own_->contains(key)) fields.laid_over((*own_)[key], own_file_, own_pointer_ + pointer_step(key));
+  if (own) fields.laid_over(*own, own_file_, own_pointer_ + pointer_step(key));
   return fields;
 }
 
@@ -321,9 +323,10 @@ const json& Fields::raw(const std::string& key) {
 
 void Fields::done() {
   for (const auto& [key, value] : object_.items()) {
-    if (std::find(known_.begin(), known_.end(), key) == known_.end()) {
-      fail(key, "unknown field" + did_you_mean(key, known_));
-    }
+    if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
+    std::string known = did_you_mean(key, known_);
+    if (known.empty() && !known_.empty()) known = fmt::format("; there are {}", fmt::join(known_, ", "));
+    fail(key, "unknown field" + known);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "capture/error.h"
 #include "capture/files.h"
@@ -23,7 +24,7 @@ bool is_folder_name(const std::string& name) {
 }
 
 SimulationJob read_job(const std::string& line, const std::string& where, const nlohmann::json& scene,
-                       const std::string& scene_path) {
+                       const std::string& scene_path, const ResolveJob& resolve) {
   const nlohmann::json json = parse_json(line, where);
   Fields fields(json, where);
   SimulationJob job;
@@ -43,6 +44,7 @@ SimulationJob read_job(const std::string& line, const std::string& where, const 
       if (field.find('=') != std::string::npos) fields.fail("set", "'" + printable(field) + "': a field has no '='");
       apply_override(changed, field + "=" + value.dump());
     }
+    if (resolve) changed = resolve(job.name, std::move(changed));
     job.simulation = read_simulation(changed, scene_path);
   } catch (const InputError& error) {
     const std::string what = error.what();
@@ -54,7 +56,7 @@ SimulationJob read_job(const std::string& line, const std::string& where, const 
 }  // namespace
 
 std::vector<SimulationJob> read_jobs(const std::string& path, const nlohmann::json& scene,
-                                     const std::string& scene_path) {
+                                     const std::string& scene_path, const ResolveJob& resolve) {
   const std::string text = read_file(path);
   std::vector<SimulationJob> jobs;
   std::map<std::string, int> lines;  // of each name
@@ -66,7 +68,7 @@ std::vector<SimulationJob> read_jobs(const std::string& path, const nlohmann::js
     ++number;
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     const std::string where = fmt::format("{}: line {}", path, number);
-    jobs.push_back(read_job(line, where, scene, scene_path));
+    jobs.push_back(read_job(line, where, scene, scene_path, resolve));
     const auto [other, fresh] = lines.emplace(jobs.back().name, number);
     if (fresh) continue;
     throw InputError(fmt::format("{}: /name: '{}': is that of line {}, too: must be the job's own", printable(where),

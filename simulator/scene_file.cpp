@@ -144,15 +144,21 @@ void read_truth_fields(Fields truth, const nlohmann::json& own_lens, double focu
   if (lens == "own") {
     json = own_lens;
     json["f_number"] = s.lens.thin.f_number / s.photograph_aperture_scale;
-  } else if (scaled) {
-    truth.fail("photograph_aperture_scale", "is that of the lens file that photograph_lens names: leave it out");
   }
   try {
     s.photograph = read_lens(json, s.path, "/lens", focus_distance_m);
   } catch (const InputError& error) {
-    truth.fail("photograph_lens", printable(lens) + ": " + error.what());
+    truth.fail("photograph_lens", printable(lens) + ": " + error.what() + did_you_mean(lens, {"ideal", "own"}));
+  }
+  if (lens != "own" && scaled) {
+    truth.fail("photograph_aperture_scale", "is that of the lens file that photograph_lens names: leave it out");
   }
   s.photograph->split = {};
+  constexpr double kWidestInAir = 0.5;  // sine condition, image in air
+  if (const double f_number = s.photograph->thin.f_number; f_number < kWidestInAir) {
+    s.warnings.push_back(fmt::format("{}: /truth/photograph_lens: {} opens to f/{:.3g}: no lens is wider than f/{}",
+                                     printable(s.path), printable(lens), f_number, kWidestInAir));
+  }
   s.photograph_aperture_scale = s.photograph->thin.pupil_diameter_m() / s.lens.thin.pupil_diameter_m();
 }
 
@@ -250,9 +256,9 @@ void make_files_absolute(nlohmann::json& lens, const std::string& path) {
   }
 }
 
-/// The file that camera.file names, checked by itself so that its faults are told of it; its lens where it is used.
-CameraParts read_camera_file(const std::string& path, double focus_distance_m, bool lens_used) {
-  const nlohmann::json json = read_json_file(path);
+/// A camera file, checked by itself so that its faults are told of it; its lens where it is used.
+CameraParts read_camera_file(const nlohmann::json& json, const std::string& path, double focus_distance_m,
+                             bool lens_used) {
   Fields root(json, path);
   int version = 1;
   std::string text;
@@ -269,13 +275,18 @@ CameraParts read_camera_file(const std::string& path, double focus_distance_m, b
 }
 
 /// What the scene says laid over what its camera file says. A lens that names its own file or model is another one.
-CameraParts camera_parts(Fields& root, const std::string& camera_path, double focus_distance_m) {
+CameraParts camera_parts(Fields& root, const std::string& camera_path, double focus_distance_m, Simulation& s) {
   const nlohmann::json none = nlohmann::json::object();
   const nlohmann::json& lens = root.has("lens") ? root.raw("lens") : none;
   const nlohmann::json& sensor = root.has("sensor") ? root.raw("sensor") : none;
   if (camera_path.empty()) return {lens, sensor};
   const bool another = !lens.is_object() || lens.contains("file") || lens.contains("model");
-  CameraParts parts = read_camera_file(camera_path, focus_distance_m, !another);
+  CameraParts parts = read_camera_file(read_json_file(camera_path), camera_path, focus_distance_m, !another);
+  if (another && !parts.lens.empty()) {
+    s.warnings.push_back(
+        fmt::format("{}: /lens: hides the lens of {}, whose sensor alone is used; take both by lens=null",
+                    printable(s.path), printable(camera_path)));
+  }
   parts.lens = another ? lens : lens_laid_over(std::move(parts.lens), lens);
   if (sensor.is_object())
     parts.sensor.update(sensor);
@@ -310,7 +321,7 @@ Simulation read_simulation(const nlohmann::json& json, const std::string& path) 
   s.gltf_path = path_beside(path, gltf);
   double focus_distance_m = 1;
   const std::string camera_path = read_camera(root.object("camera"), s, focus_distance_m);
-  const CameraParts parts = camera_parts(root, camera_path, focus_distance_m);
+  const CameraParts parts = camera_parts(root, camera_path, focus_distance_m, s);
   s.lens = read_lens(parts.lens, path, "/lens", focus_distance_m);
   s.sensor = read_sensor(Fields(parts.sensor, path, "/sensor"));
   Fields exposure = root.object("exposure");
@@ -333,6 +344,21 @@ Simulation read_simulation(const nlohmann::json& json, const std::string& path) 
     s.json["sensor"] = parts.sensor;
   }
   return s;
+}
+
+LensOfFile read_lens_of(nlohmann::json json, const std::string& path, std::optional<double> focus_distance_m) {
+  const auto has = [&](const char* key) { return json.is_object() && json.contains(key); };
+  if (has("gltf")) {
+    if (focus_distance_m) json["camera"]["focus_distance_m"] = *focus_distance_m;
+    Simulation s = read_simulation(json, path);
+    return {std::move(s.lens), s.sensor, "/lens"};
+  }
+  const double distance_m = focus_distance_m.value_or(1);
+  if (!has("lens") && !has("sensor")) return {read_lens(json, path, "", distance_m), {}, ""};
+  const CameraParts parts = read_camera_file(json, path, distance_m, true);
+  LensOfFile found{read_lens(parts.lens, path, "/lens", distance_m), {}, "/lens"};
+  if (!parts.sensor.empty()) found.sensor = read_sensor(Fields(parts.sensor, path, "/sensor"));
+  return found;
 }
 
 std::optional<OptionProblem> check(const Simulation& s) {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "capture/json_fields.h"
 #include "simulator/lens/lens.h"
@@ -61,6 +62,7 @@ struct Simulation {
   std::optional<int> all_in_focus_samples_per_pixel;      ///< likewise
   bool with_all_in_focus = true, with_photograph = true;  ///< no fields of the file: whether truth gets these pictures
   nlohmann::json json;                                    ///< the document as it was read, overrides applied
+  std::vector<std::string> warnings;  ///< a line for each thing in it that can be, but is seldom meant
 };
 
 /// Whether all numbers lie in their ranges and the fields agree with each other.
@@ -73,6 +75,17 @@ SensorOptions read_sensor(Fields sensor);
 /// it. Throws InputError for unknown fields, values out of range, focus inside the focal length, and pictures that
 /// would not fit into this machine's memory.
 Simulation read_simulation(const nlohmann::json& json, const std::string& path);
+
+/// A lens, and the sensor behind it where the file has one.
+struct LensOfFile {
+  Lens lens;  ///< focused
+  std::optional<SensorOptions> sensor;
+  std::string pointer;  ///< of the lens in the file
+};
+
+/// The lens that a lens, camera or scene file is or has; `json` came from `path`. Focused on `focus_distance_m`, or
+/// where that is empty as the scene says, else on 1 m. Throws InputError.
+LensOfFile read_lens_of(nlohmann::json json, const std::string& path, std::optional<double> focus_distance_m);
 
 /// The frames of the burst differ in more than noise.
 bool moves(const Simulation& simulation);

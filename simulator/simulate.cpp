@@ -349,13 +349,11 @@ TruthPicture render_picture(const Job& job, double aperture_scale, std::optional
   return truth;
 }
 
-/// Through the lens that the scene file names for the photograph, over a sensor of the same field of view. Each color
-/// is rendered by itself where the lens has any.
-TruthPicture render_through_lens(const Job& job, const char* name) {
+/// Through the lens that the scene file names for the photograph. Each color is rendered by itself where the lens has
+/// any.
+TruthPicture render_through_lens(const Job& job, LensSampler lens, const char* name) {
   const Simulation& s = job.simulation;
-  SensorGrid sensor = sensor_grid(s.sensor);
-  sensor.pixel_pitch_m *= s.photograph->thin.image_distance_m() / s.lens.thin.image_distance_m();
-  const CameraView view{job.view.world_from_camera, prepare_lens(s, *s.photograph, sensor)};
+  const CameraView view{job.view.world_from_camera, std::move(lens)};
   RenderOptions options = s.render;
   options.samples_per_pixel = s.photograph_samples_per_pixel.value_or(s.render.samples_per_pixel);
   options.seed = hash(s.render.seed, kPhotographStream);
@@ -390,8 +388,12 @@ void add_truth_pictures(const Job& job, Truth& truth) {
   const Simulation& s = job.simulation;
   truth.noise.emplace();
   truth.photograph_aperture_scale = s.photograph_aperture_scale;
+  std::optional<LensSampler> lens = s.with_photograph ? prepare_photograph_lens(s) : std::nullopt;
   truth.photograph_lens =
       s.photograph ? fmt::format("{} at f/{:.3g}", s.photograph->name, s.photograph->thin.f_number) : "ideal";
+  if (const double lit = lens ? lit_share(*lens) : 1; lit < 1) {
+    truth.photograph_lens += fmt::format(", lights {:.0f} % of the view", std::floor(100 * lit));
+  }
   if (s.with_all_in_focus) {
     TruthPicture sharp =
         render_picture(job, 0, s.all_in_focus_samples_per_pixel, kAllInFocusStream, "all-in-focus image");
@@ -401,9 +403,9 @@ void add_truth_pictures(const Job& job, Truth& truth) {
   }
   if (s.with_photograph) {
     constexpr const char* kWide = "wide-aperture photograph";
-    TruthPicture wide = s.photograph ? render_through_lens(job, kWide)
-                                     : render_picture(job, s.photograph_aperture_scale, s.photograph_samples_per_pixel,
-                                                      kPhotographStream, kWide);
+    TruthPicture wide = lens ? render_through_lens(job, std::move(*lens), kWide)
+                             : render_picture(job, s.photograph_aperture_scale, s.photograph_samples_per_pixel,
+                                              kPhotographStream, kWide);
     truth.photograph = std::move(wide.picture);
     truth.photograph_sigma = std::move(wide.sigma);
     truth.noise->photograph = wide.noise;
@@ -501,6 +503,26 @@ LensSampler prepare_lens(const Simulation& s, const Lens& lens, const SensorGrid
   } catch (const InputError& error) {
     throw InputError(printable(s.path) + ": /lens/" + error.what());
   }
+}
+
+std::optional<LensSampler> prepare_photograph_lens(const Simulation& s) {
+  if (!s.photograph) return {};
+  SensorGrid sensor = sensor_grid(s.sensor);
+  sensor.pixel_pitch_m *= s.photograph->thin.image_distance_m() / s.lens.thin.image_distance_m();
+  return prepare_lens(s, *s.photograph, sensor);
+}
+
+std::vector<std::string> warnings_of(const Simulation& s) {
+  std::vector<std::string> warnings = s.warnings;
+  const std::optional<LensSampler> lens = s.with_photograph ? prepare_photograph_lens(s) : std::nullopt;
+  const double lit = lens ? lit_share(*lens) : 1;
+  if (lit < 1) {
+    warnings.push_back(
+        fmt::format("{}: /truth/photograph_lens: {} lights {:.0f} % of the view; the rest of the "
+                    "photograph is black",
+                    printable(s.path), printable(s.photograph->name), std::floor(100 * lit)));
+  }
+  return warnings;
 }
 
 CameraView place_camera(const Simulation& s, const Scene& scene) { return {camera_pose(s, scene), prepare_lens(s)}; }

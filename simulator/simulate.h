@@ -1,6 +1,8 @@
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "capture/capture.h"
 #include "simulator/render/camera_view.h"
@@ -28,6 +30,13 @@ LensSampler prepare_lens(const Simulation& simulation);
 
 /// The same of another lens or a part of the sensor.
 LensSampler prepare_lens(const Simulation& simulation, const Lens& lens, const SensorGrid& sensor);
+
+/// The lens that truth's photograph looks through, where it is another than the ideal one, over a sensor of the same
+/// field of view.
+std::optional<LensSampler> prepare_photograph_lens(const Simulation& simulation);
+
+/// The lines of Simulation::warnings, and one where that lens leaves a part of the photograph dark.
+std::vector<std::string> warnings_of(const Simulation& simulation);
 
 /// Both: the camera, ready to render.
 CameraView place_camera(const Simulation& simulation, const Scene& scene);

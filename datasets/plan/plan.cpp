@@ -110,8 +110,8 @@ void draw_relations(const Recipe& recipe, const SplitAssets& assets, const Asset
   }
 }
 
-/// Bytes of pictures. Throws InputError where the line is no scene.
-std::uint64_t check_line(const SampleLine& line, const Asset& asset) {
+/// Bytes of pictures. Throws InputError where the line is no scene. `warning`: the first thing that is seldom meant.
+std::uint64_t check_line(const SampleLine& line, const Asset& asset, std::string& warning) {
   json scene = with_set(asset.scene_file, line);
   stand_in_for_relations(line, scene);
   const simulator::Simulation simulation = simulator::read_simulation(scene, asset.path);
@@ -120,6 +120,7 @@ std::uint64_t check_line(const SampleLine& line, const Asset& asset) {
                      ": /render/time_budget_s: a sample must not depend on the machine's speed: "
                      "give samples_per_pixel or noise_fraction");
   }
+  if (!simulation.warnings.empty()) warning = simulation.warnings.front();
   return picture_bytes(simulator::describe_camera(simulation), line.layout, line.keep);
 }
 
@@ -158,12 +159,12 @@ Plan make_plan(const Recipe& recipe) {
   Plan plan;
   plan.lines.resize(static_cast<std::size_t>(recipe.count));
   std::vector<std::uint64_t> bytes(plan.lines.size());
-  std::vector<std::string> faults(plan.lines.size());
+  std::vector<std::string> faults(plan.lines.size()), warnings(plan.lines.size());
   tbb::parallel_for(std::size_t{0}, plan.lines.size(), [&](std::size_t k) {
     plan.lines[k] = plan_line(recipe, assets, static_cast<int>(k));
     try {
       const auto split = static_cast<std::size_t>(plan.lines[k].split);
-      bytes[k] = check_line(plan.lines[k], scene_of(recipe, assets[split].scenes, static_cast<int>(k)));
+      bytes[k] = check_line(plan.lines[k], scene_of(recipe, assets[split].scenes, static_cast<int>(k)), warnings[k]);
     } catch (const InputError& error) {
       faults[k] = error.what();
     }
@@ -171,6 +172,12 @@ Plan make_plan(const Recipe& recipe) {
   for (std::size_t k = 0; k < faults.size(); ++k) {
     if (faults[k].empty()) continue;
     throw InputError(fmt::format("{}: sample {}: {}", printable(recipe.path), k, faults[k]));
+  }
+  const auto warned = std::count_if(warnings.begin(), warnings.end(), [](const auto& line) { return !line.empty(); });
+  if (warned > 0) {
+    const auto first = std::find_if(warnings.begin(), warnings.end(), [](const auto& line) { return !line.empty(); });
+    plan.warning = fmt::format("{}: {} of {} samples, the first is {}: {}", printable(recipe.path), warned,
+                               warnings.size(), first - warnings.begin(), *first);
   }
   std::array<std::set<json>, kSplitCount> used;
   for (std::size_t k = 0; k < plan.lines.size(); ++k) {

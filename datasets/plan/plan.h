@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@ struct Plan {
   std::vector<SampleLine> lines;
   std::array<std::size_t, kSplitCount> samples{}, scenes{};  ///< of each split
   double bytes_per_sample = 0;                               ///< of pictures before compression, mean
+  std::optional<std::string> warning;                        ///< the first sample's that has any, and how many have
 };
 
 /// Sample k's line. It depends on the recipe without its count, on the files that it names, and on k alone.

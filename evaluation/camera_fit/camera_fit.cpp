@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -15,6 +15,7 @@
 #include "capture/path_beside.h"
 #include "evaluation/camera_fit/camera_figures.h"
 #include "simulator/lens/lens_file.h"
+#include "simulator/sampling/hash.h"
 
 namespace dualpixel::evaluation {
 namespace {
@@ -23,6 +24,8 @@ constexpr int kFitSamples = 4096, kScoreSamples = 16384;  ///< rays of each plac
 constexpr int kMostSteps = 60;
 constexpr double kDifference = 2e-2;  ///< of a parameter's range: above the grain of the rays that a rim cuts
 constexpr double kSmallestGain = 1e-4;
+constexpr std::size_t kTriedStarts = 64, kOtherStarts = 3;  ///< points that are tried; of them, where a descent starts
+constexpr double kBetter = 0.9;  ///< another minimum is kept where it is lower than this share of the first
 
 double figure_of(const PointFigures& p, Figure figure, double unit_m) {
   const double light = p.left.light + p.right.light;
@@ -163,6 +166,84 @@ Eigen::VectorXd damped_step(const Eigen::MatrixXd& slopes, const Eigen::VectorXd
   return (at + step).cwiseMax(0).cwiseMin(1);
 }
 
+double cost_of(const Trial& trial) { return trial.errors.squaredNorm() / static_cast<double>(trial.errors.size()); }
+
+/// Where a descent is.
+struct Descent {
+  Eigen::VectorXd at;
+  Trial here;
+  int steps = 0;
+};
+
+/// Follows the errors down to a minimum.
+Descent descend(const CameraMeasurements& m, Descent d) {
+  double damping = 1e-2, growth = 2;
+  bool improved = true;
+  while (improved && d.steps < kMostSteps) {
+    const Eigen::MatrixXd slopes = slopes_of(m, d.at, d.here);
+    improved = false;
+    while (!improved && damping < 1e8) {
+      const Eigen::VectorXd next = damped_step(slopes, d.here.errors, d.at, damping);
+      std::optional<Trial> there = try_at(m, next, &d.here.camera);
+      if (there && cost_of(*there) < cost_of(d.here) * (1 - kSmallestGain)) {
+        d.at = next, d.here = std::move(*there), improved = true;
+        damping = std::max(damping / 3, 1e-9), growth = 2;
+      } else {
+        damping *= growth, growth *= 2;
+      }
+    }
+    d.steps += improved;
+  }
+  return d;
+}
+
+/// The best of points spread over the bounds by a hash, some of which lie in the valley of another minimum than the
+/// lens that the file starts from.
+std::vector<Descent> other_starts(const CameraMeasurements& m, const Trial& first) {
+  std::vector<std::unique_ptr<Descent>> tried(kTriedStarts);  // none where the lens cannot be
+  tbb::parallel_for(std::size_t{0}, tried.size(), [&](std::size_t k) {
+    Eigen::VectorXd at(static_cast<Eigen::Index>(m.fit.size()));
+    for (Eigen::Index i = 0; i < at.size(); ++i) at[i] = std::ldexp(simulator::hash(1, k, i) >> 11, -53);
+    if (std::optional<Trial> trial = try_at(m, at, &first.camera))
+      tried[k] = std::make_unique<Descent>(Descent{std::move(at), std::move(*trial)});
+  });
+  std::erase_if(tried, [](const auto& d) { return !d; });
+  std::stable_sort(tried.begin(), tried.end(),
+                   [](const auto& a, const auto& b) { return cost_of(a->here) < cost_of(b->here); });
+  std::vector<Descent> best;
+  for (std::size_t k = 0; k < std::min(tried.size(), kOtherStarts); ++k) best.push_back(std::move(*tried[k]));
+  return best;
+}
+
+/// The fitted fields and how well the figures determine them: what is left over is taken for the figures' own errors,
+/// and the lens to change evenly over them. A field at a bound is held there.
+std::vector<FittedValue> fitted_values(const CameraMeasurements& m, const Descent& end) {
+  const auto held = [&](Eigen::Index i) { return end.at[i] <= 0 || end.at[i] >= 1; };
+  Eigen::MatrixXd slopes = slopes_of(m, end.at, end.here);
+  Eigen::Index free = 0;
+  for (Eigen::Index i = 0; i < slopes.cols(); ++i) {
+    if (held(i)) {
+      slopes.col(i).setZero();
+    } else {
+      ++free;
+    }
+  }
+  const double spare = static_cast<double>(std::max<Eigen::Index>(end.here.errors.size() - free, 1));
+  Eigen::MatrixXd normal = slopes.transpose() * slopes;
+  normal.diagonal().array() += 1e-9 * std::max(normal.diagonal().maxCoeff(), 1e-300);
+  const Eigen::MatrixXd inverse = normal.ldlt().solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
+  std::vector<FittedValue> values;
+  for (std::size_t i = 0; i < m.fit.size(); ++i) {
+    const FittedField& f = m.fit[i];
+    const auto k = static_cast<Eigen::Index>(i);
+    FittedValue& value = values.emplace_back(FittedValue{f, f.low + end.at[k] * (f.high - f.low), {}});
+    if (held(k)) continue;
+    const double error = std::sqrt(inverse(k, k) * end.here.errors.squaredNorm() / spare);
+    value.standard_error = error * (f.high - f.low);
+  }
+  return values;
+}
+
 }  // namespace
 
 PreparedCamera prepare_camera(const CameraMeasurements& m, const nlohmann::json& lens_json,
@@ -242,38 +323,30 @@ std::vector<FigureScore> score_camera(const CameraMeasurements& m, const nlohman
 }
 
 CameraFit fit_camera(const CameraMeasurements& m) {
-  Eigen::VectorXd at(static_cast<Eigen::Index>(m.fit.size()));
+  Eigen::VectorXd start(static_cast<Eigen::Index>(m.fit.size()));
   for (std::size_t i = 0; i < m.fit.size(); ++i) {
     const FittedField& f = m.fit[i];
-    const double start = m.lens.at(nlohmann::json::json_pointer(f.pointer)).get<double>();
-    at[static_cast<Eigen::Index>(i)] = (start - f.low) / (f.high - f.low);
+    const double value = m.lens.at(nlohmann::json::json_pointer(f.pointer)).get<double>();
+    start[static_cast<Eigen::Index>(i)] = (value - f.low) / (f.high - f.low);
   }
-  std::optional<Trial> here = try_at(m, at, nullptr);
-  if (!here) {
+  std::optional<Trial> first = try_at(m, start, nullptr);
+  if (!first) {
     throw InputError(printable(m.path) + ": /lens: some place of the grids gets no light: start from another lens");
   }
   CameraFit fit;
-  const double count = static_cast<double>(here->errors.size());
-  fit.before = fit.after = here->errors.squaredNorm() / count;
-  double damping = 1e-2, growth = 2;
-  bool improved = true;
-  while (improved && fit.steps < kMostSteps) {
-    const Eigen::MatrixXd slopes = slopes_of(m, at, *here);
-    improved = false;
-    while (!improved && damping < 1e8) {
-      const Eigen::VectorXd next = damped_step(slopes, here->errors, at, damping);
-      std::optional<Trial> there = try_at(m, next, &here->camera);
-      const double cost = there ? there->errors.squaredNorm() / count : std::numeric_limits<double>::infinity();
-      if (cost < fit.after * (1 - kSmallestGain)) {
-        fit.after = cost, at = next, here = std::move(there), improved = true;
-        damping = std::max(damping / 3, 1e-9), growth = 2;
-      } else {
-        damping *= growth, growth *= 2;
-      }
-    }
-    fit.steps += improved;
+  fit.before = cost_of(*first);
+  std::vector<Descent> others = other_starts(m, *first);
+  Descent best = descend(m, {std::move(start), std::move(*first)});
+  fit.steps = best.steps, fit.after_first = cost_of(best.here);
+  for (Descent& other : others) {
+    other = descend(m, std::move(other));
+    fit.steps += other.steps;
+    if (cost_of(other.here) < kBetter * cost_of(best.here)) best = std::move(other);
   }
-  fit.lens = lens_at(m, at);
+  fit.starts = 1 + static_cast<int>(others.size());
+  fit.after = cost_of(best.here);
+  fit.lens = lens_at(m, best.at);
+  fit.fields = fitted_values(m, best);
   return fit;
 }
 
@@ -290,6 +363,36 @@ nlohmann::ordered_json camera_json(const CameraMeasurements& m, const nlohmann::
   }
   camera["sensor"] = m.sensor_json;
   return camera;
+}
+
+std::string to_text(const CameraFit& fit) {
+  std::string text = fmt::format("{} starts, {} steps; mean square of error over tolerance {:.4g} -> {:.4g}",
+                                 fit.starts, fit.steps, fit.before, fit.after);
+  if (fit.after < fit.after_first) text += fmt::format(" (from the lens of the file: {:.4g})", fit.after_first);
+  text += fmt::format("\n{:<28} {:>10} {:>10} {:>12} {:>15}\n", "field", "low", "high", "value", "standard error");
+  for (const FittedValue& v : fit.fields) {
+    const double range = v.field.high - v.field.low;
+    const std::string error = !v.standard_error                 ? "at its bound"
+                              : *v.standard_error > 0.5 * range ? "not determined"
+                                                                : fmt::format("{:.2g}", *v.standard_error);
+    text += fmt::format("{:<28} {:>10.4g} {:>10.4g} {:>12.5g} {:>15}\n", v.field.pointer, v.field.low, v.field.high,
+                        v.value, error);
+  }
+  return text;
+}
+
+std::vector<std::string> warnings_of(const std::vector<FigureScore>& scores) {
+  constexpr double kMuch = 5;
+  std::vector<std::string> warnings;
+  for (const FigureScore& s : scores) {
+    const FigureRow& row = row_of(kFigures, s.figure);
+    if (!row.fitted || !(s.judged.rms > kMuch * row.tolerance)) continue;
+    warnings.push_back(
+        fmt::format("grid {}: {} errs by {:.2g} RMS where it judges, {:.0f} times its tolerance: start "
+                    "from another lens, or fit more of its fields",
+                    s.grid, row.name, s.judged.rms, s.judged.rms / row.tolerance));
+  }
+  return warnings;
 }
 
 std::string to_text(const std::vector<FigureScore>& scores) {

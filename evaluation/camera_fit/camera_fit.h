@@ -1,5 +1,6 @@
 #pragma once
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,20 +40,35 @@ std::vector<std::vector<double>> predict(const CameraMeasurements& measured, con
 /// Each figure of each grid against the lens's.
 std::vector<FigureScore> score_camera(const CameraMeasurements& measured, const nlohmann::json& lens);
 
+struct FittedValue {
+  FittedField field;
+  double value = 0;
+  std::optional<double> standard_error;  ///< empty at a bound
+};
+
 struct CameraFit {
   nlohmann::json lens;
-  int steps = 0;                 ///< that were taken
-  double before = 0, after = 0;  ///< mean square error over tolerance of what was fitted
+  std::vector<FittedValue> fields;  ///< of the lens that were fitted
+  int starts = 0, steps = 0;        ///< steps of all of them together
+  double before = 0, after = 0;     ///< mean square error over tolerance of what was fitted
+  double after_first = 0;           ///< where the descent from the file's own lens ended
 };
 
 /// The lens whose figures are nearest to the measured ones at the fitted places: least squares of errors over their
 /// tolerances by Levenberg and Marquardt's method (Marquardt 1963, with Nielsen's 1999 rule for the damping), within
-/// the bounds. The same result for any number of threads.
+/// the bounds, from the lens of the file and from the best few of points all over the bounds. The first minimum is kept
+/// unless another is lower by a tenth. The same result for any number of threads.
 CameraFit fit_camera(const CameraMeasurements& measured);
 
 /// The camera as a file that a scene may name (docs/scene.md), to be written to `path`.
 nlohmann::ordered_json camera_json(const CameraMeasurements& measured, const nlohmann::json& lens,
                                    const std::string& path);
+
+/// The fit and its fields as lines of text.
+std::string to_text(const CameraFit& fit);
+
+/// A line for each figure that errs by much more than its tolerance at the places that judge.
+std::vector<std::string> warnings_of(const std::vector<FigureScore>& scores);
 
 /// The scores as lines of text.
 std::string to_text(const std::vector<FigureScore>& scores);

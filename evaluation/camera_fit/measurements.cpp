@@ -94,6 +94,37 @@ FittedField read_fitted(Fields fields, const nlohmann::json& lens) {
   return f;
 }
 
+/// Each bound must be a number that the lens may have there, the other fields as they start.
+void check_bounds(const CameraMeasurements& m) {
+  for (std::size_t i = 0; i < m.fit.size(); ++i) {
+    for (const auto& [name, bound] : {std::pair{"low", m.fit[i].low}, {"high", m.fit[i].high}}) {
+      nlohmann::json lens = m.lens;
+      lens[nlohmann::json::json_pointer(m.fit[i].pointer)] = bound;
+      try {
+        simulator::read_lens(lens, m.path, "/lens", m.grids.front().focus_distance_m);
+      } catch (const InputError& error) {
+        const std::string file = printable(m.path) + ": ", what = error.what();
+        throw InputError(fmt::format("{}/fit/{}/{}: {}: no lens may have it: {}", file, i, name, bound,
+                                     what.starts_with(file) ? what.substr(file.size()) : what));
+      }
+    }
+  }
+}
+
+/// Where the target is in focus, what disparity there is comes from aberrations alone.
+void warn_of_focus(CameraMeasurements& m) {
+  for (std::size_t i = 0; i < m.grids.size(); ++i) {
+    const MeasuredGrid& grid = m.grids[i];
+    const bool disparity = std::any_of(grid.figures.begin(), grid.figures.end(),
+                                       [](const auto& f) { return f.figure == Figure::disparity; });
+    if (!disparity || grid.depth_m != grid.focus_distance_m) continue;
+    m.warnings.push_back(
+        fmt::format("{}: /grids/{}/depth_m: {}: is the focus distance, where a lens has no disparity "
+                    "but that of its aberrations",
+                    printable(m.path), i, grid.depth_m));
+  }
+}
+
 }  // namespace
 
 CameraMeasurements read_camera_measurements(const nlohmann::json& json, const std::string& path) {
@@ -133,6 +164,8 @@ CameraMeasurements read_camera_measurements(const nlohmann::json& json, const st
               "counted from 0, is even");
   }
   root.done();
+  check_bounds(m);
+  warn_of_focus(m);
   return m;
 }
 

@@ -77,6 +77,7 @@ struct CameraMeasurements {
   simulator::SensorOptions sensor;
   std::vector<FittedField> fit;
   std::vector<MeasuredGrid> grids;
+  std::vector<std::string> warnings;  ///< a line for each thing that can be, but is seldom meant
 };
 
 /// Throws InputError: unknown fields, values out of range, grids of another size than their places, none with a figure

@@ -219,8 +219,10 @@ void warn_of_sharp_picture(Run& run) {
   const std::vector<float>& radii = run.defocused.radius_px.data;
   const float largest = radii.empty() ? 0 : *std::max_element(radii.begin(), radii.end());
   if (largest >= kSeen_px) return;
-  run.result.warnings.push_back(fmt::format(
-      "nothing is blurred: the largest radius is {:.2g} px; match_lens blurs as a real lens does", largest));
+  run.result.warnings.push_back(
+      fmt::format("nothing is blurred: the largest radius is {:.2g} px; --match-lens f/3.3@41mm-equivalent blurs as "
+                  "such a lens does",
+                  largest));
 }
 
 /// Sections 5.1 and 5.2: d_focus, Eq. 5's radii, and the layered blur.

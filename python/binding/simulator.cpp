@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
@@ -9,7 +10,6 @@
 #include "python/binding/bind.h"
 #include "scenes/framing/resolve_scene.h"
 #include "scenes/framing/scene_document.h"
-#include "simulator/lens/lens_file.h"
 #include "simulator/plan/lens_report.h"
 #include "simulator/ready_scene.h"
 #include "simulator/simulate.h"
@@ -40,6 +40,7 @@ Capture render_scene(const std::string& text, const std::string& path, const std
   const simulator::Simulation simulation = simulator::read_simulation(
       scenes::resolve_scene(document_of(text, path, overrides), path, ready, warnings), path);
   make_ready(simulation, ready);
+  for (const std::string& warning : simulator::warnings_of(simulation)) warnings.push_back(warning);
   warnings.insert(warnings.end(), ready->scene.warnings.begin(), ready->scene.warnings.end());
   Capture capture =
       simulator::simulate(simulation, ready->world, simulator::place_camera(simulation, ready->scene), report);
@@ -65,17 +66,12 @@ std::shared_ptr<HeldCapture> simulate_scene(const std::string& text, const std::
 }
 
 py::object report_on_lens(const std::string& text, const std::string& path, const std::vector<std::string>& overrides,
-                          double focus_distance_m, int width_px, int height_px, double pixel_pitch_um) {
+                          std::optional<double> focus_distance_m, int width_px, int height_px, double pixel_pitch_um) {
   nlohmann::ordered_json report;
   {
     const py::gil_scoped_release released;
-    const simulator::Lens lens = simulator::read_lens(document_of(text, path, overrides), path, "", focus_distance_m);
-    const simulator::SensorGrid sensor = simulator::sensor_for(lens, width_px, height_px, pixel_pitch_um);
-    try {
-      report = to_json(simulator::report_lens(lens, sensor));
-    } catch (const InputError& error) {
-      throw InputError(printable(path) + ": /" + error.what());
-    }
+    report = to_json(simulator::report_lens(document_of(text, path, overrides), path,
+                                            {focus_distance_m, width_px, height_px, pixel_pitch_um}));
   }
   return to_python(report);
 }

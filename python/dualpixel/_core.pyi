@@ -147,7 +147,7 @@ def lens(
     text: str,
     path: str,
     overrides: Sequence[str],
-    focus_distance_m: float,
+    focus_distance_m: Optional[float],
     width_px: int,
     height_px: int,
     pixel_pitch_um: float,

@@ -82,17 +82,23 @@ def lens(
     lens: Union[Mapping[str, Any], Path],
     overrides: Overrides = (),
     *,
-    focus_distance_m: float = 1,
-    width_px: int = 2688,
-    height_px: int = 2016,
+    focus_distance_m: Optional[float] = None,
+    width_px: Optional[int] = None,
+    height_px: Optional[int] = None,
     pixel_pitch_um: Optional[float] = None,
 ) -> dict[str, Any]:
-    """What a lens does on a sensor of this size, which fills the lens's picture unless its pitch is given.
+    """What a lens does on its sensor: a lens file, a camera file or a scene.
 
-    The dict is what `dualpixel lens --json` prints.
+    What is None is as the file says; where it says nothing, the focus is at 1 m, and 2688 x 2016 photosites fill the
+    lens's picture. The dict is what `dualpixel lens --json` prints.
     """
     return _core.lens(
-        *_document(lens, "lens"), _assignments(overrides), focus_distance_m, width_px, height_px, pixel_pitch_um or 0
+        *_document(lens, "lens"),
+        _assignments(overrides),
+        focus_distance_m,
+        width_px or 0,
+        height_px or 0,
+        pixel_pitch_um or 0,
     )
 
 

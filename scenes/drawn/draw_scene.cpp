@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
 #include "scenes/drawn/meter.h"
@@ -57,6 +58,16 @@ void set_fields(json& scene, const SceneOrder& order) {
   }
 }
 
+/// Tells of the kind, not of the file, which may not be where it will stay.
+void refuse_what_does_not_fit(const json& scene, const std::string& path, const SceneKind& kind) {
+  try {
+    simulator::read_simulation(scene, path);
+  } catch (const InputError& error) {
+    const std::string what = error.what(), file = printable(path);
+    throw InputError(what.starts_with(file) ? kind.name + what.substr(file.size()) : what);
+  }
+}
+
 }  // namespace
 
 std::vector<Parameter> parameters_of(const SceneKind& kind) {
@@ -92,7 +103,7 @@ std::vector<std::string> draw_scene(const SceneKind& kind, const SceneOrder& ord
     faults = meter(builder.scene, path, builder.shooting, order.seed, parameters.number("stops"));
     if (!faults.empty() && i + 1 < kArrangements) continue;
     set_fields(builder.scene, order);
-    simulator::read_simulation(builder.scene, path);  // refuses fields that do not fit
+    refuse_what_does_not_fit(builder.scene, path, kind);
     write_file(path, builder.scene.dump(2) + "\n");
     break;
   }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
@@ -25,6 +26,31 @@ void check_split(const Fields& lens, const Lens& read) {
                                                    : "left and the right"));
 }
 
+/// The model may be a lens file's, and the field the user's.
+void refuse_fields_of_other_models(Fields& lens, const std::string& model) {
+  constexpr std::pair<const char*, const char*> kOwners[] = {
+      {"wavelengths_nm", "prescription"},
+      {"band_samples", "prescription"},
+      {"band_width_nm", "prescription"},
+      {"exact_trace", "prescription"},
+      {"surfaces", "prescription"},
+      {"focus_um", "aberrated"},
+      {"spherical_um", "aberrated"},
+      {"coma_um", "aberrated"},
+      {"distortion", "aberrated"},
+      {"exit_pupil_mm", "aberrated"},
+      {"rims", "aberrated"},
+      {"falloff", "aberrated"},
+      {"split_offset", "aberrated"},
+      {"left_gain", "aberrated"},
+      {"right_gain", "aberrated"},
+  };
+  for (const auto& [field, owner] : kOwners) {
+    if (owner == model || !lens.has(field)) continue;
+    lens.fail(field, fmt::format("is a field of the model '{}'; the lens's model is '{}'", owner, model));
+  }
+}
+
 Lens read_fields(Fields lens, const std::string& file, double focus_distance_m) {
   Lens result;
   int version = 1;
@@ -39,6 +65,7 @@ Lens read_fields(Fields lens, const std::string& file, double focus_distance_m) 
   check_split(lens, result);
   lens.boolean("diffraction", result.diffraction);
   lens.number("veiling_glare", result.veiling_glare, 0, 0.5);
+  refuse_fields_of_other_models(lens, row_of(kLensModels, model).name);
   lens.done();
   return result;
 }

@@ -10,6 +10,7 @@
 #include "simulator/lens/prescription/prescription.h"
 #include "simulator/lens/split/split_sampler.h"
 #include "simulator/sampling/packet.h"
+#include "simulator/sampling/sobol.h"
 
 namespace dualpixel::simulator {
 namespace {
@@ -114,6 +115,26 @@ void LensSampler::sample_ideal(int x, int y, const float s[4][kRays], float aper
     out.slope_y[i] = c.y + u * a.y + v * d.y - out.origin_y[i] * prepared_->ideal.inverse_focus;
     out.left[i] = out.right[i] = 0.5f;
   }
+}
+
+double lit_share(const LensSampler& lens) {
+  constexpr int kPlaces = 64, kPackets = 16;  // along each side; at each place
+  constexpr float kLit = 0.01f;
+  const SensorGrid& sensor = lens.sensor();
+  alignas(64) float s[4][kPacket];
+  LensPacket rays;
+  int lit = 0;
+  for (int i = 0; i < kPlaces * kPlaces; ++i) {
+    float light = 0;
+    for (int k = 0; k < kPackets; ++k) {
+      joint_samples(k * kPacket, 0, s);
+      lens.sample((2 * (i % kPlaces) + 1) * sensor.width_px / (2 * kPlaces),
+                  (2 * (i / kPlaces) + 1) * sensor.height_px / (2 * kPlaces), 1, s, rays);
+      for (int j = 0; j < kPacket; ++j) light += rays.left[j] + rays.right[j];
+    }
+    lit += light >= kLit * kPackets * kPacket;
+  }
+  return static_cast<double>(lit) / (kPlaces * kPlaces);
 }
 
 }  // namespace dualpixel::simulator

@@ -52,4 +52,8 @@ class LensSampler {
   std::shared_ptr<const Prepared> prepared_;
 };
 
+/// Share of the picture that the lens lights: of places all over it, those that get at least a hundredth of the light
+/// that the axis gets, in green.
+double lit_share(const LensSampler& lens);
+
 }  // namespace dualpixel::simulator

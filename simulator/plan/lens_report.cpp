@@ -13,6 +13,7 @@
 #include "simulator/lens/models.h"
 #include "simulator/lens/prescription/prescription.h"
 #include "simulator/sampling/sobol.h"
+#include "simulator/scene_file.h"
 
 namespace dualpixel::simulator {
 namespace {
@@ -137,6 +138,22 @@ LensReport report_lens(const Lens& lens, const SensorGrid& sensor) {
   report.horizontal = cut(sampler, true);
   report.vertical = cut(sampler, false);
   return report;
+}
+
+LensReport report_lens(const nlohmann::json& json, const std::string& path, const LensView& view) {
+  const LensOfFile file = read_lens_of(json, path, view.focus_distance_m);
+  constexpr int kWidth_px = 2688, kHeight_px = 2016;
+  const auto chosen = [](auto given, auto own) { return given != 0 ? given : own; };
+  const int width_px = chosen(view.width_px, file.sensor ? file.sensor->width_px : kWidth_px);
+  const int height_px = chosen(view.height_px, file.sensor ? file.sensor->height_px : kHeight_px);
+  const double pitch_um = chosen(view.pixel_pitch_um, file.sensor ? file.sensor->pixel_pitch_um : 0.0);
+  try {
+    SensorGrid sensor = sensor_for(file.lens, width_px, height_px, pitch_um);
+    if (file.sensor) sensor.dp_downsample_x = file.sensor->dp_downsample_x;
+    return report_lens(file.lens, sensor);
+  } catch (const InputError& error) {
+    throw InputError(printable(path) + ": " + file.pointer + "/" + error.what());
+  }
 }
 
 nlohmann::ordered_json to_json(const LensReport& report) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,18 @@ struct LensReport {
 SensorGrid sensor_for(const Lens& lens, int width_px, int height_px, double pixel_pitch_um);
 
 LensReport report_lens(const Lens& lens, const SensorGrid& sensor);
+
+/// What may differ from what a file says. 0 or empty: what it says; where it says nothing, a focus distance of 1 m and
+/// a sensor of 2688 x 2016 photosites that fills the lens's picture.
+struct LensView {
+  std::optional<double> focus_distance_m;
+  int width_px = 0, height_px = 0;
+  double pixel_pitch_um = 0;
+};
+
+/// The same of a lens file, or of the lens and sensor of a camera file or a scene; `json` came from `path`. Throws
+/// InputError.
+LensReport report_lens(const nlohmann::json& json, const std::string& path, const LensView& view);
 
 nlohmann::ordered_json to_json(const LensReport& report);
 std::string to_text(const LensReport& report);

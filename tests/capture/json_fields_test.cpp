@@ -188,7 +188,7 @@ TEST(Fields, NamesUnknownAndMissingKeys) {
               sensor.raw("bits");
               sensor.done();
             }),
-            "s.json: /sensor/extra: unknown field");
+            "s.json: /sensor/extra: unknown field; there are bits");
   EXPECT_NO_THROW(Fields(object, "s.json").object("absent").done());
   EXPECT_TRUE(Fields(object, "s.json").raw("absent").is_null());
 }

@@ -139,6 +139,8 @@ def test_lens_is_the_programs(program):
         program("lens", path, "--focus-distance-m", 0.5, "--json").stdout
     )
     assert dualpixel.lens(json.loads(path.read_text()), {"f_number": 4})
+    camera = SCENES / "cameras/phone_2019.json"
+    assert dualpixel.lens(camera) == json.loads(program("lens", camera, "--json").stdout)
     with pytest.raises(dualpixel.InputError, match="^lens: /f_number"):
         dualpixel.lens(json.loads(path.read_text()), {"f_number": -4})
 

@@ -99,6 +99,7 @@ TEST(SlowJobs, GiveTheBytesOfSeparateCalls) {
       {"goal", {{"render.error", 0.1}}},
       {"spacing", {{"render.light_spacing_px", 0}}},
       {"sky", {{"environment.zenith_nits", 9000}}},
+      {"auto", {{"camera.focus_distance_m", "auto"}}},
       {"last", {{"render.max_bounces", 1}, {"burst.hand_shake", 1}}}};
   std::string lines;
   for (const auto& [name, set] : jobs) lines += json{{"name", name}, {"set", set}}.dump() + "\n";

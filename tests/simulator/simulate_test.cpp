@@ -438,7 +438,7 @@ TEST(Simulate, PhotographMayLookThroughALens) {
   EXPECT_NEAR(large.photograph_aperture_scale, 3, 1e-9);
   EXPECT_LT(std::sqrt(mean_product(large.photograph, large.photograph, ideal.photograph)), 2 * noise);
 
-  document["truth"]["photograph_aperture_scale"] = 2;
+  document["truth"] = {{"photograph_lens", folder / "large.json"}, {"photograph_aperture_scale", 2}};
   EXPECT_NE(refusal(document).find("/truth/photograph_aperture_scale"), std::string::npos);
   document["truth"] = {{"photograph_lens", "none.json"}};
   EXPECT_NE(refusal(document).find("/truth/photograph_lens: none.json"), std::string::npos) << refusal(document);
@@ -472,6 +472,54 @@ TEST(Simulate, PhotographThroughALensHasItsColors) {
     }
     EXPECT_NEAR(edge, expected[c], 0.016) << c;
   }
+}
+
+/// The height h in parts of the image radius at which a rim as wide as the pupil, which moves by `shift` pupil radii
+/// over h = 1, leaves a share of the pupil free: two discs of radius 1 whose middles are d apart overlap by
+/// 2 acos(d/2) - d/2 sqrt(4 - d^2).
+double height_of_free_share(double share, double shift) {
+  double low = 0, high = 2;
+  for (int i = 0; i < 60; ++i) {
+    const double d = 0.5 * (low + high);
+    (2 * std::acos(0.5 * d) - 0.5 * d * std::sqrt(4 - d * d) > share * M_PI ? low : high) = d;
+  }
+  return low / shift;
+}
+
+TEST(Simulate, SaysHowMuchOfThePhotographALensLights) {
+  json document = minimal();
+  document["sensor"] = {{"width_px", 256}, {"height_px", 256}, {"pixel_pitch_um", 14}};
+  document["burst"]["frames"] = 1;
+  document["camera"]["focus_distance_m"] = "inf";
+  document["render"] = {{"samples_per_pixel", 1}};
+  const TemporaryFolder folder;
+  // in focus at infinity as far behind the pupil as the capture's: a sensor of the same size
+  write_bytes(folder / "dark.json", R"({"version": 1, "name": "dark", "model": "aberrated", "f_number": 1.8,
+    "image_radius_mm": 2, "falloff": "none", "rims": [{"radius": 1, "shift": 3}]})");
+  document["truth"] = {{"photograph_lens", "dark.json"}};
+  const Simulation s = read_simulation(document, folder / "s.json");
+  const double radius_mm = 2 * height_of_free_share(0.01, 3), side_mm = 256 * 0.014;
+  const double lit = M_PI * radius_mm * radius_mm / (side_mm * side_mm);
+  // 256 rays find a hundredth of the pupil or a neighboring two; 64 x 64 places know the disc's edge to half a place
+  const double near_mm = 2 * height_of_free_share(2.5 / 256, 3), far_mm = 2 * height_of_free_share(3.5 / 256, 3);
+  const double tolerance =
+      2 * M_PI * radius_mm * (0.5 * side_mm / 64 + std::abs(far_mm - near_mm)) / (side_mm * side_mm);
+  const double found = lit_share(*prepare_photograph_lens(s));
+  EXPECT_NEAR(found, lit, tolerance);
+  const std::string lights = "lights " + std::to_string(static_cast<int>(100 * found)) + " % of the view";
+  ASSERT_EQ(warnings_of(s).size(), 1u);
+  EXPECT_EQ(warnings_of(s)[0],
+            (folder / "s.json") + ": /truth/photograph_lens: dark " + lights + "; the rest of the photograph is black");
+  EXPECT_EQ(simulate(s, step_under_a_sky()).truth->photograph_lens, "dark at f/1.8, " + lights);
+
+  document["truth"] = {{"photograph_lens", "own"}, {"photograph_aperture_scale", 3}};
+  const Simulation own = read_simulation(document, folder / "s.json");
+  EXPECT_TRUE(warnings_of(own).empty());
+  EXPECT_EQ(simulate(own, step_under_a_sky()).truth->photograph_lens, "thin lens at f/0.6");
+  document["truth"]["photograph_aperture_scale"] = 5;
+  const std::vector<std::string> wide = warnings_of(read_simulation(document, "s.json"));
+  ASSERT_EQ(wide.size(), 1u);
+  EXPECT_EQ(wide[0], "s.json: /truth/photograph_lens: own opens to f/0.36: no lens is wider than f/0.5");
 }
 
 /// A mesh of one triangle that is flat at `times_s` where `widths` is 0, and another that stays.

@@ -46,6 +46,30 @@ TEST(SlowLensCommand, WritesAPageThatLoadsNothingAndATwin) {
   EXPECT_EQ(nlohmann::json::parse(again.out)["model"], "aberrated");
 }
 
+TEST(LensCommand, TakesCamerasAndScenes) {
+  const auto report = [](const std::string& arguments) {
+    const Outcome run = run_program("lens " + arguments + " --json");
+    EXPECT_EQ(run.status, 0) << run.err;
+    return nlohmann::json::parse(run.out);
+  };
+  const std::string camera = DUALPIXEL_SCENES_DIR "/cameras/phone_2019.json";
+  const nlohmann::json file = read_json_file(camera), of_camera = report(camera);
+  EXPECT_EQ(of_camera["name"], file["lens"]["name"]);
+  EXPECT_EQ(of_camera["focus_distance_m"], 1);
+  EXPECT_EQ(of_camera["sensor"]["width_px"], file["sensor"]["width_px"]);
+  EXPECT_NEAR(of_camera["sensor"]["pixel_pitch_um"], file["sensor"]["pixel_pitch_um"].get<double>(), 1e-9);
+  EXPECT_EQ(report(camera + " --set lens.f_number=2.5 --sensor-width-px 100")["sensor"]["width_px"], 100);
+  // a scene has its own focus, lens and sensor; without them, looking through that camera is the same
+  const std::string scene = DUALPIXEL_SCENES_DIR "/portrait.json";
+  EXPECT_EQ(report(scene)["focus_distance_m"], 0.79);
+  EXPECT_EQ(report(scene +
+                   " --focus-distance-m 1 --set lens=null --set sensor=null --set camera.file=cameras/phone_2019.json"),
+            of_camera);
+  const Outcome dark = run_program("lens '" + camera + "' --set lens.f_numbr=2");
+  expect_one_line_refusal(dark);
+  EXPECT_NE(dark.err.find("phone_2019.json: /lens/f_numbr"), std::string::npos) << dark.err;
+}
+
 TEST(LensCommand, RefusesWhatItCannotDo) {
   const auto expect = [](const std::string& arguments, const std::string& says) {
     const Outcome run = run_program("lens " + arguments);

@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <cstdint>
+#include <iostream>
 #include <limits>
 #include <memory>
 
@@ -22,6 +23,12 @@ CLI::Validator any_seed() {
                                std::numeric_limits<std::uint64_t>::max());
   };
   return {check, ""};
+}
+
+void print_warnings(const std::vector<std::string>& warnings, const std::string& about) {
+  for (const std::string& warning : warnings) {
+    std::cerr << "dualpixel: warning: " << (about.empty() ? "" : about + ": ") << warning << '\n';
+  }
 }
 
 void add_threads_option(CLI::App& command) {

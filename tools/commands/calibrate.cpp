@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -32,6 +31,7 @@ struct CalibrateOptions {
 
 /// Everything that the measurements of a sweep depend on; the lens by the disparities that it makes.
 Json describe_sweep(const simulator::Simulation& simulation, const evaluation::SweepOptions& options) {
+  print_warnings(simulation.warnings);
   const Camera camera = describe_camera(simulation);
   // focused as in the sweep: the scene's own focus does not matter
   const simulator::LensSampler lens = evaluation::focused_lens(simulation, options.nearest_focus_m);
@@ -76,10 +76,6 @@ void open_sweep(const std::string& folder, const Json& description) {
   if (error) throw InputError(printable(folder) + "/measurements: cannot be made: " + error.message());
 }
 
-void warn(const pipeline::Calibration& calibration) {
-  for (const std::string& warning : calibration.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
-}
-
 void sweep_camera(const CalibrateOptions& options) {
   nlohmann::json json = read_json_file(options.camera);
   for (const std::string& assignment : options.overrides) apply_override(json, assignment);
@@ -92,7 +88,7 @@ void sweep_camera(const CalibrateOptions& options) {
       camera,
       evaluation::run_sweep(simulation, options.sweep, options.output + "/measurements", [&](double f) { bar(f); }));
   replace_file(options.output + "/calibration.json", to_json(calibration).dump() + "\n");
-  warn(calibration);
+  print_warnings(calibration.warnings);
 }
 
 void fit_captures(const CalibrateOptions& options) {
@@ -108,7 +104,7 @@ void fit_captures(const CalibrateOptions& options) {
   }
   write_file(out.path() + "/calibration.json", to_json(calibration).dump() + "\n");
   out.commit();
-  warn(calibration);
+  print_warnings(calibration.warnings);
 }
 
 void run(const CalibrateOptions& options) {

@@ -17,6 +17,9 @@ void add_threads_option(CLI::App& command);
 /// --set FIELD=VALUE, repeatable: fields of the JSON file that is the command's input, for apply_override.
 void add_overrides_option(CLI::App& command, std::vector<std::string>& overrides, const std::string& example);
 
+/// A line on stderr for each; `about`: the name of what they are told of, empty where there is but one.
+void print_warnings(const std::vector<std::string>& warnings, const std::string& about = "");
+
 void add_simulate(CLI::App& program);
 void add_calibrate(CLI::App& program);
 void add_portrait(CLI::App& program);

@@ -16,6 +16,7 @@
 #include "capture/files.h"
 #include "capture/image/image_io.h"
 #include "capture/json_fields.h"
+#include "datasets/plan/plan.h"
 #include "evaluation/metrics/statistics.h"
 #include "evaluation/report/calibration_page.h"
 #include "pipeline/portrait/result_io.h"
@@ -214,6 +215,9 @@ json describe(const std::string& path) {
     if (fs::exists(path + "/calibration.json", error)) return describe_calibration(path);
     if (fs::exists(path + "/" + scenes::kSetFile, error) || fs::exists(path + "/shard_00000", error)) {
       return describe_people(path);
+    }
+    if (fs::exists(path + "/" + datasets::kDatasetFile, error)) {
+      throw InputError(printable(path) + ": is a data set: 'dualpixel dataset status' and 'verify' tell of it");
     }
     throw InputError(printable(path) +
                      ": is a folder without capture.json, result.json, calibration.json or people.json");

@@ -23,6 +23,7 @@ void run(const PlanCommandOptions& options) {
   nlohmann::json json = read_json_file(options.scene);
   for (const std::string& assignment : options.overrides) apply_override(json, assignment);
   const simulator::Simulation simulation = simulator::read_simulation(json, options.scene);
+  print_warnings(simulation.warnings);
   const simulator::Scene scene = simulator::load_scene(simulation);
   const simulator::Plan result =
       simulator::plan(simulation, scene, options.tolerance_dp_px, options.seed, Progress("plan"));

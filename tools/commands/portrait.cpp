@@ -241,7 +241,7 @@ void run(const PortraitCommand& command) {
   Progress bar("portrait");
   const PortraitResult result =
       pipeline::run_portrait(capture, options, mask, [&](const std::string&, double fraction) { bar(fraction); });
-  for (const std::string& warning : result.warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
+  print_warnings(result.warnings);
   pipeline::write_result(result, provenance_of(command, capture, options, result), command.output);
 }
 

@@ -43,47 +43,35 @@ std::string journal_beside(std::string folder) {
 }
 
 /// Noise that the sensor does not have is taken for texture by whatever is judged or trained on the capture.
-void warn_of_render_noise(const std::string& scene, std::optional<double> noise_fraction) {
+void warn_of_render_noise(const std::string& scene, const std::string& job, std::optional<double> noise_fraction) {
   constexpr double kHardToSee = 0.25, kFall = 0.55;  // error falls as samples^-kFall (docs/rendering.md)
   if (noise_fraction.value_or(0) <= kHardToSee) return;
   std::cerr << fmt::format(
-      "{}: rendering noise is {:.2f} of the sensor's noise; --noise-fraction {} would take about {:.2g} times as "
+      "{}: {}rendering noise is {:.2f} of the sensor's noise; --noise-fraction {} would take about {:.2g} times as "
       "long\n",
-      printable(scene), *noise_fraction, kHardToSee, std::pow(*noise_fraction / kHardToSee, 1 / kFall));
+      printable(scene), job.empty() ? "" : job + ": ", *noise_fraction, kHardToSee,
+      std::pow(*noise_fraction / kHardToSee, 1 / kFall));
 }
 
-void warn(const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings) std::cerr << "dualpixel: warning: " << warning << '\n';
-}
-
-/// The scene file that is rendered, overrides applied. What the program chose for a glTF file goes to stdout.
-nlohmann::json scene_document(const SimulateOptions& options, const std::string& scene,
-                              std::unique_ptr<simulator::ReadyScene>& ready) {
+/// The jobs of the file, or a single one without a name. What the program chose for a glTF file goes to stdout.
+std::vector<simulator::SimulationJob> jobs_of(const SimulateOptions& options, const std::string& scene,
+                                              std::unique_ptr<simulator::ReadyScene>& ready) {
   nlohmann::json json = scenes::read_scene_document(scene);
   for (const std::string& assignment : options.overrides) apply_override(json, assignment);
   if (options.seed) apply_override(json, fmt::format("render.seed={}", *options.seed));
-  std::vector<std::string> warnings;
-  nlohmann::json resolved = scenes::resolve_scene(json, scene, ready, warnings);
-  warn(warnings);
-  if (!options.jobs.empty() && resolved != json) {
-    throw InputError(
-        printable(scene) +
-        ": with --jobs, give a scene file whose focus, model scale and exposure are numbers: they are found "
-        "for one camera, and each job may have its own");
-  }
-  if (scenes::is_gltf(scene)) std::cout << resolved.dump(2) << '\n';
-  return resolved;
-}
-
-/// The jobs of the file, or a single one without a name.
-std::vector<simulator::SimulationJob> jobs_of(const SimulateOptions& options, const std::string& scene,
-                                              std::unique_ptr<simulator::ReadyScene>& ready) {
-  const nlohmann::json json = scene_document(options, scene, ready);
+  const auto resolve = [&](const std::string& job, nlohmann::json document) {
+    std::vector<std::string> warnings;
+    document = scenes::resolve_scene(std::move(document), scene, ready, warnings);
+    print_warnings(warnings, job);
+    return document;
+  };
   std::vector<simulator::SimulationJob> jobs;
   if (options.jobs.empty()) {
+    json = resolve("", std::move(json));
+    if (scenes::is_gltf(scene)) std::cout << json.dump(2) << '\n';
     jobs.push_back({"", simulator::read_simulation(json, scene)});
   } else {
-    jobs = simulator::read_jobs(options.jobs, json, scene);
+    jobs = simulator::read_jobs(options.jobs, json, scene, resolve);
   }
   for (const simulator::SimulationJob& job : jobs) {
     if (!options.resume || !job.simulation.time_budget_s || options.automatic) continue;
@@ -118,6 +106,7 @@ std::vector<std::string> outputs_of(const SimulateOptions& options) {
 }
 
 struct Job {
+  std::string name;  ///< empty where it is the scene's only one
   simulator::Simulation simulation;
   simulator::CameraView camera;
   std::string output;
@@ -133,9 +122,11 @@ void add_jobs(const SimulateOptions& options, std::size_t scene, std::vector<Job
     const bool loaded = simulator::make_ready(job.simulation, ready);
     simulator::require_renderable(job.simulation, ready->scene);
     simulator::CameraView camera = simulator::place_camera(job.simulation, ready->scene);
-    jobs.push_back({std::move(job.simulation), std::move(camera), job.name.empty() ? folder : folder + "/" + job.name});
+    print_warnings(simulator::warnings_of(job.simulation), job.name);
+    jobs.push_back(
+        {job.name, std::move(job.simulation), std::move(camera), job.name.empty() ? folder : folder + "/" + job.name});
     if (!std::exchange(first, false) && !loaded) continue;
-    warn(ready->scene.warnings);
+    print_warnings(ready->scene.warnings);
   }
 }
 
@@ -155,7 +146,7 @@ void run_job(const SimulateOptions& options, Job job, std::unique_ptr<simulator:
     const std::string text = simulator::plan_text(chosen);
     std::cerr << text.substr(text.rfind('\n', text.size() - 2) + 1);  // its last sentence
   }
-  if (options.dry_run && scenes::is_gltf(simulation.path)) return;  // stdout has its scene file
+  if (options.dry_run && job.name.empty() && scenes::is_gltf(simulation.path)) return;  // stdout has its scene file
   if (options.dry_run) return print_dry_run(simulation.path, simulation);
 
   const std::string journal_path = journal_beside(job.output);
@@ -176,7 +167,8 @@ void run_job(const SimulateOptions& options, Job job, std::unique_ptr<simulator:
   capture.provenance.gltf_xxh64 = ready->gltf_xxh64;
   capture.provenance.plan = plan_of_capture;
   write_capture(capture, job.output);
-  if (!simulation.noise_fraction) warn_of_render_noise(simulation.path, capture.provenance.noise_fraction_reached);
+  if (!simulation.noise_fraction)
+    warn_of_render_noise(simulation.path, job.name, capture.provenance.noise_fraction_reached);
   std::error_code left_behind;  // the capture is complete: a leftover journal is no failure
   if (options.resume) std::filesystem::remove(journal_path, left_behind);
 }

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <utility>
+
+#include "capture/error.h"
 
 namespace dualpixel::simulator {
 namespace {
@@ -24,7 +27,7 @@ void read_table(Fields& fields, SplitPixel::Table& table) {
   fields.required("right").list("right", table.right, 0, 1, 4096);
   if (table.p.size() < 2 || table.p.front() > -1 || table.p.back() < 1 ||
       std::adjacent_find(table.p.begin(), table.p.end(), std::greater_equal<>()) != table.p.end()) {
-    fields.fail("p", "must ascend from -1 or less to 1 or more");
+    fields.fail("p", printable(fields.raw("p").dump()) + ": must ascend from -1 or less to 1 or more");
   }
   if (table.left.size() != table.p.size()) fields.fail("left", "must have as many numbers as p");
   if (table.right.size() != table.p.size()) fields.fail("right", "must have as many numbers as p");

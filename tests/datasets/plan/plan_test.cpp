@@ -115,6 +115,18 @@ TEST(Plan, StatesItsBytes) {
   EXPECT_EQ(plan_of(recipe).bytes_per_sample, 4 * 6 * 64 * 48);
 }
 
+TEST(Plan, WarnsOfWhatIsSeldomMeant) {
+  json recipe = small_recipe();
+  EXPECT_FALSE(plan_of(recipe).warning);
+  recipe["set"]["camera.file"] = DUALPIXEL_SCENES_DIR "/cameras/phone_2019.json";
+  const std::optional<std::string> warning = plan_of(recipe).warning;
+  ASSERT_TRUE(warning);
+  EXPECT_TRUE(warning->starts_with("r.json: 6 of 6 samples, the first is 0: ")) << *warning;
+  EXPECT_NE(warning->find("/lens: hides the lens of "), std::string::npos) << *warning;
+  recipe["set"]["lens"] = nullptr;
+  EXPECT_FALSE(plan_of(recipe).warning);
+}
+
 TEST(Plan, RefusesBeforeAnythingIsRendered) {
   const auto refusal = [](const std::string& pointer, const json& value) {
     json recipe = small_recipe();

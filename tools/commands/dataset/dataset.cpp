@@ -64,6 +64,7 @@ void run_plan(const DatasetArguments& arguments) {
   if (arguments.seed) apply_override(json, fmt::format("seed={}", *arguments.seed));
   const datasets::Recipe recipe = datasets::read_recipe(json, arguments.recipe);
   const datasets::Plan plan = datasets::make_plan(recipe);
+  if (plan.warning) print_warnings({*plan.warning});
   datasets::write_plan(plan, recipe, arguments.folder);
   print_plan(plan, arguments);
 }

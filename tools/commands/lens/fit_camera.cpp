@@ -1,9 +1,8 @@
-#include <fmt/format.h>
-
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
 #include "evaluation/camera_fit/camera_fit.h"
@@ -20,12 +19,13 @@ struct FitCameraOptions {
 void run(const FitCameraOptions& options) {
   const evaluation::CameraMeasurements measured =
       evaluation::read_camera_measurements(read_json_file(options.measurements), options.measurements);
+  print_warnings(measured.warnings);
   require_writable(options.output);
   const evaluation::CameraFit fit = evaluation::fit_camera(measured);
   replace_file(options.output, evaluation::camera_json(measured, fit.lens, options.output).dump(2) + '\n');
-  std::cout << fmt::format("{} steps; mean square of error over tolerance {:.4g} -> {:.4g}\n", fit.steps, fit.before,
-                           fit.after)
-            << evaluation::to_text(evaluation::score_camera(measured, fit.lens));
+  const std::vector<evaluation::FigureScore> scores = evaluation::score_camera(measured, fit.lens);
+  std::cout << evaluation::to_text(fit) << evaluation::to_text(scores);
+  print_warnings(evaluation::warnings_of(scores), printable(options.measurements));
 }
 
 }  // namespace
