@@ -119,22 +119,26 @@ EnvironmentLight::EnvironmentLight(const Environment& environment) : environment
 }
 
 void EnvironmentLight::make_bins() {
-  constexpr int kSamples = 2;  // a side of a bin
   const auto bins = [](int pixels, int cells) { return (pixels + kProbes * cells - 1) / (kProbes * cells) * kProbes; };
   bin_rows_ = bins(environment_.height, kRows);
   bin_columns_ = bins(environment_.width, kColumns);
   bins_.resize(std::size_t{kRows} * kColumns * bin_rows_ * bin_columns_);
   bin_row_sums_.resize(std::size_t{kRows} * kColumns * bin_rows_);
+  // A bin's mean by the trapezoid rule: its corners count, so light that reaches into it from the sun in the next pixel
+  // is not missed. By points within bins alone, the deviation of a sample was up to ten times as large.
+  constexpr std::array<float, 3> kWeight = {0.25f, 0.5f, 0.25f};
   tbb::parallel_for(0, kRows * kColumns, [&](int cell) {
     const int row = cell / kColumns, column = cell % kColumns;
     float* bin = &bins_[static_cast<std::size_t>(cell) * bin_rows_ * bin_columns_];
-    for (int i = 0; i < bin_rows_ * kSamples; ++i) {
-      const float down = (i + 0.5f) / static_cast<float>(bin_rows_ * kSamples);
+    const auto nits_at = [&](int half_row, int half_column) {  // in half bins
+      const float down = static_cast<float>(half_row) / static_cast<float>(2 * bin_rows_);
       const float v = half_turns_of_cosine(kRowCosine[row] + down * (kRowCosine[row + 1] - kRowCosine[row]));
-      for (int j = 0; j < bin_columns_ * kSamples; ++j) {
-        const float u = (column + (j + 0.5f) / static_cast<float>(bin_columns_ * kSamples)) / kColumns;
-        bin[i / kSamples * bin_columns_ + j / kSamples] +=
-            luminance(radiance_at(environment_, u, v)) / (kSamples * kSamples);
+      const float u = (column + static_cast<float>(half_column) / static_cast<float>(2 * bin_columns_)) / kColumns;
+      return luminance(radiance_at(environment_, u, v));
+    };
+    for (int i = 0; i < bin_rows_; ++i) {
+      for (int j = 0; j < bin_columns_; ++j, ++bin) {
+        for (int k = 0; k < 9; ++k) *bin += kWeight[k / 3] * kWeight[k % 3] * nits_at(2 * i + k / 3, 2 * j + k % 3);
       }
     }
   });
