@@ -38,7 +38,7 @@ Environment sky_with_sun(int row, int column) {
 double deviation_of_sample(const Environment& sky, const EnvironmentLight& light, glm::vec3 normal) {
   constexpr int kFiner = 8;
   const int rows = sky.height * kFiner, columns = sky.width * kFiner;
-  const int table = light.table_of(normal.x, normal.y, normal.z);
+  const EnvironmentLight::Choice choice{light.table_of(normal.x, normal.y, normal.z)};
   double lux = 0, squares = 0;
   for (int y = 0; y < rows; ++y) {
     const double steradians = 2 * M_PI / columns * (std::cos(M_PI * y / rows) - std::cos(M_PI * (y + 1) / rows));
@@ -48,7 +48,7 @@ double deviation_of_sample(const Environment& sky, const EnvironmentLight& light
       if (cosine <= 0) continue;
       const double arriving = environment_radiance(sky, d).y * cosine;
       lux += arriving * steradians;
-      squares += arriving * arriving / light.pdf(table, d) * steradians;
+      squares += arriving * arriving / light.pdf(choice, d) * steradians;
     }
   }
   return std::sqrt(squares / (lux * lux) - 1);
