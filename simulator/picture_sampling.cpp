@@ -131,8 +131,7 @@ Image standard_error(const PictureSampling& sampling, int count, const Image& ha
     for (int y = tile.y0; y < tile.y1; ++y) {
       for (int x = tile.x0; x < tile.x1; ++x) {
         const int c = cfa_color(x, y);
-        sigma.at(x, y) =
-            static_cast<float>(std::sqrt(error2 * (target.per_nit[c] * half_nits.at(x, y, c) + target.constant[c])));
+        sigma.at(x, y) = static_cast<float>(std::sqrt(error2 * target.at(c, half_nits.at(x, y, c))));
       }
     }
   }

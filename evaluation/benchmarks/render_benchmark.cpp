@@ -90,7 +90,7 @@ Error error_of(const Patches& patches, const Halves& halves, const Halves& refer
   for (std::size_t i = 0; i < count; ++i) {
     const int c = simulator::cfa_color(static_cast<int>(i) % kPatchSide, static_cast<int>(i) / kPatchSide % kPatchSide);
     const double nits = 0.5 * (reference[2 * i] + reference[2 * i + 1]);
-    const double noise2 = patches.sensor.per_nit[c] * nits + patches.sensor.constant[c];
+    const double noise2 = patches.sensor.at(c, nits);
     const double l = halves[2 * i] - reference[2 * i], r = halves[2 * i + 1] - reference[2 * i + 1];
     const double own_l = 0.5 * apart[2 * i], own_r = 0.5 * apart[2 * i + 1];
     left += (l * l - own_l * own_l) / noise2;

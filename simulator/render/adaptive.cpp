@@ -34,7 +34,7 @@ double probe_tile(const RenderScene& world, const CameraView& camera, const Rend
       const HalfRadiance b = render_pixel(world, camera, paths, px, py, samples, hash(key, samples, 1));
       for (const auto& [one, other] : {std::pair{a.left[c], b.left[c]}, {a.right[c], b.right[c]}}) {
         const double difference = one - other;
-        const double allowed = target.per_nit[c] * 0.5 * (one + other) + target.constant[c];
+        const double allowed = target.at(c, 0.5 * (one + other));
         if (difference != 0) sum += 0.5 * difference * difference / std::max(allowed, 1e-30);
         ++count;
       }

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <functional>
 
@@ -22,6 +23,10 @@ namespace dualpixel::simulator {
 struct ErrorTarget {
   std::array<double, 3> per_nit{};
   std::array<double, 3> constant{};
+
+  /// At a photosite of this color and light. Light of few samples may be negative: what a surface reflects in this
+  /// direction is sampled as its difference from the diffuse light that is known.
+  double at(int color, double nits) const { return per_nit[color] * std::max(nits, 0.0) + constant[color]; }
 };
 
 /// What the probes say about each tile: its standard error is the allowed one at `needed` samples, and its variance

@@ -72,10 +72,10 @@ float straight_pdf(const RenderScene& world, const RayPacket& rays, const Paths&
     before += 1e-5f * std::max({point.x, point.y, point.z, before});
     hit = world.intersector.intersect({origin + before * direction, direction});
   }
-  const glm::vec3 normal = paths.normal.at(i);
-  if (!hit) return world.lights.environment_pdf(normal, direction, paths.kinds);
+  const glm::vec3 start = paths.start.at(i), normal = paths.normal.at(i);
+  if (!hit) return world.lights.environment_pdf(start, normal, direction, paths.kinds);
   const glm::vec3 facing = geometric_normal(world.scene.meshes[hit->mesh], *hit, direction);
-  return world.lights.triangle_pdf(normal, hit->mesh, hit->triangle, paths.before_m[i] + before + hit->t,
+  return world.lights.triangle_pdf(start, normal, hit->mesh, hit->triangle, paths.before_m[i] + before + hit->t,
                                    std::abs(glm::dot(facing, direction)), paths.kinds);
 }
 

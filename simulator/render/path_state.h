@@ -40,7 +40,7 @@ struct Paths {
   /// Solid-angle density of the ray's direction, if light samples could have found the same light: infinite for camera
   /// rays, 0 where they have found all of it.
   alignas(64) float pdf[kPacket];
-  Vec3Packet normal;  ///< of the surface that the ray left; unset for camera rays
+  Vec3Packet start, normal;  ///< where the ray left a surface, before any glass; unset for camera rays
   /// ... and the kinds of light that they sampled. Soft: at points of light, for which unlit surfaces are reflections.
   LightKinds kinds = LightKinds::all;
   alignas(64) float before_m[kPacket];  ///< through glass, from the reflection that `pdf` is of to the ray's start

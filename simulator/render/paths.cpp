@@ -68,8 +68,8 @@ void see_environment(const RenderScene& world, const RayPacket& rays, Paths& pat
   const Environment& environment = world.scene.environment;
   if (environment.radiance_nits.empty() || paths.pdf[i] == 0) return;
   const glm::vec3 d = glm::normalize(glm::vec3(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]));
-  const float other =
-      other_pdf(paths, i, [&] { return world.lights.environment_pdf(paths.normal.at(i), d, paths.kinds); });
+  const float other = other_pdf(
+      paths, i, [&] { return world.lights.environment_pdf(paths.start.at(i), paths.normal.at(i), d, paths.kinds); });
   add_light(paths, i, environment_radiance(environment, d) * mis_weight(paths.pdf[i], other));
 }
 
@@ -120,8 +120,8 @@ void add_emission(const RenderScene& world, unsigned mesh_id, const int lanes[kP
     if (!lanes[i] || paths.pdf[i] == 0) continue;
     const float cosine = glm::dot(hits.surface.geometric_normal.at(i), hits.to_eye.at(i));
     const float other = other_pdf(paths, i, [&] {
-      return world.lights.triangle_pdf(paths.normal.at(i), mesh_id, rays.triangle[i], hits.distance[i], cosine,
-                                       paths.kinds);
+      return world.lights.triangle_pdf(paths.start.at(i), paths.normal.at(i), mesh_id, rays.triangle[i],
+                                       hits.distance[i], cosine, paths.kinds);
     });
     add_light(paths, i, hits.surface.emission_nits.at(i) * mis_weight(paths.pdf[i], other));
   }
@@ -196,11 +196,30 @@ void weigh_sent(const RenderScene& world, const RayPacket& rays, Paths& paths) {
   }
 }
 
+/// Sum over samples of light, and of its squared luminance.
+struct SampleSum {
+  glm::vec3 light{0};
+  float squares = 0;
+
+  void add(glm::vec3 sample) {
+    light += sample;
+    squares += luminance(sample) * luminance(sample);
+  }
+  /// `scale` times the mean of so many samples, and its standard error.
+  SurfaceLight soft(int samples, float scale = 1) const {
+    const auto count = static_cast<float>(samples);
+    const float mean = luminance(light) / count;
+    const float variance = std::max(squares / count - mean * mean, 0.0f) / count;
+    return {.soft = scale / count * light, .soft_error = scale * std::sqrt(variance)};
+  }
+};
+
 /// Sum over sampled lights of irradiance that nothing hides.
 struct LightSum {
   alignas(64) ShadowRays shadow{};
   const RenderScene& world;
-  glm::vec3 start, normal, geometric_normal, irradiance{0};
+  glm::vec3 start, normal, geometric_normal;
+  SampleSum irradiance;
 
   LightSum(const RenderScene& scene, const Hits& hits)
       : world(scene),
@@ -222,17 +241,17 @@ struct LightSum {
     world.intersector.occluded(shadow.active, shadow.rays, false, hidden);
     if (world.intersector.has_glass()) dim_by_glass(world, shadow.active, hidden, shadow.rays, shadow.arriving);
     for (int i = 0; i < kPacket; ++i) {
-      if (shadow.active[i] && !hidden[i]) irradiance += shadow.arriving.at(i);
+      if (shadow.active[i] && !hidden[i]) irradiance.add(shadow.arriving.at(i));
     }
   }
 };
 
 int packets_of(int samples) { return (samples + kPacket - 1) / kPacket; }
 
-/// Of lights of one kind, by at least `samples` samples.
+/// Of lights of one kind, by at least `samples` samples, as soft light.
 /// `shared`: as many directions, spread as their cosines, look for the same light.
-glm::vec3 sampled_irradiance(const RenderScene& world, const Hits& hits, std::uint64_t key, int samples,
-                             LightKinds kinds, bool shared) {
+SurfaceLight sampled_irradiance(const RenderScene& world, const Hits& hits, std::uint64_t key, int samples,
+                                LightKinds kinds, bool shared) {
   Vec3Packet point, normal;
   alignas(64) int all[kPacket];
   for (int i = 0; i < kPacket; ++i) {
@@ -255,14 +274,15 @@ glm::vec3 sampled_irradiance(const RenderScene& world, const Hits& hits, std::ui
     }
     sum.add_unhidden();
   }
-  return sum.irradiance / static_cast<float>(packets * kPacket);
+  return sum.irradiance.soft(packets * kPacket);
 }
 
 /// Of every light without extent.
 glm::vec3 hard_irradiance(const RenderScene& world, const Hits& hits, std::uint64_t key, int samples) {
   constexpr std::size_t kMostOneByOne = 64;
   const std::size_t count = world.lights.hard_count();
-  if (count > kMostOneByOne) return sampled_irradiance(world, hits, hash(key, 1), samples, LightKinds::hard, false);
+  if (count > kMostOneByOne)
+    return sampled_irradiance(world, hits, hash(key, 1), samples, LightKinds::hard, false).soft;
   LightSum sum(world, hits);
   for (std::size_t first = 0; first < count; first += kPacket) {
     for (int i = 0; i < kPacket; ++i) {
@@ -271,7 +291,7 @@ glm::vec3 hard_irradiance(const RenderScene& world, const Hits& hits, std::uint6
     }
     sum.add_unhidden();
   }
-  return sum.irradiance;
+  return sum.irradiance.light;
 }
 
 void find_nearest(const RenderScene& world, const PathOptions& options, RayPacket& rays, Paths& paths, int bounce);
@@ -286,7 +306,7 @@ SurfaceLight gathered_light(const RenderScene& world, const PathOptions& options
   matte.normal = hits.surface.normal.at(0);
   const glm::vec3 up = hits.surface.geometric_normal.at(0), start = hits.start.at(0);
   const int packets = packets_of(samples);
-  glm::vec3 sum(0);
+  SampleSum sum;
   float nearness = 0, reflected = 0;
   for (int packet = 0; packet < packets; ++packet) {
     alignas(64) float numbers[4][kPacket];
@@ -307,6 +327,7 @@ SurfaceLight gathered_light(const RenderScene& world, const PathOptions& options
       paths.radiance.set(i, glm::vec3(0));
       paths.pdf[i] = pdf_counts ? pdf : 0;
       paths.reflected_pdf[i] = pdf_counts ? 0 : pdf, paths.sent_to[i] = sent.to;
+      paths.start.set(i, start);
       paths.normal.set(i, matte.normal);
       paths.spacing_m[i] = 0, paths.spread[i] = kNoPoints;
       paths.before_m[i] = 0, paths.straight_pdf[i] = -1;
@@ -321,20 +342,25 @@ SurfaceLight gathered_light(const RenderScene& world, const PathOptions& options
     }
     shade(world, options, rays, paths, indices, bounce);
     trace_paths(world, options, indices, bounce + 1, rays, paths);
-    for (int i = 0; i < kPacket; ++i) sum += paths.radiance.at(i);
+    for (int i = 0; i < kPacket; ++i) sum.add(paths.radiance.at(i));
   }
-  const auto count = static_cast<float>(packets * kPacket);
-  return {.soft = sum * (kPi / count), .from_m = reflected / nearness};
+  SurfaceLight light = sum.soft(packets * kPacket, kPi);
+  light.from_m = reflected / nearness;
+  return light;
 }
 
 /// Of environment and emissive surfaces. Near an emissive surface light samples alone would be far off: there half of
 /// the samples are directions.
-glm::vec3 soft_irradiance(const RenderScene& world, const PathOptions& options, const Hits& hits, std::uint64_t key,
-                          int samples) {
-  if (!world.lights.has_soft()) return glm::vec3(0);
+SurfaceLight soft_irradiance(const RenderScene& world, const PathOptions& options, const Hits& hits, std::uint64_t key,
+                             int samples) {
+  if (!world.lights.has_soft()) return {};
   if (!world.lights.has_emissive()) return sampled_irradiance(world, hits, key, samples, LightKinds::soft, false);
-  return sampled_irradiance(world, hits, key, samples / 2, LightKinds::soft, true) +
-         gathered_light(world, options, hits, hash(key, 4), samples / 2, options.max_bounces + 1, true).soft;
+  SurfaceLight light = sampled_irradiance(world, hits, key, samples / 2, LightKinds::soft, true);
+  const SurfaceLight met =
+      gathered_light(world, options, hits, hash(key, 4), samples / 2, options.max_bounces + 1, true);
+  light.soft += met.soft;
+  light.soft_error = std::hypot(light.soft_error, met.soft_error);
+  return light;
 }
 
 /// Which light is looked up: direct (`bounces` 0), or what arrives after 1 to `bounces` reflections.
@@ -364,7 +390,7 @@ SurfaceLight light_at(const RenderScene& world, const PathOptions& options, cons
   if (bounces > 0) {
     light = gathered_light(world, options, hits, random, samples, options.max_bounces - bounces + 1, false);
   } else {
-    light.soft = soft_irradiance(world, options, hits, random, samples);
+    light = soft_irradiance(world, options, hits, random, samples);
     light.hard = hard_irradiance(world, hits, random, samples);
   }
   return cache.table.add(point.group, key, light);
@@ -431,7 +457,8 @@ class LightLookup {
                   std::uint64_t key) const {
     CellLight found;
     found.key = key;
-    float soft_low = kInfinity, soft_high = 0, hard_low = kInfinity, hard_high = 0;
+    const SurfaceLight *low = nullptr, *high = nullptr;  // of soft light
+    float hard_low = kInfinity, hard_high = 0;
     for (int k = 0; k < 2; ++k) {
       const LatticeCell::Row& row = cell.rows[k];
       for (int side = 0; side < 2; ++side) {
@@ -442,12 +469,19 @@ class LightLookup {
         }
         light = light_at(world_, options_, lattice, lattice.point(row.row, row.left + side, row.pieces), wanted);
         found.from_m = std::min(found.from_m, light.from_m);
-        const float soft = luminance(light.soft), hard = luminance(light.hard);
-        soft_low = std::min(soft_low, soft), soft_high = std::max(soft_high, soft);
+        if (!low || luminance(light.soft) < luminance(low->soft)) low = &light;
+        if (!high || luminance(light.soft) > luminance(high->soft)) high = &light;
+        const float hard = luminance(light.hard);
         hard_low = std::min(hard_low, hard), hard_high = std::max(hard_high, hard);
       }
     }
-    if (soft_high > 0) found.soft_difference = 1 - soft_low / soft_high;
+    // What noise alone may do is no difference.
+    constexpr float kErrors = 3;
+    const float difference = luminance(high->soft) - luminance(low->soft);
+    const float variance = low->soft_error * low->soft_error + high->soft_error * high->soft_error;
+    if (difference * difference > kErrors * kErrors * variance) {
+      found.soft_difference = difference / luminance(high->soft);
+    }
     if (hard_high > 0) found.hard_difference = 1 - hard_low / hard_high;
     return found;
   }
@@ -664,6 +698,7 @@ void sample_reflections(const RenderScene& world, const int lanes[kPacket], cons
     paths.unlit_throughput.set(i, paths.throughput.at(i) * for_unlit / keep);
     paths.throughput.set(i, paths.throughput.at(i) * carries / keep);
     paths.pdf[i] = pdf;
+    paths.start.set(i, hits.start.at(i));
     paths.normal.set(i, s.normal);
     paths.spacing_m[i] = hits.spacing_m[i];
     paths.reflected_pdf[i] = sends ? pdf : 0, paths.sent_to[i] = sent.to;

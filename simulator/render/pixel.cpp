@@ -56,13 +56,27 @@ void camera_packet(const CameraView& camera, const PathOptions& options, int x, 
   to_world(packet, camera.pose(y), rays);
 }
 
-/// Starts a path for each of `count` samples that the lens lets pass. Half of them lie in each half of the pupil; an
-/// odd one in the half that `odd_left` says.
-void start_paths(const LensPacket& packet, int count, int odd_left, float spread, Paths& paths) {
+/// Whether lane `i` of a packet is one of `count` samples: half of them lie in each half of the pupil, an odd one in
+/// the half that `odd_left` says.
+bool is_wanted(int i, int count, int odd_left) {
   constexpr int kPairs = kPacket / 2;
+  return i < kPairs ? i < (count + odd_left) / 2 : i - kPairs < (count + 1 - odd_left) / 2;
+}
+
+/// Which half of the pupil gets the last of an odd number of samples.
+int odd_left_of(std::uint64_t pixel_key) { return static_cast<int>(hash(pixel_key) >> 63); }
+
+/// Weighs samples that nobody wants by nothing.
+void keep_wanted(int count, int odd_left, LensPacket& packet) {
   for (int i = 0; i < kPacket; ++i) {
-    const bool wanted = i < kPairs ? i < (count + odd_left) / 2 : i - kPairs < (count + 1 - odd_left) / 2;
-    paths.active[i] = wanted && packet.left[i] + packet.right[i] > 0 ? -1 : 0;
+    if (!is_wanted(i, count, odd_left)) packet.left[i] = packet.right[i] = 0;
+  }
+}
+
+/// Starts a path for each sample that the lens lets pass.
+void start_paths(const LensPacket& packet, float spread, Paths& paths) {
+  for (int i = 0; i < kPacket; ++i) {
+    paths.active[i] = packet.left[i] + packet.right[i] > 0 ? -1 : 0;
     paths.throughput.set(i, glm::vec3(1));
     paths.radiance.set(i, glm::vec3(0));
     paths.pdf[i] = kCountedInFull;
@@ -92,12 +106,24 @@ glm::vec3 sum_of(const Vec3Packet& lanes) {
   return sum;
 }
 
+/// Where two photosites share a packet, whose lane this is: each has a quarter of the lanes in either half of the
+/// pupil.
+int owner_of(int lane) { return lane / (kPacket / 4) % 2; }
+
+void copy_lane(const LensPacket& from, const RayPacket& from_rays, int source, int lane, LensPacket& packet,
+               RayPacket& rays) {
+  packet.left[lane] = from.left[source], packet.right[lane] = from.right[source];
+  rays.origin_x[lane] = from_rays.origin_x[source], rays.direction_x[lane] = from_rays.direction_x[source];
+  rays.origin_y[lane] = from_rays.origin_y[source], rays.direction_y[lane] = from_rays.direction_y[source];
+  rays.origin_z[lane] = from_rays.origin_z[source], rays.direction_z[lane] = from_rays.direction_z[source];
+  rays.far[lane] = from_rays.far[source], rays.mesh[lane] = from_rays.mesh[source];
+}
+
 }  // namespace
 
 HalfRadiance render_pixel(const RenderScene& world, const CameraView& camera, const PathOptions& options, int x, int y,
                           std::uint32_t samples, std::uint64_t pixel_key) {
   const std::uint32_t index_mask = std::bit_ceil(std::max(samples, std::uint32_t{kPacket})) / 2 - 1;
-  const int odd_left = static_cast<int>(hash(pixel_key) >> 63);  // which half of the pupil gets an odd sample
   const float spread = lattice_spread(world, camera);
   LensPacket packet;
   alignas(64) RayPacket rays;
@@ -106,7 +132,8 @@ HalfRadiance render_pixel(const RenderScene& world, const CameraView& camera, co
   for (std::uint32_t first = 0; first < samples; first += kPacket) {
     const SampleIndices indices{first / 2, index_mask, pixel_key};
     camera_packet(camera, options, x, y, indices, packet, rays);
-    start_paths(packet, static_cast<int>(std::min<std::uint32_t>(kPacket, samples - first)), odd_left, spread, paths);
+    keep_wanted(static_cast<int>(std::min<std::uint32_t>(kPacket, samples - first)), odd_left_of(pixel_key), packet);
+    start_paths(packet, spread, paths);
     trace_paths(world, options, indices, 0, rays, paths);
     add_weighted(packet.left, paths.radiance, left_sum);
     // the ideal lens gives both halves the same light: one sum serves both
@@ -115,6 +142,35 @@ HalfRadiance render_pixel(const RenderScene& world, const CameraView& camera, co
   const float scale = 1 / static_cast<float>(samples);
   const glm::vec3 left = sum_of(left_sum) * scale;
   return {left, options.ideal_aperture_scale ? left : sum_of(right_sum) * scale};
+}
+
+std::array<HalfRadiance, 2> render_pixel_pair(const RenderScene& world, const CameraView& camera,
+                                              const PathOptions& options, int x, int y, std::uint32_t samples,
+                                              const std::array<std::uint64_t, 2>& pixel_keys) {
+  constexpr std::uint32_t kIndexMask = kPacket / 2 - 1;
+  LensPacket packet;
+  alignas(64) RayPacket rays;
+  alignas(64) Paths paths;
+  for (int k = 0; k < 2; ++k) {
+    LensPacket own;
+    alignas(64) RayPacket own_rays;
+    camera_packet(camera, options, x + k, y, {0, kIndexMask, pixel_keys[k]}, own, own_rays);
+    keep_wanted(static_cast<int>(samples), odd_left_of(pixel_keys[k]), own);
+    for (int lane = 0; lane < kPacket; ++lane) {
+      if (owner_of(lane) == k) copy_lane(own, own_rays, lane - k * kPacket / 4, lane, packet, rays);
+    }
+  }
+  start_paths(packet, lattice_spread(world, camera), paths);
+  trace_paths(world, options, {0, kIndexMask, pixel_keys[0]}, 0, rays, paths);
+  std::array<HalfRadiance, 2> out;
+  const float scale = 1 / static_cast<float>(samples);
+  for (int lane = 0; lane < kPacket; ++lane) {
+    HalfRadiance& own = out[owner_of(lane)];
+    own.left += packet.left[lane] * scale * paths.radiance.at(lane);
+    own.right +=
+        (options.ideal_aperture_scale ? packet.left[lane] : packet.right[lane]) * scale * paths.radiance.at(lane);
+  }
+  return out;
 }
 
 }  // namespace dualpixel::simulator

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 
@@ -18,5 +19,13 @@ struct HalfRadiance {
 /// of an odd number lies in either half of the pupil, by the key.
 HalfRadiance render_pixel(const RenderScene& world, const CameraView& camera, const PathOptions& options, int x, int y,
                           std::uint32_t samples, std::uint64_t pixel_key);
+
+/// With so few samples, two photosites share one packet, which would otherwise be half empty.
+inline constexpr std::uint32_t kMostSharedSamples = kPacket / 2;
+
+/// The same for the photosites (x, y) and (x + 1, y) together, of 1 .. kMostSharedSamples samples each.
+std::array<HalfRadiance, 2> render_pixel_pair(const RenderScene& world, const CameraView& camera,
+                                              const PathOptions& options, int x, int y, std::uint32_t samples,
+                                              const std::array<std::uint64_t, 2>& pixel_keys);
 
 }  // namespace dualpixel::simulator

@@ -55,7 +55,7 @@ double half_difference(const std::vector<HalfRadiance>& a, const std::vector<Hal
     const int c = cfa_color(probes[i].x, probes[i].y);
     for (const auto& [one, other] : {std::pair{a[i].left[c], b[i].left[c]}, {a[i].right[c], b[i].right[c]}}) {
       const double difference = one - other;
-      const double allowed = target.per_nit[c] * 0.5 * (one + other) + target.constant[c];
+      const double allowed = target.at(c, 0.5 * (one + other));
       sum += 0.25 * difference * difference / std::max(allowed, 1e-30);
     }
   }

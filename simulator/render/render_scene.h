@@ -15,7 +15,7 @@ struct RenderScene {
   explicit RenderScene(const Scene& source, const LightCacheOptions& cache = {})
       : scene(source),
         intersector(source),
-        lights(source, intersector.bounds().low, intersector.bounds().high),
+        lights(source, intersector),
         bright(source, lights, intersector),
         light_cache(cache.light_spacing_px > 0 ? std::make_unique<LightCache>(cache) : nullptr) {}
 

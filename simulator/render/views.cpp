@@ -8,6 +8,31 @@
 #include "simulator/sampling/hash.h"
 
 namespace dualpixel::simulator {
+namespace {
+
+void set_pixel(Views& views, int x, int y, const HalfRadiance& r) {
+  for (int c = 0; c < 3; ++c) {
+    views.left.at(x, y, c) = r.left[c];
+    views.right.at(x, y, c) = r.right[c];
+  }
+}
+
+void render_tile(const RenderScene& world, const CameraView& camera, const PathOptions& paths, std::uint64_t seed,
+                 const Tile& tile, Views& views) {
+  const auto key = [&](int x, int y) {
+    return hash(seed, static_cast<std::uint64_t>(y) << 32 | static_cast<unsigned>(x));
+  };
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    int x = tile.x0;
+    for (; tile.samples <= kMostSharedSamples && x + 1 < tile.x1; x += 2) {
+      const auto pair = render_pixel_pair(world, camera, paths, x, y, tile.samples, {key(x, y), key(x + 1, y)});
+      for (int k = 0; k < 2; ++k) set_pixel(views, x + k, y, pair[k]);
+    }
+    for (; x < tile.x1; ++x) set_pixel(views, x, y, render_pixel(world, camera, paths, x, y, tile.samples, key(x, y)));
+  }
+}
+
+}  // namespace
 
 Views render_views(const RenderScene& world, const CameraView& camera, const RenderOptions& options,
                    const ProgressCallback& progress) {
@@ -28,16 +53,7 @@ Views render_views(const RenderScene& world, const CameraView& camera, const Ren
     if (tile.y0 < options.first_row || tile.y0 >= options.end_row) return;
     const std::uint64_t render = hash(options.seed, tile.samples);
     const bool known = options.store && options.store->restore(render, tile, views);
-    for (int y = tile.y0; y < tile.y1 && !known; ++y) {
-      for (int x = tile.x0; x < tile.x1; ++x) {
-        const std::uint64_t key = hash(options.seed, static_cast<std::uint64_t>(y) << 32 | static_cast<unsigned>(x));
-        const HalfRadiance r = render_pixel(world, camera, paths, x, y, tile.samples, key);
-        for (int c = 0; c < 3; ++c) {
-          views.left.at(x, y, c) = r.left[c];
-          views.right.at(x, y, c) = r.right[c];
-        }
-      }
-    }
+    if (!known) render_tile(world, camera, paths, options.seed, tile, views);
     if (options.store && !known) options.store->add(render, tile, views);
     done += std::uint64_t{tile.samples} * (tile.x1 - tile.x0) * (tile.y1 - tile.y0);
     if (progress && progress_mutex.try_lock()) {

@@ -114,7 +114,8 @@ BENCHMARK_CAPTURE(shading, surfaces, surfaces_at);
 
 void light_samples(benchmark::State& state) {
   const Scene scene = wall();
-  const Lights lights(scene, {-1, -1, 0}, {1, 1, 1});
+  const Intersector intersector(scene);
+  const Lights lights(scene, intersector);
   const Hits hits;
   SurfacePacket surface;
   surfaces_at(scene, scene.meshes[0], hits.lanes, hits.rays, surface);

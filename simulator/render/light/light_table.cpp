@@ -52,13 +52,14 @@ std::optional<SurfaceLight> LightTable::find(std::uint64_t group, std::uint64_t 
     const std::uint64_t soft = slot.soft.load(std::memory_order_acquire);
     if (soft == 0) return {};
     return SurfaceLight{unpack(soft), unpack(slot.hard.load(std::memory_order_relaxed)),
-                        slot.from_m.load(std::memory_order_relaxed)};
+                        slot.from_m.load(std::memory_order_relaxed), slot.soft_error.load(std::memory_order_relaxed)};
   }
   return {};
 }
 
 SurfaceLight LightTable::add(std::uint64_t group, std::uint64_t key, const SurfaceLight& light) {
   const std::uint64_t soft = pack(light.soft), hard = pack(light.hard);
+  const SurfaceLight held_light{unpack(soft), unpack(hard), light.from_m, light.soft_error};
   Slot* page = &slots_[page_of(group) * kPage];
   for (int probe = 0; probe < kProbes; ++probe) {
     Slot& slot = page[(key + probe) % kPage];
@@ -66,14 +67,15 @@ SurfaceLight LightTable::add(std::uint64_t group, std::uint64_t key, const Surfa
     if (slot.key.compare_exchange_strong(held, key, std::memory_order_relaxed)) {
       slot.hard.store(hard, std::memory_order_relaxed);
       slot.from_m.store(light.from_m, std::memory_order_relaxed);
+      slot.soft_error.store(light.soft_error, std::memory_order_relaxed);
       slot.soft.store(soft, std::memory_order_release);
       points_.fetch_add(1, std::memory_order_relaxed);
-      return {unpack(soft), unpack(hard), light.from_m};
+      return held_light;
     }
-    if (held == key) return {unpack(soft), unpack(hard), light.from_m};  // another thread was first
+    if (held == key) return held_light;  // another thread was first
   }
   turned_away_.fetch_add(1, std::memory_order_relaxed);
-  return {unpack(soft), unpack(hard), light.from_m};
+  return held_light;
 }
 
 }  // namespace dualpixel::simulator

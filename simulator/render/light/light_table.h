@@ -16,6 +16,7 @@ struct SurfaceLight {
   /// Of reflected light: harmonic mean of the distances, in meters, over which it came. Infinite where it came from no
   /// surface, or is direct.
   float from_m = std::numeric_limits<float>::infinity();
+  float soft_error = 0;  ///< standard error of the luminance of `soft`, as of independent samples
 };
 
 /// Remembers light that has been computed, in bounded memory and for any number of threads without locks. It holds
@@ -41,7 +42,7 @@ class LightTable {
  private:
   struct alignas(32) Slot {
     std::atomic<std::uint64_t> key, soft, hard;  ///< key 0: empty; soft 0: being written
-    std::atomic<float> from_m;
+    std::atomic<float> from_m, soft_error;
   };
   struct Free {
     void operator()(Slot* slots) const { std::free(slots); }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "simulator/render/shading/pick.h"
 #include "simulator/render/shading/radiometry.h"
@@ -80,6 +81,12 @@ float half_turns_of_cosine(float x) {
   return (x < 0 ? kPi - angle : angle) / kPi;
 }
 
+float share_of(const float* sums, std::size_t i) { return sums[i] - (i > 0 ? sums[i - 1] : 0); }
+
+float share_of(const EnvironmentLight::Table& table, std::size_t row, std::size_t column) {
+  return share_of(table.rows.data(), row) * share_of(table.cells[row].data(), column);
+}
+
 }  // namespace
 
 glm::vec3 environment_radiance(const Environment& environment, glm::vec3 d) {
@@ -114,27 +121,35 @@ EnvironmentLight::EnvironmentLight(const Environment& environment) : environment
   tables_.resize(std::size_t{kNormals} * kNormals);
   lux_.resize(tables_.size());
   const auto mean_nits = static_cast<float>(power / (4 * kPi));
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    constexpr int kOfCell = kProbes * kProbes;
+    cell_nits_[i / kOfCell / kColumns][i / kOfCell % kColumns] += (probes[i].nits + 0.001f * mean_nits) / kOfCell;
+  }
   tbb::parallel_for(0, kNormals * kNormals, [&](int normal) { fill_table(probes, mean_nits, normal); });
   tbb::parallel_for(0, kRows * kColumns, [&](int cell) { sum_up_bins(cell); });
 }
 
 void EnvironmentLight::make_bins() {
-  constexpr int kSamples = 2;  // a side of a bin
   const auto bins = [](int pixels, int cells) { return (pixels + kProbes * cells - 1) / (kProbes * cells) * kProbes; };
   bin_rows_ = bins(environment_.height, kRows);
   bin_columns_ = bins(environment_.width, kColumns);
   bins_.resize(std::size_t{kRows} * kColumns * bin_rows_ * bin_columns_);
   bin_row_sums_.resize(std::size_t{kRows} * kColumns * bin_rows_);
+  // A bin's mean by the trapezoid rule: its corners count, so light that reaches into it from the sun in the next pixel
+  // is not missed. By points within bins alone, the deviation of a sample was up to ten times as large.
+  constexpr std::array<float, 3> kWeight = {0.25f, 0.5f, 0.25f};
   tbb::parallel_for(0, kRows * kColumns, [&](int cell) {
     const int row = cell / kColumns, column = cell % kColumns;
     float* bin = &bins_[static_cast<std::size_t>(cell) * bin_rows_ * bin_columns_];
-    for (int i = 0; i < bin_rows_ * kSamples; ++i) {
-      const float down = (i + 0.5f) / static_cast<float>(bin_rows_ * kSamples);
+    const auto nits_at = [&](int half_row, int half_column) {  // in half bins
+      const float down = static_cast<float>(half_row) / static_cast<float>(2 * bin_rows_);
       const float v = half_turns_of_cosine(kRowCosine[row] + down * (kRowCosine[row + 1] - kRowCosine[row]));
-      for (int j = 0; j < bin_columns_ * kSamples; ++j) {
-        const float u = (column + (j + 0.5f) / static_cast<float>(bin_columns_ * kSamples)) / kColumns;
-        bin[i / kSamples * bin_columns_ + j / kSamples] +=
-            luminance(radiance_at(environment_, u, v)) / (kSamples * kSamples);
+      const float u = (column + static_cast<float>(half_column) / static_cast<float>(2 * bin_columns_)) / kColumns;
+      return luminance(radiance_at(environment_, u, v));
+    };
+    for (int i = 0; i < bin_rows_; ++i) {
+      for (int j = 0; j < bin_columns_; ++j, ++bin) {
+        for (int k = 0; k < 9; ++k) *bin += kWeight[k / 3] * kWeight[k % 3] * nits_at(2 * i + k / 3, 2 * j + k % 3);
       }
     }
   });
@@ -216,16 +231,50 @@ void EnvironmentLight::sum_up_bins(int cell) {
 
 int EnvironmentLight::table_of(float x, float y, float z) const { return normal_cell(x, y, z); }
 
-void EnvironmentLight::sample(const int lanes[kPacket], const int table[kPacket], const float u[kPacket],
+EnvironmentLight::Cell EnvironmentLight::cell_of(glm::vec3 direction) {
+  const float u = std::atan2(direction.x, -direction.z) / (2 * kPi) + 0.5f;
+  const float v = std::acos(std::clamp(direction.y, -1.0f, 1.0f)) / kPi;
+  return {std::clamp(static_cast<int>(v * kRows), 0, kRows - 1),
+          std::clamp(static_cast<int>(u * kColumns), 0, kColumns - 1)};
+}
+
+glm::vec3 EnvironmentLight::middle_of(Cell cell) {
+  const float theta = kPi * (static_cast<float>(cell.row) + 0.5f) / kRows;
+  const float phi = 2 * kPi * ((static_cast<float>(cell.column) + 0.5f) / kColumns - 0.5f);
+  return {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
+}
+
+EnvironmentLight::Table EnvironmentLight::table_of(const Cells& values) {
+  Table table;
+  float sum = 0;
+  for (int row = 0; row < kRows; ++row) {
+    float of_row = 0;
+    for (int column = 0; column < kColumns; ++column) table.cells[row][column] = of_row += values[row][column];
+    table.rows[row] = sum += of_row / kCellsPerSteradian[row];
+    normalize_sums(table.cells[row].begin(), table.cells[row].end());
+  }
+  normalize_sums(table.rows.begin(), table.rows.end());
+  return table;
+}
+
+void EnvironmentLight::sample(const int lanes[kPacket], const Choice choice[kPacket], const float u[kPacket],
                               const float v[kPacket], Samples& out) const {
   alignas(64) float height[kPacket], around[kPacket];  // height: cosine from straight up
   for (int i = 0; i < kPacket; ++i) {
     height[i] = around[i] = out.pdf[i] = 0;
     if (!lanes[i]) continue;
-    const Table& t = tables_[table[i]];
     float row_share, column_share, bin_row_share, bin_share, at_u = std::min(u[i], 0x1.fffffep-1f), at_v = v[i];
-    const std::size_t row = pick_from(t.rows.data(), kRows, at_v, row_share);
-    const std::size_t column = pick_from(t.cells[row].data(), kColumns, at_u, column_share);
+    const Table *from = &tables_[choice[i].table], *other = choice[i].other;
+    float share = 1 - choice[i].other_share;
+    if (at_v >= share) {
+      std::swap(from, other);
+      at_v -= share, share = 1 - share;
+    }
+    at_v = std::min(at_v / share, 0x1.fffffep-1f);
+    const std::size_t row = pick_from(from->rows.data(), kRows, at_v, row_share);
+    const std::size_t column = pick_from(from->cells[row].data(), kColumns, at_u, column_share);
+    float cell_share = share * row_share * column_share;
+    if (share < 1) cell_share += (1 - share) * share_of(*other, row, column);
     const std::size_t cell = row * kColumns + column;
     const std::size_t bin_row = pick_from(&bin_row_sums_[cell * bin_rows_], bin_rows_, at_v, bin_row_share);
     const float* bins = &bins_[(cell * bin_rows_ + bin_row) * bin_columns_];
@@ -234,8 +283,8 @@ void EnvironmentLight::sample(const int lanes[kPacket], const int table[kPacket]
     height[i] = kRowCosine[row] + down * (kRowCosine[row + 1] - kRowCosine[row]);
     around[i] =
         (static_cast<float>(column) + (static_cast<float>(bin) + at_u) / static_cast<float>(bin_columns_)) / kColumns;
-    out.pdf[i] = row_share * column_share * kCellsPerSteradian[row] * bin_row_share * bin_share *
-                 static_cast<float>(bin_rows_ * bin_columns_);
+    out.pdf[i] =
+        cell_share * kCellsPerSteradian[row] * bin_row_share * bin_share * static_cast<float>(bin_rows_ * bin_columns_);
   }
   alignas(64) float sine[kPacket], cosine[kPacket], down[kPacket];
   for (int i = 0; i < kPacket; ++i) {
@@ -252,20 +301,19 @@ void EnvironmentLight::sample(const int lanes[kPacket], const int table[kPacket]
   }
 }
 
-float EnvironmentLight::pdf(int table, glm::vec3 direction) const {
-  const auto share = [](const float* sums, int i) { return sums[i] - (i > 0 ? sums[i - 1] : 0); };
+float EnvironmentLight::pdf(const Choice& choice, glm::vec3 direction) const {
   const float u = std::atan2(direction.x, -direction.z) / (2 * kPi) + 0.5f;
-  const float v = std::acos(std::clamp(direction.y, -1.0f, 1.0f)) / kPi;
-  const int row = std::clamp(static_cast<int>(v * kRows), 0, kRows - 1);
-  const int column = std::clamp(static_cast<int>(u * kColumns), 0, kColumns - 1);
+  const auto [row, column] = cell_of(direction);
   const std::size_t cell = static_cast<std::size_t>(row) * kColumns + column;
   const float down = (kRowCosine[row] - direction.y) / (kRowCosine[row] - kRowCosine[row + 1]);
   const int bin_row = std::clamp(static_cast<int>(down * static_cast<float>(bin_rows_)), 0, bin_rows_ - 1);
   const float along = u * kColumns - static_cast<float>(column);
   const int bin = std::clamp(static_cast<int>(along * static_cast<float>(bin_columns_)), 0, bin_columns_ - 1);
-  return share(tables_[table].rows.data(), row) * share(tables_[table].cells[row].data(), column) *
-         kCellsPerSteradian[row] * share(&bin_row_sums_[cell * bin_rows_], bin_row) *
-         share(&bins_[(cell * bin_rows_ + bin_row) * bin_columns_], bin) * static_cast<float>(bin_rows_ * bin_columns_);
+  float cell_share = (1 - choice.other_share) * share_of(tables_[choice.table], row, column);
+  if (choice.other_share > 0) cell_share += choice.other_share * share_of(*choice.other, row, column);
+  return cell_share * kCellsPerSteradian[row] * share_of(&bin_row_sums_[cell * bin_rows_], bin_row) *
+         share_of(&bins_[(cell * bin_rows_ + bin_row) * bin_columns_], bin) *
+         static_cast<float>(bin_rows_ * bin_columns_);
 }
 
 }  // namespace dualpixel::simulator

@@ -27,24 +27,41 @@ class EnvironmentLight {
   /// Illuminance on a surface with a normal of this table if nothing is in the way; not dark().
   float lux(int table) const { return lux_[table]; }
 
+  static constexpr int kRows = 16, kColumns = 32;  ///< cells of the sphere; rows equal in angle
+  /// How samples are shared out among the cells: running sums.
+  struct Table {
+    std::array<float, kRows> rows{};
+    std::array<std::array<float, kColumns>, kRows> cells{};  ///< of each row by itself
+  };
+  using Cells = std::array<std::array<float, kColumns>, kRows>;
+  /// Mean luminance of each cell, nits; a thousandth of the mean of all at least.
+  const Cells& cell_nits() const { return cell_nits_; }
+  struct Cell {
+    int row, column;
+  };
+  static Cell cell_of(glm::vec3 direction);  ///< unit
+  static glm::vec3 middle_of(Cell cell);
+  /// Shares samples out by these values times the cells' solid angles.
+  static Table table_of(const Cells& values);
+
+  /// How one lane's samples are shared out: by the table of its normal, and a share of them by another.
+  struct Choice {
+    int table = 0;
+    float other_share = 0;
+    const Table* other = nullptr;
+  };
   struct Samples {
     Vec3Packet direction, nits;
     alignas(64) float pdf[kPacket];  ///< per steradian
   };
   /// For each lane with lanes[i] != 0; 0 <= u, v < 1; not dark().
-  void sample(const int lanes[kPacket], const int table[kPacket], const float u[kPacket], const float v[kPacket],
+  void sample(const int lanes[kPacket], const Choice choice[kPacket], const float u[kPacket], const float v[kPacket],
               Samples& out) const;
   /// The density with which sample() finds this direction (unit); not dark().
-  float pdf(int table, glm::vec3 direction) const;
+  float pdf(const Choice& choice, glm::vec3 direction) const;
 
  private:
-  static constexpr int kRows = 16, kColumns = 32;  ///< cells of the sphere; rows equal in angle
-  static constexpr int kProbes = 4;                ///< directions a side of a cell for which cosines are computed
-  /// For surfaces with a normal like this one: running sums over the cells of radiance times cosine.
-  struct Table {
-    std::array<float, kRows> rows{};
-    std::array<std::array<float, kColumns>, kRows> cells{};  ///< of each row by itself
-  };
+  static constexpr int kProbes = 4;  ///< directions a side of a cell for which cosines are computed
   struct Probe {
     float nits;         ///< mean of its part of the cell
     glm::vec3 towards;  ///< the middle of it
@@ -63,8 +80,9 @@ class EnvironmentLight {
   int bin_rows_ = 0, bin_columns_ = 0;  ///< of a cell, equal in solid angle; multiples of kProbes
   std::vector<float> bins_;             ///< nits, then running sums along each row of a cell
   std::vector<float> bin_row_sums_;     ///< running sums over the rows of a cell
-  std::vector<Table> tables_;           ///< one for each cell of an octahedral map of normals
-  std::vector<float> lux_;              ///< ... in all
+  Cells cell_nits_{};
+  std::vector<Table> tables_;  ///< one for each cell of an octahedral map of normals: radiance times cosine
+  std::vector<float> lux_;     ///< ... in all
 };
 
 }  // namespace dualpixel::simulator

@@ -10,12 +10,14 @@
 #include "simulator/render/shading/surface.h"
 
 namespace dualpixel::simulator {
-Lights::Lights(const Scene& scene, glm::vec3 low, glm::vec3 high) : scene_(scene), environment_(scene.environment) {
+Lights::Lights(const Scene& scene, const Intersector& intersector)
+    : scene_(scene), environment_(scene.environment), sky_(environment_, intersector) {
   for (const PunctualLight& light : scene.lights) {
     const bool far = light.kind == PunctualLight::Kind::directional;
     if (far && luminance(light.intensity) > 0) directional_.push_back({light, luminance(light.intensity)});
   }
-  make_near_lights(std::max(0.25f * glm::dot(high - low, high - low), 1e-12f));
+  const glm::vec3 size = intersector.bounds().high - intersector.bounds().low;
+  make_near_lights(std::max(0.25f * glm::dot(size, size), 1e-12f));
 }
 
 void Lights::make_near_lights(float radius_squared) {
@@ -50,17 +52,25 @@ void Lights::make_near_lights(float radius_squared) {
   if (near_lux_ > 0 && !scene_.lights.empty()) near_hard_ = near_[scene_.lights.size() - 1];
 }
 
-Lights::Choice Lights::choice_at(glm::vec3 normal, LightKinds kinds) const {
+Lights::Choice Lights::sky_at(glm::vec3 point, glm::vec3 normal) const {
   Choice choice;
-  choice.all_lux = kinds == LightKinds::soft ? near_lux_ * (1 - near_hard_) : near_lux_;
-  if (!environment_.dark()) {
-    choice.table = environment_.table_of(normal.x, normal.y, normal.z);
-    choice.all_lux += environment_.lux(choice.table);
-  }
-  if (kinds == LightKinds::soft) return choice;
-  for (const Directional& d : directional_) {
-    choice.all_lux += d.lux * std::max(-glm::dot(d.light.direction, normal), 0.0f);
-  }
+  choice.environment.table = environment_.table_of(normal.x, normal.y, normal.z);
+  const VisibleSky::View& view = sky_.from(point, normal);
+  choice.environment.other = &view.seen, choice.environment.other_share = view.share;
+  choice.environment_lux = view.visible * environment_.lux(choice.environment.table);
+  choice.all_lux = choice.environment_lux;
+  return choice;
+}
+
+float Lights::directional_lux(glm::vec3 normal) const {
+  float lux = 0;
+  for (const Directional& d : directional_) lux += d.lux * std::max(-glm::dot(d.light.direction, normal), 0.0f);
+  return lux;
+}
+
+Lights::Choice Lights::choice_at(glm::vec3 point, glm::vec3 normal, LightKinds kinds) const {
+  Choice choice = environment_.dark() ? Choice{} : sky_at(point, normal);
+  choice.all_lux += kinds == LightKinds::soft ? near_lux_ * (1 - near_hard_) : near_lux_ + directional_lux(normal);
   return choice;
 }
 
@@ -70,7 +80,9 @@ float Lights::near_share() const {
     for (const float sign : {-1.0f, 1.0f}) {
       glm::vec3 normal(0);
       normal[axis] = sign;
-      all += choice_at(normal, LightKinds::all).all_lux / 6;
+      const float sky_lux =
+          environment_.dark() ? 0 : environment_.lux(environment_.table_of(normal.x, normal.y, normal.z));
+      all += (sky_lux + directional_lux(normal) + near_lux_) / 6;
     }
   }
   return all > 0 ? near_lux_ / all : 0;
@@ -79,7 +91,8 @@ float Lights::near_share() const {
 void Lights::sample(const int lanes[kPacket], const Vec3Packet& point, const Vec3Packet& normal, const float u[kPacket],
                     const float v[kPacket], LightPacket& out, LightKinds kinds) const {
   // `below`: the light of the lights before those in question; u * all_lux lies in one of these stretches
-  alignas(64) int table[kPacket], from_environment[kPacket], waiting[kPacket];
+  Choice choice[kPacket];
+  alignas(64) int from_environment[kPacket], waiting[kPacket];
   alignas(64) float below[kPacket], all_lux[kPacket], within[kPacket];
   const bool environment = !environment_.dark() && kinds != LightKinds::hard;
   const std::size_t directional = kinds == LightKinds::soft ? 0 : directional_.size();
@@ -87,13 +100,10 @@ void Lights::sample(const int lanes[kPacket], const Vec3Packet& point, const Vec
   const float near_last = kinds == LightKinds::hard ? near_hard_ : 1;
   const float near_lux = near_lux_ * (near_last - near_first);
   for (int i = 0; i < kPacket; ++i) {
-    // an inactive lane may hold NaN: it gets the table of the +z normal
-    const bool wanted = lanes[i] != 0;
-    const float x = wanted ? normal.x[i] : 0.0f, y = wanted ? normal.y[i] : 0.0f, z = wanted ? normal.z[i] : 1.0f;
-    table[i] = environment_.table_of(x, y, z);
+    if (environment && lanes[i]) choice[i] = sky_at(point.at(i), normal.at(i));
+    below[i] = choice[i].environment_lux;
+    all_lux[i] = below[i] + near_lux;
   }
-  for (int i = 0; i < kPacket; ++i) below[i] = environment ? environment_.lux(table[i]) : 0.0f;
-  for (int i = 0; i < kPacket; ++i) all_lux[i] = below[i] + near_lux;
   const auto own_lux = [&](const Directional& d, int i) {
     const glm::vec3 l = d.light.direction;
     const float lux = -d.lux * (l.x * normal.x[i] + l.y * normal.y[i] + l.z * normal.z[i]);
@@ -111,7 +121,7 @@ void Lights::sample(const int lanes[kPacket], const Vec3Packet& point, const Vec
     any_environment |= from_environment[i];
     any_waiting |= waiting[i];
   }
-  if (any_environment) sample_environment(from_environment, table, within, v, all_lux, out);
+  if (any_environment) sample_environment(from_environment, choice, within, v, all_lux, out);
   for (std::size_t k = 0; any_waiting && k < directional; ++k) {
     const Directional& d = directional_[k];
     for (int i = 0; i < kPacket; ++i) {
@@ -131,13 +141,15 @@ void Lights::sample(const int lanes[kPacket], const Vec3Packet& point, const Vec
   sample_near(waiting, point, within, v, all_lux, near_first, near_last, out);
 }
 
-void Lights::sample_environment(const int lanes[kPacket], const int table[kPacket], const float u[kPacket],
+void Lights::sample_environment(const int lanes[kPacket], const Choice choice[kPacket], const float u[kPacket],
                                 const float v[kPacket], const float all_lux[kPacket], LightPacket& out) const {
+  EnvironmentLight::Choice sky[kPacket];
+  for (int i = 0; i < kPacket; ++i) sky[i] = choice[i].environment;
   EnvironmentLight::Samples samples;
-  environment_.sample(lanes, table, u, v, samples);
+  environment_.sample(lanes, sky, u, v, samples);
   for (int i = 0; i < kPacket; ++i) {
     if (!lanes[i]) continue;
-    const float density = environment_.lux(table[i]) / all_lux[i] * samples.pdf[i];
+    const float density = choice[i].environment_lux / all_lux[i] * samples.pdf[i];
     out.set(i,
             {samples.direction.at(i), std::numeric_limits<float>::infinity(), samples.nits.at(i) / density, density});
   }
@@ -230,20 +242,20 @@ void Lights::sample_near(const int lanes[kPacket], const Vec3Packet& point, cons
   }
 }
 
-float Lights::environment_pdf(glm::vec3 normal, glm::vec3 direction, LightKinds kinds) const {
+float Lights::environment_pdf(glm::vec3 point, glm::vec3 normal, glm::vec3 direction, LightKinds kinds) const {
   if (environment_.dark()) return 0;
-  const Choice choice = choice_at(normal, kinds);
-  return environment_.lux(choice.table) / choice.all_lux * environment_.pdf(choice.table, direction);
+  const Choice choice = choice_at(point, normal, kinds);
+  return choice.environment_lux / choice.all_lux * environment_.pdf(choice.environment, direction);
 }
 
-float Lights::triangle_pdf(glm::vec3 normal, unsigned mesh, unsigned triangle, float distance_m, float abs_cos_at_light,
-                           LightKinds kinds) const {
+float Lights::triangle_pdf(glm::vec3 point, glm::vec3 normal, unsigned mesh, unsigned triangle, float distance_m,
+                           float abs_cos_at_light, LightKinds kinds) const {
   const int first = first_triangle_of_mesh_[mesh];
   if (first < 0 || !(abs_cos_at_light > 1e-6f)) return 0;
   const std::size_t index = static_cast<std::size_t>(first) + triangle;
   const std::size_t entry = scene_.lights.size() + index;
   const float share = near_[entry] - (entry > 0 ? near_[entry - 1] : 0);
-  const float probability = share * near_lux_ / choice_at(normal, kinds).all_lux;
+  const float probability = share * near_lux_ / choice_at(point, normal, kinds).all_lux;
   return probability * distance_m * distance_m / (abs_cos_at_light * triangles_[index].area_m2);
 }
 

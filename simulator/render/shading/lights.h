@@ -5,12 +5,13 @@
 
 #include "simulator/render/ray_packet.h"
 #include "simulator/render/shading/environment_light.h"
+#include "simulator/render/shading/visible_sky.h"
 #include "simulator/render/vec3_packet.h"
 #include "simulator/scene/scene.h"
 
-/// Choosing where light may come from: environment and directional lights in proportion to the light that they throw on
-/// a surface with its normal if nothing is in their way, near lights (punctual ones, emissive triangles) in proportion
-/// to what they throw on an average point of the scene.
+/// Choosing where light may come from: the environment in proportion to the light that a surface here gets of it
+/// (VisibleSky), directional lights to what they throw on it if nothing is in their way, near lights (punctual ones,
+/// emissive triangles) in proportion to what they throw on an average point of the scene.
 namespace dualpixel::simulator {
 
 struct LightSample {
@@ -40,8 +41,8 @@ enum class LightKinds { all, hard, soft };
 
 class Lights {
  public:
-  /// Keeps a pointer to `scene`. `low`, `high`: the scene's bounds.
-  Lights(const Scene& scene, glm::vec3 low, glm::vec3 high);
+  /// Keeps pointers to both.
+  Lights(const Scene& scene, const Intersector& intersector);
 
   /// A sample of these kinds of light for each lane with lanes[i] != 0; 0 <= u, v < 1. `normal`: of the surface to be
   /// lit, so that light from behind it is rarely asked for.
@@ -58,22 +59,26 @@ class Lights {
   float near_lux() const { return near_lux_; }
   float near_share() const;
 
-  /// Densities with which sample() of these kinds (not hard), at a surface with this normal, would have found what a
-  /// ray met by other means.
-  float environment_pdf(glm::vec3 normal, glm::vec3 direction, LightKinds kinds = LightKinds::all) const;
-  float triangle_pdf(glm::vec3 normal, unsigned mesh, unsigned triangle, float distance_m, float abs_cos_at_light,
-                     LightKinds kinds = LightKinds::all) const;
+  /// Densities with which sample() of these kinds (not hard), at this point of a surface, would have found what a ray
+  /// met by other means.
+  float environment_pdf(glm::vec3 point, glm::vec3 normal, glm::vec3 direction,
+                        LightKinds kinds = LightKinds::all) const;
+  float triangle_pdf(glm::vec3 point, glm::vec3 normal, unsigned mesh, unsigned triangle, float distance_m,
+                     float abs_cos_at_light, LightKinds kinds = LightKinds::all) const;
 
  private:
   void make_near_lights(float radius_squared);
 
-  /// Unoccluded illuminance on a surface, which shares out the samples.
+  /// How the samples of a surface are shared out: by illuminance.
   struct Choice {
-    int table = 0;  ///< of environment_
-    float all_lux = 0;
+    EnvironmentLight::Choice environment;
+    float environment_lux = 0, all_lux = 0;
   };
-  Choice choice_at(glm::vec3 normal, LightKinds kinds) const;
-  void sample_environment(const int lanes[kPacket], const int table[kPacket], const float u[kPacket],
+  float directional_lux(glm::vec3 normal) const;
+  Choice choice_at(glm::vec3 point, glm::vec3 normal, LightKinds kinds) const;
+  /// Its part that the environment has; not dark().
+  Choice sky_at(glm::vec3 point, glm::vec3 normal) const;
+  void sample_environment(const int lanes[kPacket], const Choice choice[kPacket], const float u[kPacket],
                           const float v[kPacket], const float all_lux[kPacket], LightPacket& out) const;
   LightSample sample_punctual(const PunctualLight& light, glm::vec3 point) const;
   /// Of punctual lights and emissive triangles; `u`: where among the shares from `first` to `last`, 0..1.
@@ -87,6 +92,7 @@ class Lights {
   };
   const Scene& scene_;
   EnvironmentLight environment_;
+  VisibleSky sky_;
   struct Directional {
     PunctualLight light;
     float lux = 0;

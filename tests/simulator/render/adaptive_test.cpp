@@ -160,6 +160,13 @@ TEST(Adaptive, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
+// Few samples of a coat may take more light away than there is: no variance is negative for that.
+TEST(Adaptive, NegativeLightAllowsWhatDarknessDoes) {
+  const ErrorTarget target{{3, 4, 5}, {0.1, 0.2, 0.3}};
+  EXPECT_EQ(target.at(1, 2), 8.2);
+  EXPECT_EQ(target.at(1, -26), 0.2);
+}
+
 TEST(Adaptive, DarknessAndImpossibleTargetsEnd) {
   Scene scene = barred_wall();
   const CameraView camera = phone_camera(0.8, 32, 16);

@@ -32,7 +32,7 @@ Scene scene_of(Mesh mesh, float color) {
   return scene;
 }
 
-double mean(const Image& image) {
+double mean_of(const Image& image) {
   double sum = 0;
   for (const float v : image.data) sum += v;
   return sum / static_cast<double>(image.data.size());
@@ -45,7 +45,7 @@ TEST(Strands, AreInvisibleInAFurnace) {
   scene.environment = {2, 1, {glm::vec3(100), glm::vec3(100)}};
   const RenderScene world(scene);
   const CameraView camera = phone_camera(1, 16, 16);
-  EXPECT_NEAR(mean(undivided(render_views(world, camera, {256, 30, 5}))), 100, 1);
+  EXPECT_NEAR(mean_of(undivided(render_views(world, camera, {256, 30, 5}))), 100, 1);
 }
 
 // Light from behind, far to the side, that one strand scatters: the integral of its scattering over its width, times
@@ -63,7 +63,7 @@ TEST(Strands, ScatterTheSun) {
   scene.lights = {sun};
   // .04 m of it are in view: the strand covers half, and rays are nearly parallel
   const CameraView camera = phone_camera(1, 64, 2, {}, 2.8e-6);
-  const double nits = mean(undivided(render_views(RenderScene(scene), camera, {1024, 0, 5})));
+  const double nits = mean_of(undivided(render_views(RenderScene(scene), camera, {1024, 0, 5})));
   double expected = 0;
   constexpr int kAcross = 400;
   for (int i = 0; i < kAcross; ++i) {

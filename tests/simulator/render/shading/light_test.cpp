@@ -107,7 +107,8 @@ TEST(Lights, EnvironmentDensityIntegratesToOneAndIsTheSamplers) {
   scene.materials = {diffuse(1)};
   scene.environment = {8, 4, std::vector<glm::vec3>(32, glm::vec3(1))};
   scene.environment.radiance_nits[11] = glm::vec3(500);
-  const Lights lights(scene, {-1, -1, 0}, {1, 1, 1});
+  const Intersector intersector(scene);
+  const Lights lights(scene, intersector);
   for (const glm::vec3 normal : {glm::vec3(0, 1, 0), glm::vec3(0.6f, 0, 0.8f), glm::vec3(-0.48f, -0.6f, -0.64f)}) {
     const int rows = 512;
     double integral = 0;
@@ -116,7 +117,7 @@ TEST(Lights, EnvironmentDensityIntegratesToOneAndIsTheSamplers) {
       for (int j = 0; j < 2 * rows; ++j) {
         const double phi = M_PI * (j + 0.5) / rows;
         const glm::vec3 d(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
-        const double pdf = lights.environment_pdf(normal, d);
+        const double pdf = lights.environment_pdf(glm::vec3(0), normal, d);
         ASSERT_GT(pdf, 0);
         integral += pdf * std::sin(theta) * std::pow(M_PI / rows, 2);
       }
@@ -136,8 +137,8 @@ TEST(Lights, EnvironmentDensityIntegratesToOneAndIsTheSamplers) {
       lights.sample(lanes, points, normals, u, v, s);
       EXPECT_NEAR(glm::length(s.direction.at(lane)), 1, 1e-6);
       // directions on the border of two cells may round into either
-      disagreements +=
-          std::abs(lights.environment_pdf(normal, s.direction.at(lane)) - s.pdf[lane]) > 1e-3f * s.pdf[lane];
+      disagreements += std::abs(lights.environment_pdf(glm::vec3(0), normal, s.direction.at(lane)) - s.pdf[lane]) >
+                       1e-3f * s.pdf[lane];
     }
     EXPECT_LT(disagreements, 10);
   }
@@ -154,7 +155,8 @@ TEST(Lights, ShareTheSamplesByWhatTheyThrowOnTheSurface) {
   sun.intensity = glm::vec3(20000);
   sun.direction = {0, -0.5f, -std::sqrt(0.75f)};
   scene.lights = {sun};
-  const Lights lights(scene, {-1, -1, 0}, {1, 1, 1});
+  const Intersector intersector(scene);
+  const Lights lights(scene, intersector);
   for (float side : {1.0f, -1.0f}) {
     const glm::vec3 normal(0, side, 0);
     const double sun_lux = side > 0 ? 10000 : 0, sky_lux = M_PI * 1000;
