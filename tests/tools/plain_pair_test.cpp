@@ -212,7 +212,7 @@ TEST(PlainPair, IsReportedOn) {
   for (const std::string& part :
        {std::string("plain pair: 130 × 96 photosites, focused at 0.7 m; 1 frame"),
         std::string("dp, disparity: matcher paper"), std::string("dp, disparity: matcher split"),
-        "dp, disparity: given, " + (folder / "d.npy")}) {
+        std::string("dp, disparity: given, d.npy")}) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
   }
   write_view(folder / "l.png", pipeline::textured(pipeline::Texture(6, 0.2), 129, 95, 0));

@@ -99,7 +99,7 @@ TEST(Distribution, RefusesWithFieldAndWhatIsAllowed) {
       {"r.json: /x/bounds: is required", {{"normal", {0, 1}}}},
       {"r.json: /x/bounds: [7, 8]: must reach within 6 deviations of the mean",
        {{"normal", {0, 1}}, {"bounds", {7, 8}}}},
-      {"r.json: /x/step: unknown field", {{"uniform", {1, 2}}, {"step", 1}}},
+      {"r.json: /x/step: unknown field; there are uniform", {{"uniform", {1, 2}}, {"step", 1}}},
   };
   for (const auto& [message, value] : cases) {
     EXPECT_EQ(message_of<InputError>([&value = value] { read(value); }), message);

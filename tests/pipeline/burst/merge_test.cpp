@@ -259,7 +259,7 @@ TEST(Merge, DifferencesOfAnyStrengthDoNoHarm) {
     for (unsigned z = 1; z < 6; ++z) frames.push_back(expose(changed, exposure, 4 + z));
     const auto before = errors(normalized(frames[0], exposure), flat, {0, 0, 64, 64});
     const auto after =
-        errors(merge_burst(frames, 0, motions_of(std::vector<Pose>(6), 128, 128), exposure), flat, {0, 0, 64, 64});
+        errors(merge_burst(frames, 0, motions_of(std::vector<Pose>(6), 64, 64), exposure), flat, {0, 0, 64, 64});
     for (int plane = 0; plane < 3; ++plane) EXPECT_LE(after[plane], before[plane] * (1 + 1e-5)) << deviations;
   }
 }

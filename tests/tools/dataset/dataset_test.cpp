@@ -34,7 +34,8 @@ TEST(Dataset, PlansRendersAndVerifies) {
   EXPECT_EQ(status["all"], (json{{"planned", 3}, {"rendered", 1}, {"failed", 0}, {"missing", 2}}));
   EXPECT_EQ(run_program("dataset verify" + in_set(folder)).status, 0);
   EXPECT_EQ(run_program("dataset merge" + in_set(folder)).status, 0);
-  const std::string page = read_bytes(folder / "set/statistics.html");
+  std::string page = read_bytes(folder / "set/statistics.html");
+  page.erase(page.rfind("<script"));  // whose code speaks of NaN
   EXPECT_NE(page.find("data:image/jpeg"), std::string::npos);
   EXPECT_EQ(page.find("NaN"), std::string::npos);
 }

@@ -436,7 +436,7 @@ TEST(Prescriptions, RefuseWhatCannotBeAndNameIt) {
            {"/image_radius_mm", -1, "/image_radius_mm: -1"},
            {"/split",
             {{"model", "table"}, {"p", {0, 1}}, {"left", {1, 0}}, {"right", {0, 1}}},
-            "/split/p: must ascend from -1"},
+            "/split/p: [0,1]: must ascend from -1"},
            {"/split", {{"model", "microlens"}, {"crosstalk", 0.6}}, "/split/crosstalk: 0.6"},
        }) {
     nlohmann::json json = good;
