@@ -11,7 +11,7 @@ namespace dualpixel::simulator {
 namespace {
 
 constexpr int kCubes = 32;    // along the longest side of the scene
-constexpr int kRays = 1024;    // that look at the sky
+constexpr int kRays = 1024;   // that look at the sky
 constexpr int kOrigins = 64;  // where they start, at most
 using Cells = EnvironmentLight::Cells;
 
