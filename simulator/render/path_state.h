@@ -41,7 +41,8 @@ struct Paths {
   /// rays, 0 where they have found all of it.
   alignas(64) float pdf[kPacket];
   Vec3Packet start, normal;  ///< where the ray left a surface, before any glass; unset for camera rays
-  /// ... and the kinds of light that they sampled. Soft: at points of light, for which unlit surfaces are reflections.
+  /// The kinds of light that light samples there were of. Soft: at points of light, for which unlit surfaces are
+  /// reflections.
   LightKinds kinds = LightKinds::all;
   alignas(64) float before_m[kPacket];  ///< through glass, from the reflection that `pdf` is of to the ray's start
   /// After glass that bends: density with which light samples, which go straight, find what lies straight ahead of the

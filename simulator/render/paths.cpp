@@ -68,6 +68,7 @@ void see_environment(const RenderScene& world, const RayPacket& rays, Paths& pat
   const Environment& environment = world.scene.environment;
   if (environment.radiance_nits.empty() || paths.pdf[i] == 0) return;
   const glm::vec3 d = glm::normalize(glm::vec3(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]));
+  if (!std::isfinite(d.x + d.y + d.z)) return;  // a ray that is none meets nothing (Intersector)
   const float other = other_pdf(
       paths, i, [&] { return world.lights.environment_pdf(paths.start.at(i), paths.normal.at(i), d, paths.kinds); });
   add_light(paths, i, environment_radiance(environment, d) * mis_weight(paths.pdf[i], other));
@@ -475,11 +476,13 @@ class LightLookup {
         hard_low = std::min(hard_low, hard), hard_high = std::max(hard_high, hard);
       }
     }
-    // What noise alone may do is no difference.
-    constexpr float kErrors = 3;
+    // What noise alone may do is no difference. Beside a point that no sample reached, so many errors are the square
+    // root of how many arrive at the other: of 4, all miss it with a probability of exp(-4).
+    constexpr float kErrors = 3, kErrorsOfDark = 2;
+    const float errors = low->soft_error > 0 ? kErrors : kErrorsOfDark;
     const float difference = luminance(high->soft) - luminance(low->soft);
     const float variance = low->soft_error * low->soft_error + high->soft_error * high->soft_error;
-    if (difference * difference > kErrors * kErrors * variance) {
+    if (difference * difference > errors * errors * variance) {
       found.soft_difference = difference / luminance(high->soft);
     }
     if (hard_high > 0) found.hard_difference = 1 - hard_low / hard_high;

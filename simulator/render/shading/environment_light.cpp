@@ -136,20 +136,31 @@ void EnvironmentLight::make_bins() {
   bins_.resize(std::size_t{kRows} * kColumns * bin_rows_ * bin_columns_);
   bin_row_sums_.resize(std::size_t{kRows} * kColumns * bin_rows_);
   // A bin's mean by the trapezoid rule: its corners count, so light that reaches into it from the sun in the next pixel
-  // is not missed. By points within bins alone, the deviation of a sample was up to ten times as large.
-  constexpr std::array<float, 3> kWeight = {0.25f, 0.5f, 0.25f};
+  // is not missed. By points within bins alone, the deviation of a sample was up to ten times as large. Bins at the
+  // poles are many pixels high, of which none may be stepped over.
   tbb::parallel_for(0, kRows * kColumns, [&](int cell) {
     const int row = cell / kColumns, column = cell % kColumns;
     float* bin = &bins_[static_cast<std::size_t>(cell) * bin_rows_ * bin_columns_];
-    const auto nits_at = [&](int half_row, int half_column) {  // in half bins
-      const float down = static_cast<float>(half_row) / static_cast<float>(2 * bin_rows_);
-      const float v = half_turns_of_cosine(kRowCosine[row] + down * (kRowCosine[row + 1] - kRowCosine[row]));
-      const float u = (column + static_cast<float>(half_column) / static_cast<float>(2 * bin_columns_)) / kColumns;
-      return luminance(radiance_at(environment_, u, v));
+    const auto v_at = [&](int bin_row) {
+      const float down = static_cast<float>(bin_row) / static_cast<float>(bin_rows_);
+      return half_turns_of_cosine(kRowCosine[row] + down * (kRowCosine[row + 1] - kRowCosine[row]));
     };
     for (int i = 0; i < bin_rows_; ++i) {
+      const float top = v_at(i), bottom = v_at(i + 1);
+      const int steps = 2 * std::max(static_cast<int>(std::ceil((bottom - top) * environment_.height)), 1);
       for (int j = 0; j < bin_columns_; ++j, ++bin) {
-        for (int k = 0; k < 9; ++k) *bin += kWeight[k / 3] * kWeight[k % 3] * nits_at(2 * i + k / 3, 2 * j + k % 3);
+        float sum = 0;
+        for (int k = 0; k <= steps; ++k) {
+          const float v = top + (bottom - top) * static_cast<float>(k) / static_cast<float>(steps);
+          const float of_row = std::sin(kPi * v) * (k % steps == 0 ? 0.5f : 1.0f);
+          sum += of_row;
+          for (int half = 0; half <= 2; ++half) {
+            const float u =
+                (column + static_cast<float>(2 * j + half) / static_cast<float>(2 * bin_columns_)) / kColumns;
+            *bin += of_row * (half == 1 ? 0.5f : 0.25f) * luminance(radiance_at(environment_, u, v));
+          }
+        }
+        *bin /= sum;
       }
     }
   });

@@ -56,7 +56,7 @@ Lights::Choice Lights::sky_at(glm::vec3 point, glm::vec3 normal) const {
   Choice choice;
   choice.environment.table = environment_.table_of(normal.x, normal.y, normal.z);
   const VisibleSky::View& view = sky_.from(point, normal);
-  choice.environment.other = &view.seen, choice.environment.other_share = view.share;
+  choice.environment.other = view.seen.get(), choice.environment.other_share = view.share;
   choice.environment_lux = view.visible * environment_.lux(choice.environment.table);
   choice.all_lux = choice.environment_lux;
   return choice;

@@ -73,9 +73,14 @@ VisibleSky::VisibleSky(const EnvironmentLight& environment, const Intersector& i
   if (environment.dark()) return;
   const Intersector::Bounds bounds = intersector.bounds();
   const glm::vec3 size = bounds.high - bounds.low;
-  cube_m_ = std::exp2(std::ceil(std::log2(std::max({size.x, size.y, size.z, 1e-6f}) / kCubes)));
-  first_ = glm::ivec3(glm::floor(bounds.low / cube_m_));
-  cubes_ = glm::ivec3(glm::floor(bounds.high / cube_m_)) - first_ + 1;
+  const float longest = std::max({size.x, size.y, size.z});
+  if (longest >= 0 && longest < 1e18f) {  // else there is nothing in the scene, and one cube will do
+    const glm::vec3 far = glm::max(glm::abs(bounds.low), glm::abs(bounds.high));
+    const float least_m = 1e-6f * std::max({far.x, far.y, far.z, 1.0f});  // so that cubes can be counted
+    cube_m_ = std::exp2(std::ceil(std::log2(std::max(longest / kCubes, least_m))));
+    first_ = glm::ivec3(glm::floor(bounds.low / cube_m_));
+    cubes_ = glm::ivec3(glm::floor(bounds.high / cube_m_)) - first_ + 1;
+  }
   views_ = std::vector<std::atomic<View*>>(std::size_t{6} * cubes_.x * cubes_.y * cubes_.z);
 }
 
@@ -158,7 +163,10 @@ std::unique_ptr<VisibleSky::View> VisibleSky::look_from(const Place& place) cons
   const float visible = looked.all_seen / looked.all_rays;
   view->visible = std::max(visible, kLeast);
   view->share = kMostShare * std::max(1 - 2 * visible, 0.0f) * looked.all_seen / (looked.all_seen + kSure);
-  if (view->share > 0) view->seen = EnvironmentLight::table_of(seen_light(looked, environment_.cell_nits(), normal));
+  if (view->share > 0) {
+    view->seen = std::make_unique<EnvironmentLight::Table>(
+        EnvironmentLight::table_of(seen_light(looked, environment_.cell_nits(), normal)));
+  }
   return view;
 }
 

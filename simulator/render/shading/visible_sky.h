@@ -23,10 +23,10 @@ class VisibleSky {
   VisibleSky& operator=(const VisibleSky&) = delete;
 
   struct View {
-    float visible =
-        1;            ///< of the light that a surface would get from all of it: the share that arrives, kLeast at least
-    float share = 0;  ///< of samples, to follow `seen`
-    EnvironmentLight::Table seen;
+    /// Of the light that a surface would get from all of it, the share that arrives; kLeast at least.
+    float visible = 1;
+    float share = 0;                                ///< of samples, to follow `seen`
+    std::unique_ptr<EnvironmentLight::Table> seen;  ///< null: no share
   };
   static constexpr float kLeast = 0.02f;
   /// From a surface here; found when first wanted. It depends on the scene alone. Not of a dark environment.

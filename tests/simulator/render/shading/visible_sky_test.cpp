@@ -104,6 +104,12 @@ TEST(VisibleSky, LeavesOpenPlacesAlone) {
   EXPECT_EQ(sky.from({1, 0, 1}, {0, 1, 0}).share, 0);
   EXPECT_GT(sky.from({1, 0, 1}, {0, 1, 0}).visible, 0.85f);  // its table reaches a few degrees below the horizon
   EXPECT_EQ(sky.from({1, 3, 1}, {0, 1, 0}).visible, 1);
+
+  const Scene room = room_with_skylight();
+  const Intersector walls(room);
+  const VisibleSky seen(light, walls);
+  EXPECT_GT(seen.from({2, 1e-4f, 2}, {0, 1, 0}).share, 0.5f);
+  EXPECT_NEAR(seen.from({2, 1e-4f, 2}, {0, 1, 0}).visible, skylight_form_factor(0, 0), 0.02);
 }
 
 // The density is that of the samples, and integrates to one, in a room as well (midpoint rule).
