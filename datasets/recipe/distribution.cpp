@@ -91,7 +91,7 @@ double draw_normal(const Distribution& d, double u) {
   return d.mean + d.deviation * normal_quantile(share, low, high);
 }
 
-/// Six digits, so that a plan is readable and does not hang on the last bits of a library's logarithm.
+/// Six digits, so that a plan is readable and does not depend on the last bits of a library's logarithm.
 double six_digits(double value, const Distribution& d) {
   return std::clamp(std::stod(fmt::format("{:.6g}", value)), d.low, d.high);
 }
