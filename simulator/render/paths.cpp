@@ -282,8 +282,9 @@ SurfaceLight sampled_irradiance(const RenderScene& world, const Hits& hits, std:
 glm::vec3 hard_irradiance(const RenderScene& world, const Hits& hits, std::uint64_t key, int samples) {
   constexpr std::size_t kMostOneByOne = 64;
   const std::size_t count = world.lights.hard_count();
-  if (count > kMostOneByOne)
+  if (count > kMostOneByOne) {
     return sampled_irradiance(world, hits, hash(key, 1), samples, LightKinds::hard, false).soft;
+  }
   LightSum sum(world, hits);
   for (std::size_t first = 0; first < count; first += kPacket) {
     for (int i = 0; i < kPacket; ++i) {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -36,13 +37,17 @@ TEST(ScoreCommand, WritesItsFiguresBesideTheResult) {
   EXPECT_EQ(score["stages"]["merge"]["ms"], 12.5);
 }
 
+/// What judges the result r by the capture c.
+std::array<std::string, 2> commands_on(const TemporaryFolder& folder) {
+  return {fmt::format("score '{}' '{}'", folder / "c", folder / "r"),
+          fmt::format("report '{}' --capture '{}' -o '{}'", folder / "r", folder / "c", folder / "page.html")};
+}
+
 TEST(ScoreCommand, RefusesAResultOfAnotherCapture) {
   const TemporaryFolder folder;
   const Capture capture = pipeline::synthetic_capture();
   write_capture(capture, folder / "c");
-  const std::string commands[] = {
-      fmt::format("score '{}' '{}'", folder / "c", folder / "r"),
-      fmt::format("report '{}' --capture '{}' -o '{}'", folder / "r", folder / "c", folder / "page.html")};
+  const auto commands = commands_on(folder);
   const auto write_with_hash = [&](const std::string& hash) {
     pipeline::write_result(pipeline::synthetic_result(capture), {{"capture", "elsewhere"}, {"capture_hash", hash}},
                            folder / "r");
@@ -63,9 +68,7 @@ TEST(ScoreCommand, TakesAPlainPairOfTheCapturesOwnViewsAlone) {
   const TemporaryFolder folder;
   const Capture capture = pipeline::synthetic_capture();
   write_capture(capture, folder / "c");
-  const std::string commands[] = {
-      fmt::format("score '{}' '{}'", folder / "c", folder / "r"),
-      fmt::format("report '{}' --capture '{}' -o '{}'", folder / "r", folder / "c", folder / "page.html")};
+  const auto commands = commands_on(folder);
   const auto write_of = [&](const std::string& left_hash, const std::string& right_hash) {
     pipeline::write_result(
         pipeline::synthetic_result(capture),

@@ -95,7 +95,7 @@ void run(const ChartOptions& options) {
 
 void add_chart(CLI::App& program) {
   auto options = std::make_shared<ChartOptions>();
-  CLI::App* command = program.add_subcommand("chart", "Chart speed against accuracy of every stage, on one page");
+  CLI::App* command = program.add_subcommand("chart", "Chart speed against accuracy of the stages, on one page");
   command->add_option("-o,--output", options->page, "Page to write; its figures go into a .json file beside it")
       ->required()
       ->type_name("PAGE.html");

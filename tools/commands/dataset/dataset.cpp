@@ -159,6 +159,9 @@ void add_dataset(CLI::App& program) {
   auto arguments = std::make_shared<DatasetArguments>();
   CLI::App* dataset = program.add_subcommand("dataset", "Many samples from one recipe: plan them, render them");
   dataset->require_subcommand(1);
+  dataset->footer(  // which its steps inherit
+      "Example:\n  dualpixel dataset plan datasets/recipes/phone_matching.json -o out/set\n"
+      "  dualpixel dataset render out/set --jobs 2\n  dualpixel dataset status out/set");
   CLI::App* plan = add_step(*dataset, arguments, "plan", "Draw every sample's scene, values and seed", run_plan);
   plan->add_option("recipe", arguments->recipe, "Recipe JSON file")->required()->type_name("RECIPE.json");
   plan->add_option("-o,--output", arguments->folder, "Data set to begin")->required()->type_name("DIR");
@@ -186,9 +189,6 @@ void add_dataset(CLI::App& program) {
   merge->add_flag("--webdataset", arguments->webdataset, "Also pack the samples into tar files of about 1 GB");
   for (CLI::App* step : {plan, status}) step->add_flag("--json", arguments->json, "Print JSON");
   for (CLI::App* step : {plan, render, verify, gc}) add_threads_option(*step);
-  dataset->footer(
-      "Example:\n  dualpixel dataset plan datasets/recipes/phone_matching.json -o out/set\n"
-      "  dualpixel dataset render out/set --jobs 2\n  dualpixel dataset status out/set");
 }
 
 }  // namespace dualpixel::tools
