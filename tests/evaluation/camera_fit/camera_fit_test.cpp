@@ -136,6 +136,23 @@ TEST(CameraFit, StatesHowWellTheFiguresDetermineIt) {
   EXPECT_TRUE(row.ends_with("not determined")) << text;
 }
 
+// The known focus, 12 um, lies beyond what the fit may reach: it ends at the bound, and the figures stay far off.
+TEST(CameraFit, SaysWhatEndsAtItsBoundAndWhatErrsByMuch) {
+  auto [known, m] = known_camera(0);
+  EXPECT_TRUE(warnings_of(score_camera(m, known)).empty());
+  for (FittedField& f : m.fit) {
+    if (f.pointer == "/focus_um") f.high = 3;
+  }
+  const CameraFit fit = fit_camera(m);
+  const std::string text = to_text(fit);
+  const std::size_t line = text.find("/focus_um");
+  ASSERT_NE(line, std::string::npos) << text;
+  EXPECT_TRUE(text.substr(line, text.find('\n', line) - line).ends_with("at its bound")) << text;
+  const std::vector<std::string> warnings = warnings_of(score_camera(m, m.lens));
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_NE(warnings[0].find("times its tolerance: start from another lens"), std::string::npos) << warnings[0];
+}
+
 /// The phone's figures as docs/fit_camera.md fills them in.
 json phone_measurements(const std::string& figures) {
   json document = read_json_file(DUALPIXEL_SOURCE_DIR "/tests/data/camera_fit/phone_2019_start.json");
