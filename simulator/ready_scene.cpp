@@ -18,6 +18,13 @@ bool same_scene(const Simulation& a, const Simulation& b) {
          a.environment_nits_per_unit == b.environment_nits_per_unit;
 }
 
+bool is_of_scene(const std::string& field) {
+  for (const char* name : {"gltf", "burst", "burst.animation", "unlit_white_nits", "model_size_m", "environment"}) {
+    if (field == name) return true;
+  }
+  return field.starts_with("environment.");
+}
+
 bool make_ready(const Simulation& simulation, std::unique_ptr<ReadyScene>& ready) {
   if (ready && same_scene(ready->loaded_for, simulation)) return false;
   ready.reset();  // before the next one takes memory

@@ -22,6 +22,9 @@ struct ReadyScene {
 /// Whether both load the same scene: glTF file, environment, and whether it is animated.
 bool same_scene(const Simulation& a, const Simulation& b);
 
+/// Whether a field of the scene file, named as `simulate --set` has it, is one that same_scene() goes by.
+bool is_of_scene(const std::string& field);
+
 /// Makes `ready` the scene of `simulation`, where it is not. Returns whether anything was loaded.
 bool make_ready(const Simulation& simulation, std::unique_ptr<ReadyScene>& ready);
 

@@ -14,6 +14,7 @@
 #include "capture/json_fields.h"
 #include "capture/path_beside.h"
 #include "simulator/lens/lens_file.h"
+#include "simulator/scene_file_names.h"
 
 namespace dualpixel::simulator {
 namespace {
@@ -244,18 +245,6 @@ struct CameraParts {
   nlohmann::json lens = nlohmann::json::object(), sensor = nlohmann::json::object();
 };
 
-/// Makes the files that a lens names, itself or in its maps over the field, absolute: they are relative to `path`.
-void make_files_absolute(nlohmann::json& lens, const std::string& path) {
-  if (!lens.is_object()) return;
-  for (auto& [key, value] : lens.items()) {
-    if ((key == "file" || key == "map") && value.is_string()) {
-      value = std::filesystem::absolute(path_beside(path, value.get<std::string>())).string();
-    } else {
-      make_files_absolute(value, path);
-    }
-  }
-}
-
 /// A camera file, checked by itself so that its faults are told of it; its lens where it is used.
 CameraParts read_camera_file(const nlohmann::json& json, const std::string& path, double focus_distance_m,
                              bool lens_used) {
@@ -270,7 +259,9 @@ CameraParts read_camera_file(const nlohmann::json& json, const std::string& path
   require_valid(within("sensor", check(read_sensor(root.object("sensor")))), path);
   if (root.has("sensor")) parts.sensor = root.raw("sensor");
   root.done();
-  make_files_absolute(parts.lens, path);
+  each_file_name_of_lens(parts.lens, [&](std::string& name) {  // they are relative to `path`
+    name = std::filesystem::absolute(path_beside(path, name)).string();
+  });
   return parts;
 }
 

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 
 #include "capture/color_filter_array.h"
+#include "capture/error.h"
 #include "capture/folder/capture_files.h"
 #include "capture/image/image_io.h"
 #include "capture/image/npy.h"
@@ -80,24 +83,28 @@ Image right_noiseless_view(const Capture& c) { return noiseless_view(c.truth->ri
 
 constexpr int kDpddPictures = 4, kDpddBytes = 3 * 2;
 
-std::vector<std::string> write_dpdd(const Capture& capture, const std::string& folder) {
-  const DpddPictures p = dpdd_pictures(capture);
-  std::vector<std::string> names;
-  for (const auto& [name, picture] : {std::pair{"source_c.png", &p.combined},
-                                      {"source_l.png", &p.left},
-                                      {"source_r.png", &p.right},
-                                      {"target.png", &p.target}}) {
-    write_png16(folder + "/" + name, levels(srgb(*picture)), true);
-    names.emplace_back(name);
-  }
-  return names;
+constexpr const char* kDpddFiles[] = {"source_c.png", "source_l.png", "source_r.png", "target.png"};
+
+/// Whoever learns from a data set shall not find a NaN in it.
+void require_finite(const Image& image, const std::string& name, bool infinite = false) {
+  const auto good = [&](float value) { return std::isfinite(value) || (infinite && value > 0); };
+  if (std::all_of(image.data.begin(), image.data.end(), good)) return;
+  throw InputError(name + ": a value is not finite");
 }
 
-std::vector<std::string> write_google_files(const Capture& capture, const std::string& folder) {
-  std::vector<std::string> names;
-  for (const GoogleFile& file : kGoogleFiles) names.emplace_back(file.file);
+void write_dpdd(const Capture& capture, const std::string& folder) {
+  const DpddPictures p = dpdd_pictures(capture);
+  const Image* pictures[] = {&p.combined, &p.left, &p.right, &p.target};
+  for (std::size_t i = 0; i < std::size(kDpddFiles); ++i) {
+    require_finite(*pictures[i], kDpddFiles[i]);
+    write_png16(folder + "/" + kDpddFiles[i], levels(srgb(*pictures[i])), true);
+  }
+}
+
+void write_google_files(const Capture& capture, const std::string& folder) {
+  require_finite(capture.truth->depth_m, "depth_m", true);
+  require_finite(capture.truth->valid, "valid");
   write_google(capture, [&](const GoogleFile& file) { return folder + "/" + file.file; });
-  return names;
 }
 
 void write_exr_picture(const std::string& path, const Image& image) {
@@ -120,14 +127,14 @@ const std::vector<PictureKind>& pictures() {
       {"right_rgb", kSensor, 3, of_truth<&Truth::right>, "right view, likewise"},
       {"all_in_focus", kSensor, 3, of_truth<&Truth::all_in_focus>, "through a pinhole, noiseless, white balanced"},
       {"photograph", kSensor, 3, of_truth<&Truth::photograph>, "through the wider aperture, likewise"},
-      {"depth_m", kSensor, 1, of_truth<&Truth::depth_m>, "planar depth from the entrance pupil, m; inf: nothing"},
+      {"depth_m", kSensor, 1, of_truth<&Truth::depth_m>, "planar depth from the entrance pupil, m; inf: nothing", true},
       {"blur_px", kSensor, 1, of_truth<&Truth::blur_px>, "signed blur diameter, photosites"},
       {"disparity_dp_px", kSensor, 1, of_truth<&Truth::disparity_dp_px>, "disparity, DP pixels"},
       {"normal", kSensor, 3, of_truth<&Truth::normal>, "unit normal, camera axes: x right, y down, z forward"},
       {"person", kSensor, 1, of_truth<&Truth::person_mask>, "1 on people"},
       {"valid", kSensor, 1, of_truth<&Truth::valid>, "1 where the ray hit something"},
       {"object_id", kSensor, 1, object_ids, "1-based index of the glTF node; 0: nothing"},
-      {"view_depth_m", kViews, 1, of_truth_on_views<&Truth::depth_m>, "depth_m at the views' pixels"},
+      {"view_depth_m", kViews, 1, of_truth_on_views<&Truth::depth_m>, "depth_m at the views' pixels", true},
       {"view_blur_px", kViews, 1, of_truth_on_views<&Truth::blur_px>, "blur_px, likewise (photosites)"},
       {"view_disparity_dp_px", kViews, 1, of_truth_on_views<&Truth::disparity_dp_px>, "disparity_dp_px, likewise"},
       {"view_normal", kViews, 3, of_truth_on_views<&Truth::normal>, "normal, likewise"},
@@ -158,20 +165,30 @@ std::uint64_t picture_bytes(const Camera& camera, Layout layout, const std::vect
   return bytes;
 }
 
-std::vector<std::string> write_pictures(const Capture& capture, Layout layout, const std::vector<std::string>& keep,
-                                        const std::string& folder) {
+std::vector<std::string> picture_files(Layout layout, const std::vector<std::string>& keep) {
+  if (layout == Layout::dpdd) return {std::begin(kDpddFiles), std::end(kDpddFiles)};
+  std::vector<std::string> names;
+  if (layout == Layout::google) {
+    for (const GoogleFile& file : kGoogleFiles) names.emplace_back(file.file);
+  }
+  for (const std::string& name : keep) names.push_back(name + "." + name_of(kLayouts, layout));
+  return names;
+}
+
+void write_pictures(const Capture& capture, Layout layout, const std::vector<std::string>& keep,
+                    const std::string& folder) {
   if (layout == Layout::dpdd) return write_dpdd(capture, folder);
   if (layout == Layout::google) return write_google_files(capture, folder);
-  std::vector<std::string> names;
+  const std::vector<std::string> files = picture_files(layout, keep);
   std::vector<FileTask> tasks;
-  for (const std::string& name : keep) {
-    names.push_back(name + "." + name_of(kLayouts, layout));
-    tasks.push_back([&, path = folder + "/" + names.back(), make = find_named(pictures(), name)->make] {
-      layout == Layout::exr ? write_exr_picture(path, make(capture)) : write_npy(path, make(capture));
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    tasks.push_back([&, path = folder + "/" + files[i], kind = find_named(pictures(), keep[i])] {
+      const Image image = kind->make(capture);
+      require_finite(image, kind->name, kind->infinite);
+      layout == Layout::exr ? write_exr_picture(path, image) : write_npy(path, image);
     });
   }
   run_parallel(tasks);
-  return names;
 }
 
 }  // namespace dualpixel::datasets

@@ -28,6 +28,7 @@ struct PictureKind {
   int channels;
   Image (*make)(const Capture& capture);  ///< of the first frame and its truth
   const char* description;
+  bool infinite = false;  ///< infinity is one of its values: depth where nothing is seen
 };
 
 /// All of them. A capture that is dense (DP pixels of 1 x 1) has one grid.
@@ -36,8 +37,11 @@ const std::vector<PictureKind>& pictures();
 /// Bytes of a sample's pictures before compression. Throws InputError where the layout does not fit the camera.
 std::uint64_t picture_bytes(const Camera& camera, Layout layout, const std::vector<std::string>& keep);
 
-/// Writes the pictures into a folder; returns the files' names in order.
-std::vector<std::string> write_pictures(const Capture& capture, Layout layout, const std::vector<std::string>& keep,
-                                        const std::string& folder);
+/// The names of a sample's files of pictures, in order.
+std::vector<std::string> picture_files(Layout layout, const std::vector<std::string>& keep);
+
+/// Writes the pictures into a folder. Throws InputError that names a picture whose values are not finite.
+void write_pictures(const Capture& capture, Layout layout, const std::vector<std::string>& keep,
+                    const std::string& folder);
 
 }  // namespace dualpixel::datasets

@@ -14,6 +14,7 @@
 #include "capture/path_beside.h"
 #include "scenes/framing/scene_document.h"
 #include "scenes/kinds/kinds.h"
+#include "simulator/scene/gltf/gltf.h"
 
 namespace dualpixel::datasets {
 namespace {
@@ -29,121 +30,188 @@ std::string gltf_of(const std::string& path, const json& scene_file) {
   return path_beside(path, found->get<std::string>());
 }
 
-Asset file_asset(const std::string& path, double weight) {
-  Asset asset{.scene_file = scenes::read_scene_document(path), .path = path, .weight = weight};
-  asset.scene = {{"file", path}, {"xxh64", scene_hash(path, asset.scene_file)}};
-  asset.identity = file_hash(gltf_of(path, asset.scene_file));
-  return asset;
+/// Reads files for an entry of a recipe's scenes.
+struct Reader {
+  bool own_light;  ///< the scenes' own environments are used: nothing in the recipe replaces them
+  std::vector<std::string>& warnings;
+  std::map<std::string, std::string> hashes = {};  ///< of pictures, by path
+
+  /// Hash of the picture that a scene file names to light the scene; empty: it names none.
+  std::string environment_of(const std::string& path, const json& scene_file) {
+    const json light = own_light && scene_file.is_object() ? scene_file.value("environment", json()) : json();
+    if (!light.is_object() || light.value("model", json()) != "file" || !light.value("path", json()).is_string()) {
+      return "";
+    }
+    const std::string picture = path_beside(path, light["path"].get<std::string>());
+    std::string& hash = hashes[picture];
+    if (hash.empty()) hash = file_hash(picture);
+    return hash;
+  }
+};
+
+Asset file_asset(const std::string& path, double weight, Reader& reader) {
+  SceneOrigin origin{.scene_file = scenes::read_scene_document(path), .path = path};
+  origin.scene = {{"file", path}, {"xxh64", scene_hash(path, origin.scene_file)}};
+  origin.geometry = simulator::geometry_hash(gltf_of(path, origin.scene_file));
+  origin.environment = reader.environment_of(path, origin.scene_file);
+  return {std::make_shared<const SceneOrigin>(std::move(origin)), {}, weight};
 }
 
 /// Files under a folder in order of their paths.
 std::vector<std::string> files_under(const std::string& folder) {
   std::error_code error;
   std::vector<std::string> paths;
-  for (const auto& entry : fs::recursive_directory_iterator(folder, error)) {
-    if (entry.is_regular_file(error)) paths.push_back(entry.path().lexically_normal().string());
+  fs::recursive_directory_iterator entry(folder, error);
+  std::string last = folder;
+  for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+    std::error_code none;  // of a link that leads nowhere
+    last = entry->path().string();
+    if (entry->is_regular_file(none)) paths.push_back(entry->path().lexically_normal().string());
   }
-  if (error) throw InputError(printable(folder) + ": cannot be read as a folder: " + error.message());
+  if (error) throw InputError(printable(last) + ": cannot be read as a folder: " + error.message());
   std::sort(paths.begin(), paths.end());
   return paths;
 }
 
+/// What else lies beside models is no scene file; what is no JSON may be meant to be one.
 bool is_scene_file(const std::string& path) {
   if (!path.ends_with(".json")) return false;
-  try {
-    const json document = read_json_file(path);
-    return document.is_object() && document.contains("gltf") && document.contains("version");
-  } catch (const InputError&) {
-    return false;  // some other file that lies beside models
-  }
+  const json document = read_json_file(path);
+  return document.is_object() && document.contains("gltf") && document.contains("version");
 }
 
 /// Scene files, and those glTF files that none of them names.
-std::vector<Asset> folder_assets(const SceneSource& source) {
+std::vector<Asset> folder_assets(const SceneSource& source, Reader& reader) {
   std::vector<Asset> assets;
   std::set<std::string> named;
+  std::vector<std::string> others;
   const std::vector<std::string> paths = files_under(source.folder);
   for (const std::string& path : paths) {
-    if (!is_scene_file(path)) continue;
-    assets.push_back(file_asset(path, 1));
-    named.insert(fs::path(gltf_of(path, assets.back().scene_file)).lexically_normal().string());
+    if (is_scene_file(path)) {
+      assets.push_back(file_asset(path, 1, reader));
+      named.insert(fs::path(gltf_of(path, assets.back().origin->scene_file)).lexically_normal().string());
+    } else if (path.ends_with(".json")) {
+      others.push_back(path);
+    }
   }
   for (const std::string& path : paths) {
-    if (scenes::is_gltf(path) && !named.contains(path)) assets.push_back(file_asset(path, 1));
+    if (scenes::is_gltf(path) && !named.contains(path)) assets.push_back(file_asset(path, 1, reader));
   }
   if (assets.empty()) throw InputError(printable(source.folder) + ": holds no scene file and no .glb or .gltf file");
   for (Asset& asset : assets) asset.weight = source.weight / static_cast<double>(assets.size());
-  return assets;
-}
-
-std::vector<Asset> kind_assets(const SceneSource& source) {
-  const scenes::SceneKind& kind = scenes::scene_kind(source.kind);
-  const double count = static_cast<double>(source.seeds[1] - source.seeds[0] + 1);
-  const json start = scenes::scene_file_start(kind, {source.kind, source.seeds[0], scenes::assignments_of(source.set)});
-  std::vector<Asset> assets;
-  for (std::uint64_t seed = source.seeds[0]; seed <= source.seeds[1]; ++seed) {
-    json scene = {{"kind", source.kind}, {"seed", seed}};
-    if (!source.set.empty()) scene["set"] = source.set;
-    const std::string identity = fmt::format("{} {}", source.kind, seed);
-    assets.push_back({std::move(scene), start, identity, identity, source.weight / count});
+  if (!others.empty()) {
+    reader.warnings.push_back(fmt::format("{}: no scene file, which has version and gltf: left out{}",
+                                          printable(others.front()),
+                                          others.size() > 1 ? fmt::format(", with {} more", others.size() - 1) : ""));
   }
   return assets;
 }
 
-std::vector<Asset> assets_of(const SceneSource& source) {
-  if (!source.file.empty()) return {file_asset(source.file, source.weight)};
-  return source.folder.empty() ? kind_assets(source) : folder_assets(source);
+std::vector<Asset> kind_assets(const SceneSource& source, Reader& reader) {
+  const scenes::SceneKind& kind = scenes::scene_kind(source.kind);
+  SceneOrigin origin{.scene = {{"kind", source.kind}}, .path = source.kind, .geometry = source.kind};
+  origin.scene_file =
+      scenes::scene_file_start(kind, {source.kind, source.seeds[0], scenes::assignments_of(source.set)});
+  if (!source.set.empty()) origin.scene["set"] = source.set;
+  origin.environment = reader.environment_of(source.kind, origin.scene_file);
+  const auto shared = std::make_shared<const SceneOrigin>(std::move(origin));
+  const double count = static_cast<double>(source.seeds[1] - source.seeds[0] + 1);
+  std::vector<Asset> assets;
+  assets.reserve(static_cast<std::size_t>(count));
+  for (std::uint64_t seed = source.seeds[0]; seed <= source.seeds[1]; ++seed) {
+    assets.push_back({shared, seed, source.weight / count});
+  }
+  return assets;
 }
 
-std::vector<Asset> all_assets(const Recipe& recipe) {
+std::vector<Asset> assets_of(const SceneSource& source, Reader& reader) {
+  if (!source.file.empty()) return {file_asset(source.file, source.weight, reader)};
+  return source.folder.empty() ? kind_assets(source, reader) : folder_assets(source, reader);
+}
+
+bool replaces_light(const Recipe& recipe) {
+  return !recipe.relations.environments.empty() || recipe.set.contains("environment") ||
+         recipe.set.contains("environment.path") || recipe.set.contains("environment.model");
+}
+
+std::vector<Asset> all_assets(const Recipe& recipe, std::vector<std::string>& warnings) {
+  Reader reader{!replaces_light(recipe), warnings};
   std::vector<Asset> all;
   for (std::size_t i = 0; i < recipe.scenes.size(); ++i) {
+    if (recipe.scenes[i].weight <= 0) continue;
     try {
-      std::vector<Asset> some = assets_of(recipe.scenes[i]);
+      std::vector<Asset> some = assets_of(recipe.scenes[i], reader);
       all.insert(all.end(), std::make_move_iterator(some.begin()), std::make_move_iterator(some.end()));
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}: /scenes/{}: {}", printable(recipe.path), i, error.what()));
     }
   }
+  if (all.empty()) throw InputError(printable(recipe.path) + ": /scenes: all weights are 0: one must not be");
   return all;
 }
 
-/// Which split each of the identities is in: their order is shuffled by the seed, and dealt out by the shares.
-std::map<std::string, std::size_t> deal(const Recipe& recipe, const std::set<std::string>& identities,
-                                        const char* field) {
-  const auto splits = static_cast<std::size_t>(
-      std::count_if(recipe.shares.begin(), recipe.shares.end(), [](double share) { return share > 0; }));
-  if (identities.size() < splits) {
-    throw InputError(fmt::format("{}: /{}: {} different {}: must be {} at least, one for each split of /split",
-                                 printable(recipe.path), field, identities.size(),
-                                 identities.size() == 1 ? "file or seed" : "files or seeds", splits));
-  }
-  std::vector<std::pair<std::uint64_t, std::string>> order;
-  for (const std::string& identity : identities) {
-    order.emplace_back(Draws(recipe.seed, 0, "split " + identity).bits(), identity);
-  }
-  std::sort(order.begin(), order.end());
-  const auto counts = split_counts(order.size(), recipe.shares);
-  std::map<std::string, std::size_t> result;
-  std::size_t next = 0;
-  for (std::size_t split = 0; split < kSplitCount; ++split) {
-    for (std::size_t i = 0; i < counts[split]; ++i) result[order[next++].second] = split;
-  }
-  return result;
+/// The number by which things of one name are dealt out: by chance, and the same in every recipe of that seed.
+std::uint64_t key_of(const Recipe& recipe, const std::string& name) {
+  return Draws(recipe.seed, 0, "split " + name).bits();
 }
 
+/// Each scene's key; scenes that share geometry or a picture that lights them have the same.
+std::vector<std::uint64_t> family_keys(const Recipe& recipe, const std::vector<Asset>& scenes) {
+  std::map<std::uint64_t, std::uint64_t> parents;
+  const auto root = [&](std::uint64_t key) {
+    for (auto parent = parents.find(key); parent != parents.end(); parent = parents.find(key)) key = parent->second;
+    return key;
+  };
+  std::vector<std::uint64_t> keys;
+  keys.reserve(scenes.size());
+  for (const Asset& scene : scenes) {
+    keys.push_back(key_of(recipe, scene.geometry()));
+    if (scene.origin->environment.empty()) continue;
+    const std::uint64_t a = root(keys.back()), b = root(key_of(recipe, scene.origin->environment));
+    if (a != b) parents[std::max(a, b)] = std::min(a, b);
+  }
+  if (!parents.empty()) std::transform(keys.begin(), keys.end(), keys.begin(), root);
+  return keys;
+}
+
+/// Which split each key is in: their order is one by chance, and is cut by the shares.
+class Deal {
+ public:
+  Deal(const Recipe& recipe, std::vector<std::uint64_t> keys, const char* field) : order_(std::move(keys)) {
+    std::sort(order_.begin(), order_.end());
+    order_.erase(std::unique(order_.begin(), order_.end()), order_.end());
+    const auto splits = static_cast<std::size_t>(
+        std::count_if(recipe.shares.begin(), recipe.shares.end(), [](double share) { return share > 0; }));
+    if (order_.size() < splits) {
+      throw InputError(fmt::format("{}: /{}: {} different {}: must be {} at least, one for each split of /split",
+                                   printable(recipe.path), field, order_.size(),
+                                   order_.size() == 1 ? "file or seed" : "files or seeds", splits));
+    }
+    counts_ = split_counts(order_.size(), recipe.shares);
+  }
+
+  std::size_t split_of(std::uint64_t key) const {
+    auto rank = static_cast<std::size_t>(std::lower_bound(order_.begin(), order_.end(), key) - order_.begin());
+    std::size_t split = 0;
+    for (; rank >= counts_[split]; ++split) rank -= counts_[split];
+    return split;
+  }
+
+ private:
+  std::vector<std::uint64_t> order_;
+  std::array<std::size_t, kSplitCount> counts_;
+};
+
 void add_environments(const Recipe& recipe, Assets& assets) {
-  std::map<std::string, std::string> identities;  // of each path
-  std::set<std::string> different;
+  std::map<std::string, std::uint64_t> keys;  // of each path
+  std::vector<std::uint64_t> all;
   for (const std::string& path : files_under(recipe.relations.environments)) {
     if (!path.ends_with(".exr") && !path.ends_with(".hdr")) continue;
-    different.insert(identities[path] = file_hash(path));
+    all.push_back(keys[path] = key_of(recipe, file_hash(path)));
   }
-  if (different.empty()) {
-    throw InputError(printable(recipe.relations.environments) + ": holds no .exr and no .hdr file");
-  }
-  const auto splits = deal(recipe, different, "relations/environments");
-  for (const auto& [path, identity] : identities) assets[splits.at(identity)].environments.push_back(path);
+  if (all.empty()) throw InputError(printable(recipe.relations.environments) + ": holds no .exr and no .hdr file");
+  const Deal deal(recipe, all, "relations/environments");
+  for (const auto& [path, key] : keys) assets[deal.split_of(key)].environments.push_back(path);
 }
 
 }  // namespace
@@ -166,15 +234,31 @@ std::string scene_hash(const std::string& file, const json& scene_file) {
   return scenes::is_gltf(file) ? gltf : hash_of(file_hash(file) + gltf);
 }
 
-Assets gather_assets(const Recipe& recipe) {
-  std::vector<Asset> all = all_assets(recipe);
-  std::erase_if(all, [](const Asset& asset) { return asset.weight <= 0; });
-  if (all.empty()) throw InputError(printable(recipe.path) + ": /scenes: all weights are 0: one must not be");
-  std::set<std::string> identities;
-  for (const Asset& asset : all) identities.insert(asset.identity);
-  const auto splits = deal(recipe, identities, "scenes");
+json Asset::scene() const {
+  json scene = origin->scene;
+  if (seed) scene["seed"] = *seed;
+  return scene;
+}
+
+std::string Asset::path() const { return seed ? fmt::format("{} {}", origin->path, *seed) : origin->path; }
+
+std::string Asset::geometry() const { return seed ? fmt::format("{} {}", origin->geometry, *seed) : origin->geometry; }
+
+const Asset& SplitAssets::scene_at(double share) const {
+  const auto end = std::upper_bound(ends.begin(), ends.end(), share * ends.back());
+  return scenes[std::min(static_cast<std::size_t>(end - ends.begin()), scenes.size() - 1)];
+}
+
+Assets gather_assets(const Recipe& recipe, std::vector<std::string>& warnings) {
+  std::vector<Asset> all = all_assets(recipe, warnings);
+  const std::vector<std::uint64_t> keys = family_keys(recipe, all);
+  const Deal deal(recipe, keys, "scenes");
   Assets assets;
-  for (Asset& asset : all) assets[splits.at(asset.identity)].scenes.push_back(std::move(asset));
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    SplitAssets& split = assets[deal.split_of(keys[i])];
+    split.ends.push_back((split.ends.empty() ? 0 : split.ends.back()) + all[i].weight);
+    split.scenes.push_back(std::move(all[i]));
+  }
   if (!recipe.relations.environments.empty()) add_environments(recipe, assets);
   return assets;
 }

@@ -1,6 +1,9 @@
 #pragma once
 #include <array>
+#include <cstdint>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,25 +11,40 @@
 
 namespace dualpixel::datasets {
 
-/// A scene that samples can be made of.
+/// What the scenes of an entry of the recipe, or of a file, have in common.
+struct SceneOrigin {
+  nlohmann::json scene;       ///< as SampleLine::scene; of a kind without its seed
+  nlohmann::json scene_file;  ///< of it; of a kind what is known before a scene is drawn
+  std::string path;           ///< of the scene file; of a kind its name
+  std::string geometry;       ///< names it among others; of a kind its name
+  std::string environment;    ///< hash of the picture that lights it, where one of its own does
+};
+
+/// A scene that samples can be made of. There may be many: what they share is stored once.
 struct Asset {
-  nlohmann::json scene;       ///< as SampleLine::scene
-  nlohmann::json scene_file;  ///< of it; of a drawn scene what is known before it is drawn
-  std::string path;           ///< of the scene file; of a drawn scene only its name
-  std::string identity;       ///< of its geometry: assets of one identity are in one split
+  std::shared_ptr<const SceneOrigin> origin;
+  std::optional<std::uint64_t> seed;  ///< of a drawn scene
   double weight = 1;
+
+  nlohmann::json scene() const;  ///< as SampleLine::scene
+  std::string path() const;      ///< of the scene file; of a drawn scene only its name
+  std::string geometry() const;  ///< names it among others: copies of a model have the same
 };
 
 /// What each split draws from; no two splits share geometry or an environment.
 struct SplitAssets {
   std::vector<Asset> scenes;
+  std::vector<double> ends;  ///< running sum of the scenes' weights
   std::vector<std::string> environments;
+
+  /// The scene at a share in [0, 1) of all weights.
+  const Asset& scene_at(double share) const;
 };
 using Assets = std::array<SplitAssets, kSplitCount>;
 
-/// Reads the files that the recipe names. Throws InputError, also where there are fewer scenes or environments than
-/// splits.
-Assets gather_assets(const Recipe& recipe);
+/// Reads the files that the recipe names; `warnings` gets a line for each file in a folder that was left out. Throws
+/// InputError, also where there are fewer scenes or environments than splits.
+Assets gather_assets(const Recipe& recipe, std::vector<std::string>& warnings);
 
 /// What the scene of a file is known by: a scene file and its glTF file, or a glTF file alone.
 std::string scene_hash(const std::string& file, const nlohmann::json& scene_file);

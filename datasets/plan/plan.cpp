@@ -42,15 +42,8 @@ std::size_t split_of(const Recipe& recipe, int k) {
   return last;
 }
 
-const Asset& scene_of(const Recipe& recipe, const std::vector<Asset>& scenes, int k) {
-  double sum = 0;
-  for (const Asset& scene : scenes) sum += scene.weight;
-  double left = sum * weyl(Draws(recipe.seed, 0, "scene").uniform(), kRootStep, k);
-  for (const Asset& scene : scenes) {
-    if (left < scene.weight) return scene;
-    left -= scene.weight;
-  }
-  return scenes.back();
+const Asset& scene_of(const Recipe& recipe, const SplitAssets& assets, int k) {
+  return assets.scene_at(weyl(Draws(recipe.seed, 0, "scene").uniform(), kRootStep, k));
 }
 
 /// Positions in all grids of a recipe, which go through all combinations: each is a digit of k.
@@ -99,7 +92,7 @@ void draw_relations(const Recipe& recipe, const SplitAssets& assets, const Asset
   }
   if (r.model_size_m) {
     // one size for each model, whatever sample shows it
-    const Draws of_model(recipe.seed, 0, "model_size_m " + scene.identity);
+    const Draws of_model(recipe.seed, 0, "model_size_m " + scene.geometry());
     const std::size_t values = std::max<std::size_t>(r.model_size_m->values.size(), 1);
     line.set["model_size_m"] = draw(*r.model_size_m, of_model, Draws(of_model).bits() % values);
   }
@@ -112,11 +105,11 @@ void draw_relations(const Recipe& recipe, const SplitAssets& assets, const Asset
 
 /// Bytes of pictures. Throws InputError where the line is no scene. `warning`: the first thing that is seldom meant.
 std::uint64_t check_line(const SampleLine& line, const Asset& asset, std::string& warning) {
-  json scene = with_set(asset.scene_file, line);
+  json scene = with_set(asset.origin->scene_file, line);
   stand_in_for_relations(line, scene);
-  const simulator::Simulation simulation = simulator::read_simulation(scene, asset.path);
+  const simulator::Simulation simulation = simulator::read_simulation(scene, asset.path());
   if (simulation.time_budget_s) {
-    throw InputError(printable(asset.path) +
+    throw InputError(printable(asset.path()) +
                      ": /render/time_budget_s: a sample must not depend on the machine's speed: "
                      "give samples_per_pixel or noise_fraction");
   }
@@ -142,8 +135,8 @@ SampleLine plan_line(const Recipe& recipe, const Assets& assets, int k) {
   line.name = sample_name(k);
   const std::size_t split = split_of(recipe, k);
   line.split = kSplits[split].value;
-  const Asset& scene = scene_of(recipe, assets[split].scenes, k);
-  line.scene = scene.scene;
+  const Asset& scene = scene_of(recipe, assets[split], k);
+  line.scene = scene.scene();
   line.seed = simulator::hash(recipe.seed, static_cast<std::uint64_t>(k));
   line.set = json::object();
   GridPositions grids(k);
@@ -155,8 +148,8 @@ SampleLine plan_line(const Recipe& recipe, const Assets& assets, int k) {
 }
 
 Plan make_plan(const Recipe& recipe) {
-  const Assets assets = gather_assets(recipe);
   Plan plan;
+  const Assets assets = gather_assets(recipe, plan.warnings);
   plan.lines.resize(static_cast<std::size_t>(recipe.count));
   std::vector<std::uint64_t> bytes(plan.lines.size());
   std::vector<std::string> faults(plan.lines.size()), warnings(plan.lines.size());
@@ -164,7 +157,7 @@ Plan make_plan(const Recipe& recipe) {
     plan.lines[k] = plan_line(recipe, assets, static_cast<int>(k));
     try {
       const auto split = static_cast<std::size_t>(plan.lines[k].split);
-      bytes[k] = check_line(plan.lines[k], scene_of(recipe, assets[split].scenes, static_cast<int>(k)), warnings[k]);
+      bytes[k] = check_line(plan.lines[k], scene_of(recipe, assets[split], static_cast<int>(k)), warnings[k]);
     } catch (const InputError& error) {
       faults[k] = error.what();
     }
@@ -176,8 +169,8 @@ Plan make_plan(const Recipe& recipe) {
   const auto warned = std::count_if(warnings.begin(), warnings.end(), [](const auto& line) { return !line.empty(); });
   if (warned > 0) {
     const auto first = std::find_if(warnings.begin(), warnings.end(), [](const auto& line) { return !line.empty(); });
-    plan.warning = fmt::format("{}: {} of {} samples, the first is {}: {}", printable(recipe.path), warned,
-                               warnings.size(), first - warnings.begin(), *first);
+    plan.warnings.push_back(fmt::format("{}: {} of {} samples, the first is {}: {}", printable(recipe.path), warned,
+                                        warnings.size(), first - warnings.begin(), *first));
   }
   std::array<std::set<json>, kSplitCount> used;
   for (std::size_t k = 0; k < plan.lines.size(); ++k) {
@@ -193,14 +186,22 @@ Plan make_plan(const Recipe& recipe) {
 void write_plan(const Plan& plan, const Recipe& recipe, const std::string& folder) {
   std::string text;
   for (const SampleLine& line : plan.lines) text += to_text(line) + "\n";
+  const std::string description = about(plan, recipe, text).dump(2) + "\n";
   std::error_code error;
   if (fs::exists(folder + "/" + kDatasetFile, error)) {
-    if (read_file(folder + "/" + kPlanFile) == text) return;
-    throw InputError(printable(folder) + ": holds another plan, which may not change: choose another folder");
+    if (!text.starts_with(read_file(folder + "/" + kPlanFile))) {
+      throw InputError(printable(folder) + ": holds another plan, whose lines may not change: choose another folder");
+    }
+    const json there = read_json_file(folder + "/" + kDatasetFile);
+    if (there.is_object() && there.value("plan_xxh64", json()) == hash_of(text)) return;
+    // killed in between, the next plan goes on here
+    replace_file(folder + "/" + kPlanFile, text);
+    replace_file(folder + "/" + kDatasetFile, description);
+    return;
   }
   NewFolder out(folder, kDatasetFile);
   write_file(out.path() + "/" + kPlanFile, text);
-  write_file(out.path() + "/" + kDatasetFile, about(plan, recipe, text).dump(2) + "\n");
+  write_file(out.path() + "/" + kDatasetFile, description);
   out.commit();
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 #include <array>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,7 +13,7 @@ struct Plan {
   std::vector<SampleLine> lines;
   std::array<std::size_t, kSplitCount> samples{}, scenes{};  ///< of each split
   double bytes_per_sample = 0;                               ///< of pictures before compression, mean
-  std::optional<std::string> warning;                        ///< the first sample's that has any, and how many have
+  std::vector<std::string> warnings;  ///< of files left out; the first sample's that has any, and how many have
 };
 
 /// Sample k's line. It depends on the recipe without its count, on the files that it names, and on k alone.
@@ -28,7 +27,8 @@ inline constexpr const char* kPlanFile = "plan.jsonl";
 inline constexpr const char* kDatasetFile = "dataset.json";
 
 /// Writes plan.jsonl and dataset.json, which holds the recipe and the plan's hash, into a new folder. A folder that
-/// holds the same plan is left as it is; another plan, or anything else, is refused with InputError.
+/// holds the same plan is left as it is, and one that holds its first lines gets the others; another plan, or anything
+/// else, is refused with InputError.
 void write_plan(const Plan& plan, const Recipe& recipe, const std::string& folder);
 
 /// The lines of the data set in `folder`. Throws InputError where it is none, or was changed.

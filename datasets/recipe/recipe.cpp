@@ -10,6 +10,7 @@
 #include "capture/error.h"
 #include "capture/path_beside.h"
 #include "scenes/kinds/kinds.h"
+#include "simulator/scene_file_names.h"
 
 namespace dualpixel::datasets {
 namespace {
@@ -26,7 +27,35 @@ std::string absolute_beside(const std::string& recipe, const std::string& name) 
   return path;
 }
 
-void read_kind(Fields& fields, SceneSource& source) {
+/// An object with `value` in the place of a scene file that `field` names: "lens.file".
+json in_scene(const std::string& field, json value) {
+  std::size_t end = field.size();
+  for (;;) {
+    const std::size_t dot = end == 0 ? std::string::npos : field.rfind('.', end - 1);
+    const std::size_t begin = dot == std::string::npos ? 0 : dot + 1;
+    value = json::object({{field.substr(begin, end - begin), std::move(value)}});
+    if (begin == 0) return value;
+    end = dot;
+  }
+}
+
+/// What in_scene() was given.
+json out_of_scene(const std::string& field, json scene) {
+  for (std::size_t dots = std::count(field.begin(), field.end(), '.') + 1; dots > 0; --dots) {
+    json inner = std::move(scene.begin().value());
+    scene = std::move(inner);
+  }
+  return scene;
+}
+
+/// The value of a field with all files that it names beside the recipe, not beside each scene.
+json with_files_beside(const std::string& recipe, const std::string& field, json value) {
+  json scene = in_scene(field, std::move(value));
+  simulator::each_file_name(scene, [&](std::string& name) { name = absolute_beside(recipe, name); });
+  return out_of_scene(field, std::move(scene));
+}
+
+void read_kind(Fields& fields, SceneSource& source, const std::string& recipe) {
   fields.text("kind", source.kind);
   std::vector<std::string> kinds;
   for (const scenes::SceneKind& kind : scenes::scene_kinds()) kinds.emplace_back(kind.name);
@@ -34,16 +63,18 @@ void read_kind(Fields& fields, SceneSource& source) {
   double seeds[2] = {1, 1};
   fields.required("seeds").numbers("seeds", seeds, 2);
   constexpr double kMostSeed = 1e15;
-  if (!(seeds[0] >= 0 && seeds[0] <= seeds[1] && seeds[1] <= kMostSeed && seeds[1] - seeds[0] < kMostSamples) ||
+  if (!(seeds[0] >= 0 && seeds[0] <= seeds[1] && seeds[1] <= kMostSeed) ||
       seeds[0] != static_cast<double>(static_cast<std::uint64_t>(seeds[0])) ||
       seeds[1] != static_cast<double>(static_cast<std::uint64_t>(seeds[1]))) {
-    fields.fail("seeds", fmt::format("{}: must be [first, last], whole numbers in [0, 1e15], at most {} of them",
-                                     fields.raw("seeds").dump(), kMostSamples));
+    fields.fail("seeds", fields.raw("seeds").dump() + ": must be [first, last], whole numbers in [0, 1e15]");
   }
   source.seeds = {static_cast<std::uint64_t>(seeds[0]), static_cast<std::uint64_t>(seeds[1])};
   if (!fields.has("set")) return;
   source.set = fields.raw("set");
   if (!source.set.is_object()) fields.fail("set", "must be an object such as {\"objects\": 12}");
+  for (auto& [name, value] : source.set.items()) {  // with a dot: a field of the scene file
+    if (name.find('.') != std::string::npos) value = with_files_beside(recipe, name, std::move(value));
+  }
 }
 
 SceneSource read_source(Fields fields, const std::string& recipe) {
@@ -53,7 +84,7 @@ SceneSource read_source(Fields fields, const std::string& recipe) {
   std::string name;
   if (file) source.file = absolute_beside(recipe, (fields.text("file", name), name));
   if (folder) source.folder = absolute_beside(recipe, (fields.text("folder", name), name));
-  if (kind) read_kind(fields, source);
+  if (kind) read_kind(fields, source, recipe);
   fields.number("weight", source.weight, 0, kMostWeight);
   fields.done();
   return source;
@@ -86,14 +117,6 @@ Relations read_relations(Fields fields, const std::string& recipe) {
   return relations;
 }
 
-/// Fields that name files do so beside the recipe, not beside each scene.
-void resolve_files(const std::string& field, const std::string& recipe, Distribution& d) {
-  if (field != "lens.file" && field != "camera.file" && field != "environment.path") return;
-  for (json& value : d.values) {
-    if (value.is_string()) value = absolute_beside(recipe, value.get<std::string>());
-  }
-}
-
 /// A field may be set or follow from a relation, not both.
 void refuse_conflicts(const Fields& set, const Recipe& recipe) {
   const Relations& r = recipe.relations;
@@ -121,7 +144,7 @@ void read_set(Fields fields, const json& names, Recipe& recipe) {
   for (const auto& [field, value] : names.items()) {
     if (field.empty() || field.find('=') != std::string::npos) fields.fail(field, "is not the name of a field");
     Distribution d = read_distribution(fields, field);
-    resolve_files(field, recipe.path, d);
+    for (json& v : d.values) v = with_files_beside(recipe.path, field, std::move(v));
     recipe.set.emplace(field, std::move(d));
   }
   fields.done();
@@ -138,6 +161,34 @@ void read_split(Fields fields, bool there, Recipe& recipe) {
   const double sum = std::accumulate(recipe.shares.begin(), recipe.shares.end(), 0.0);
   if (!(sum > 0.999 && sum < 1.001)) {
     fields.fail("train", fmt::format("the shares of train, validation and test add up to {:g}: must be 1", sum));
+  }
+}
+
+/// Every value of a field is drawn in every split: no picture that lights the scene may be among them where there are
+/// several.
+void refuse_shared_light(const Fields& set, const Recipe& recipe) {
+  if (std::count_if(recipe.shares.begin(), recipe.shares.end(), [](double share) { return share > 0; }) < 2) return;
+  for (const auto& [field, distribution] : recipe.set) {
+    for (const json& value : distribution.values) {
+      const json scene = in_scene(field, value);
+      const json light = scene.value("environment", json());
+      if (!light.is_object() || !light.value("path", json()).is_string()) continue;
+      set.fail(field, printable(light["path"].get<std::string>()) +
+                          ": would be in more than one split: name a folder by relations.environments, whose files are "
+                          "shared out");
+    }
+  }
+}
+
+/// So many that a plan takes less than half a gigabyte for them.
+void require_few_seeds(const Fields& root, const Recipe& recipe) {
+  constexpr std::uint64_t kMostSeeds = 1'000'000;
+  std::uint64_t left = kMostSeeds;
+  for (const SceneSource& source : recipe.scenes) {
+    if (source.kind.empty()) continue;
+    const std::uint64_t count = source.seeds[1] - source.seeds[0] + 1;
+    if (count > left) root.fail("scenes", fmt::format("more than {} seeds in all", kMostSeeds));
+    left -= count;
   }
 }
 
@@ -182,9 +233,11 @@ Recipe read_recipe(const json& document, const std::string& path) {
     recipe.scenes.push_back(read_source(fields, path));
   }
   if (recipe.scenes.empty()) root.fail("scenes", "must be one entry or more");
+  require_few_seeds(root, recipe);
   recipe.relations = read_relations(root.object("relations"), path);
   read_set(root.object("set"), root.raw("set").is_null() ? json::object() : root.raw("set"), recipe);
   read_split(root.object("split"), root.has("split"), recipe);
+  refuse_shared_light(root.object("set"), recipe);
   read_keep(root, recipe);
   root.done();
   return recipe;

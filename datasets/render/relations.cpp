@@ -28,21 +28,34 @@ void place_on_shell(const json& shell, const simulator::ReadyScene& ready, const
   scenes::set_pose(scene_file, {position->x, position->y, position->z}, {middle.x, middle.y, middle.z});
 }
 
+/// Whether the scene file's distance of focus is "auto".
+bool focuses_itself(const json& scene_file) {
+  const auto camera = scene_file.find("camera");
+  return camera != scene_file.end() && camera->is_object() && camera->value("focus_distance_m", json()) == "auto";
+}
+
 }  // namespace
 
+std::optional<std::array<double, 2>> focus_place(const SampleLine& line, const json& scene_file) {
+  if (line.relations.contains("focus_at")) return line.relations["focus_at"].get<std::array<double, 2>>();
+  if (focuses_itself(scene_file)) return {{0.5, 0.5}};
+  return {};
+}
+
 void stand_in_for_relations(const SampleLine& line, json& scene_file) {
+  if (focuses_itself(scene_file)) scene_file["camera"].erase("focus_distance_m");
   if (line.relations.contains("camera_shell")) scenes::set_pose(scene_file, {0, 0, 1}, {0, 0, 0});
 }
 
-void resolve_geometry(const SampleLine& line, const simulator::ReadyScene& ready, const std::string& path,
-                      json& scene_file) {
+void resolve_geometry(const SampleLine& line, const std::optional<std::array<double, 2>>& focus,
+                      const simulator::ReadyScene& ready, const std::string& path, json& scene_file) {
   const json& r = line.relations;
   if (r.contains("camera_shell")) place_on_shell(r.at("camera_shell"), ready, path, scene_file);
-  if (!r.contains("focus_at")) return;
+  if (!focus) return;
   constexpr double kNearest_m = 0.08, kFarthest_m = 1000;
   const Truth seen = scenes::seen_surfaces(simulator::read_simulation(scene_file, path), ready);
-  const json& at = r.at("focus_at");
-  const double depth = scenes::depth_at(seen, at.at(0).get<double>(), at.at(1).get<double>(), path, "focus_at");
+  const char* field = r.contains("focus_at") ? "focus_at" : "/camera/focus_distance_m: auto";
+  const double depth = scenes::depth_at(seen, (*focus)[0], (*focus)[1], path, field);
   scene_file["camera"]["focus_distance_m"] = scenes::short_number(std::clamp(depth, kNearest_m, kFarthest_m));
 }
 

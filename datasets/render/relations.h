@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -10,13 +11,18 @@
 /// What depends on the scene as the camera sees it: a line holds the numbers that were drawn, rays say what they mean.
 namespace dualpixel::datasets {
 
-/// For checking a line before its scene is loaded: puts some camera where the line's is not known yet.
+/// Where in the picture the camera focuses, in shares of its sides: the line's focus_at, or the middle where the scene
+/// file's distance is "auto"; empty: at a distance.
+std::optional<std::array<double, 2>> focus_place(const SampleLine& line, const nlohmann::json& scene_file);
+
+/// For checking a line before its scene is loaded: puts some camera, and some distance of focus, where the line's is
+/// not known yet.
 void stand_in_for_relations(const SampleLine& line, nlohmann::json& scene_file);
 
-/// Places the camera and focuses it, as the line's camera_shell and focus_at say. Throws InputError where there is no
-/// free place, or nothing to focus on.
-void resolve_geometry(const SampleLine& line, const simulator::ReadyScene& ready, const std::string& path,
-                      nlohmann::json& scene_file);
+/// Places the camera as the line's camera_shell says, and focuses it on what it sees at `focus`. Throws InputError
+/// where there is no free place, or nothing to focus on.
+void resolve_geometry(const SampleLine& line, const std::optional<std::array<double, 2>>& focus,
+                      const simulator::ReadyScene& ready, const std::string& path, nlohmann::json& scene_file);
 
 /// Sets time and gain so that the mean of the picture's signal, clipped at white, is `mean`: of the green photosites,
 /// in each of a grid of them, through the lens with its shading. The field that `set` has stays (exposure.time_s or

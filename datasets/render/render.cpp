@@ -14,10 +14,12 @@
 
 #include "capture/error.h"
 #include "capture/files.h"
+#include "capture/path_beside.h"
 #include "datasets/plan/plan.h"
 #include "datasets/render/relations.h"
 #include "scenes/framing/scene_document.h"
 #include "scenes/kinds/kinds.h"
+#include "simulator/scene_file_names.h"
 #include "simulator/simulate.h"
 
 namespace dualpixel::datasets {
@@ -26,24 +28,57 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// Draws the scene unless it is there. Two processes that do so at once write the same bytes.
-std::string drawn_scene(const json& scene, const std::string& dataset) {
+/// A scene that is drawn for a data set.
+struct DrawnScene {
+  scenes::SceneOrder order;
+  std::string folder;  ///< in the data set
+};
+
+DrawnScene drawn_scene_of(const json& scene) {
   const auto kind = scene.at("kind").get<std::string>();
-  const scenes::SceneKind& known = scenes::scene_kind(kind);  // refuses others before a folder of their name is made
+  (void)scenes::scene_kind(kind);  // refuses others before a folder of their name is made
   const auto seed = scene.at("seed").get<std::uint64_t>();
-  const std::string folder = fmt::format("{}/scenes/{}_{}_{}", dataset, kind, seed, hash_of(scene.dump()).substr(0, 8));
+  return {{kind, seed, scenes::assignments_of(scene.value("set", json::object()))},
+          fmt::format("scenes/{}_{}_{}", kind, seed, hash_of(scene.dump()).substr(0, 8))};
+}
+
+/// Draws the scene unless it is there. Two processes that do so at once write the same bytes.
+std::string draw_once(const DrawnScene& scene, const std::string& dataset) {
+  const std::string folder = dataset + "/" + scene.folder;
   std::string path = folder + "/scene.json";
   std::error_code error;
   if (fs::exists(path, error)) return path;
   NewFolder out(folder, "scene.json");
-  const std::vector<std::string> set = scenes::assignments_of(scene.value("set", json::object()));
-  scenes::draw_scene(known, {kind, seed, set}, out.path());
+  scenes::draw_scene(scenes::scene_kind(scene.order.kind), scene.order, out.path());
   try {
     out.commit();
   } catch (const InputError&) {  // another process was first
     if (!fs::exists(path, error)) throw;
   }
   return path;
+}
+
+/// In single quotes for a shell.
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? "'\\''" : std::string(1, c);
+  return out + "'";
+}
+
+/// What draws the scene again, given in the data set's folder.
+std::string command_of(const DrawnScene& scene) {
+  std::string command = fmt::format("dualpixel scene {} --seed {}", scene.order.kind, scene.order.seed);
+  for (const std::string& assignment : scene.order.assignments) command += " --set " + quoted(assignment);
+  return command + " -o " + scene.folder;
+}
+
+/// The scene file `text` of a sample, its names of files such that it can lie in the sample's folder, wherever the data
+/// set is: files of drawn scenes are the data set's own, others have absolute paths.
+std::string beside_sample(const std::string& text, const std::string& path, const std::optional<DrawnScene>& drawn) {
+  json scene = json::parse(text);
+  const std::string beside = drawn ? "../../" + drawn->folder + "/scene.json" : path;
+  simulator::each_file_name(scene, [&](std::string& name) { name = path_beside(beside, name); });
+  return scene.dump();
 }
 
 bool keeps(const SampleLine& line, const char* picture) {
@@ -117,15 +152,17 @@ void work(Board& board, int job) {
 
 RenderedSample render_line(const SampleLine& line, const std::string& dataset,
                            std::unique_ptr<simulator::ReadyScene>& ready) {
-  const bool drawn = line.scene.contains("kind");
-  const std::string path = drawn ? drawn_scene(line.scene, dataset) : line.scene.at("file").get<std::string>();
+  std::optional<DrawnScene> drawn;
+  if (line.scene.contains("kind")) drawn = drawn_scene_of(line.scene);
+  const std::string path = drawn ? draw_once(*drawn, dataset) : line.scene.at("file").get<std::string>();
   const json as_read = scenes::read_scene_document(path);
   json scene_file = with_set(as_read, line);
+  const auto focus = focus_place(line, scene_file);
   stand_in_for_relations(line, scene_file);
   if (simulator::make_ready(simulator::read_simulation(scene_file, path), ready)) {
     require_planned_scene(line, path, as_read);
   }
-  resolve_geometry(line, *ready, path, scene_file);
+  resolve_geometry(line, focus, *ready, path, scene_file);
   simulator::Simulation simulation = simulator::read_simulation(scene_file, path);
   const simulator::CameraView camera = simulator::place_camera(simulation, ready->scene);
   std::optional<scenes::MissedExposure> missed_exposure;
@@ -141,6 +178,8 @@ RenderedSample render_line(const SampleLine& line, const std::string& dataset,
   capture.provenance.program = "dualpixel " DUALPIXEL_VERSION;
   capture.provenance.scene_file = fs::path(path).filename().string();
   capture.provenance.gltf_xxh64 = ready->gltf_xxh64;
+  capture.provenance.scene = beside_sample(capture.provenance.scene, path, drawn);
+  if (drawn) capture.provenance.other["scene_command"] = json(command_of(*drawn)).dump();
   return {std::move(capture), missed_exposure};
 }
 

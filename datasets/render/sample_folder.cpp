@@ -21,13 +21,21 @@ using nlohmann::json;
 
 namespace {
 
-/// Whoever learns from a data set shall not find a NaN in it.
+/// What the statistics are of, too, whatever is kept.
 void require_finite(const Truth& truth) {
   const auto finite = [](const Image& image) {
     return std::all_of(image.data.begin(), image.data.end(), [](float value) { return std::isfinite(value); });
   };
-  if (finite(truth.left) && finite(truth.right) && std::isfinite(truth.noise->views)) return;
-  throw InputError("the views' light, or the error of its estimate, is not finite");
+  if (finite(truth.left) && finite(truth.right) && finite(truth.disparity_dp_px) && std::isfinite(truth.noise->views)) {
+    return;
+  }
+  throw InputError("the views' light, the error of its estimate, or disparity is not finite");
+}
+
+std::vector<std::string> names_of_files(const SampleLine& line) {
+  std::vector<std::string> names = picture_files(line.layout, line.keep);
+  names.emplace_back(kPreviewFile);
+  return names;
 }
 
 }  // namespace
@@ -46,9 +54,8 @@ void write_sample(const SampleLine& line, const RenderedSample& sample, const st
   require_finite(*capture.truth);
   const std::string path = sample_folder(dataset, line);
   NewFolder folder(path, kSampleFile);
-  std::vector<std::string> files = write_pictures(capture, line.layout, line.keep, folder.path());
+  write_pictures(capture, line.layout, line.keep, folder.path());
   write_png8(folder.path() + "/" + kPreviewFile, preview_of(capture));
-  files.emplace_back(kPreviewFile);
   nlohmann::ordered_json document = {{"format", "dualpixel-sample"},
                                      {"version", 1},
                                      {"line", nlohmann::ordered_json::parse(to_text(line))},
@@ -62,25 +69,45 @@ void write_sample(const SampleLine& line, const RenderedSample& sample, const st
   if (!capture.truth->photograph.empty()) document["noise"]["photograph"] = capture.truth->noise->photograph;
   document["statistics"] = statistics_of(capture);
   document["provenance"] = to_json(capture.provenance, path);
-  document["files"] = make_manifest(folder.path(), files);
+  document["files"] = make_manifest(folder.path(), names_of_files(line));
   write_file(folder.path() + "/" + kSampleFile, document.dump(2) + "\n");
   folder.commit();
 }
 
-std::string fault_of_sample(const std::string& dataset, const SampleLine& line) {
+std::vector<SampleFile> files_of_sample(const std::string& dataset, const SampleLine& line, const json& document) {
   const std::string folder = sample_folder(dataset, line), path = folder + "/" + kSampleFile;
-  try {
-    const json document = read_json_file(path);
-    if (!document.is_object() || document.value("line", json()) != json::parse(to_text(line))) {
-      return printable(path) + ": /line: is not that of the plan";
+  Fields fields(document, path);
+  if (fields.required("line").raw("line") != json::parse(to_text(line))) fields.fail("line", "is not that of the plan");
+  std::vector<SampleFile> files;
+  std::vector<std::string> names;
+  for (Fields entry : fields.required("files").objects("files")) {
+    SampleFile file;
+    entry.required("path").text("path", file.name);
+    entry.required("xxh64").text("xxh64", file.xxh64);
+    names.push_back(file.name);
+    files.push_back(std::move(file));
+  }
+  const std::vector<std::string> kept = names_of_files(line);
+  if (names != kept) fields.fail("files", fmt::format("must name {}, as the plan has it", fmt::join(kept, ", ")));
+  for (const std::string& name : names) {
+    std::error_code error;
+    const std::string file = folder + "/" + name;
+    const auto type = std::filesystem::symlink_status(file, error).type();
+    if (type != std::filesystem::file_type::regular) {  // a link might lead anywhere
+      throw InputError(printable(file) +
+                       (type == std::filesystem::file_type::not_found ? ": no such file" : ": is not a regular file"));
     }
-    Fields fields(document, path);
-    for (Fields entry : fields.required("files").objects("files")) {
-      std::string name, hash;
-      entry.required("path").text("path", name);
-      entry.required("xxh64").text("xxh64", hash);
-      if (name.find('/') != std::string::npos) entry.fail("path", printable(name) + ": must lie in the folder");
-      if (file_hash(folder + "/" + name) != hash) return printable(folder + "/" + name) + ": the file was changed";
+  }
+  return files;
+}
+
+std::string fault_of_sample(const std::string& dataset, const SampleLine& line) {
+  const std::string folder = sample_folder(dataset, line);
+  try {
+    const json document = read_json_file(folder + "/" + kSampleFile);
+    for (const SampleFile& file : files_of_sample(dataset, line, document)) {
+      const std::string path = folder + "/" + file.name;
+      if (file_hash(path) != file.xxh64) return printable(path) + ": the file was changed";
     }
     return "";
   } catch (const InputError& error) {

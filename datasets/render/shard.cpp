@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdint>
 #include <cstdlib>
 
 #include "capture/error.h"
+#include "simulator/ready_scene.h"
 
 namespace dualpixel::datasets {
 namespace {
@@ -29,21 +31,49 @@ int number_in(const char* variable) {
   return value;
 }
 
-/// What a batch system calls index and count, and its first index.
+/// What a batch system calls its index and count.
 struct BatchVariables {
-  const char *index, *count, *first;
+  const char *index, *count;
 };
-constexpr BatchVariables kBatchSystems[] = {{"SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_MIN"},
-                                            {"JOB_COMPLETION_INDEX", "JOB_COMPLETION_COUNT", nullptr},
-                                            {"AWS_BATCH_JOB_ARRAY_INDEX", "AWS_BATCH_JOB_ARRAY_SIZE", nullptr}};
+constexpr BatchVariables kSlurm = {"SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT"};
+constexpr BatchVariables kOthers[] = {{"JOB_COMPLETION_INDEX", "JOB_COMPLETION_COUNT"},
+                                      {"AWS_BATCH_JOB_ARRAY_INDEX", "AWS_BATCH_JOB_ARRAY_SIZE"}};
 
-/// Samples that share a scene share what simulator::same_scene() goes by.
+int count_in(const BatchVariables& batch) {
+  const int count = number_in(batch.count);
+  if (count >= 0) return count;
+  throw InputError(fmt::format("{} is set without {}: give --shard I/N", batch.index, batch.count));
+}
+
+Shard shard_in(const BatchVariables& batch, int index) {
+  const Shard shard{index, count_in(batch)};
+  if (shard.count >= 1 && shard.count <= kMostShards && shard.index < shard.count) return shard;
+  throw InputError(
+      fmt::format("{}: {} of {} {}: must be below it: give --shard I/N", batch.index, index, batch.count, shard.count));
+}
+
+/// Of an array such as 0-19, or 3-30:3. One with gaps of unlike size does not say how many of its tasks come before
+/// this one.
+Shard shard_of_slurm() {
+  const int id = number_in(kSlurm.index), count = count_in(kSlurm);
+  const int first = std::max(number_in("SLURM_ARRAY_TASK_MIN"), 0);
+  const int step = std::max(number_in("SLURM_ARRAY_TASK_STEP"), 1);
+  const int given_last = number_in("SLURM_ARRAY_TASK_MAX");
+  const std::int64_t last = first + std::int64_t{step} * (count - 1);
+  if (id < first || id > last || (id - first) % step != 0 || (given_last >= 0 && given_last != last)) {
+    throw InputError(fmt::format(
+        "SLURM_ARRAY_TASK_ID: {}: is in an array of {} tasks from {}{} that are not evenly spaced, which "
+        "leaves open what part it is: give --shard I/N, or an array such as 0-{}",
+        id, count, first, given_last >= 0 ? fmt::format(" to {}", given_last) : "", std::max(count - 1, 0)));
+  }
+  return shard_in(kSlurm, (id - first) / step);
+}
+
+/// Equal for samples that share a scene.
 std::string scene_key(const SampleLine& line) {
   std::string key = line.scene.dump();
   for (const auto& [field, value] : line.set.items()) {
-    const bool of_scene = field.starts_with("environment") || field == "model_size_m" || field == "unlit_white_nits" ||
-                          field == "gltf" || field == "burst.animation";
-    if (of_scene) key += " " + field + "=" + value.dump();
+    if (simulator::is_of_scene(field)) key += " " + field + "=" + value.dump();
   }
   return key;
 }
@@ -62,13 +92,9 @@ Shard parse_shard(const std::string& text) {
 }
 
 Shard shard_of_environment() {
-  for (const auto& [index, count, first] : kBatchSystems) {
-    if (number_in(index) < 0) continue;
-    if (number_in(count) < 0) {
-      throw InputError(fmt::format("{} is set without {}: give --shard I/N", index, count));
-    }
-    const int begin = first == nullptr ? 0 : std::max(number_in(first), 0);
-    return parse_shard(fmt::format("{}/{}", number_in(index) - begin, number_in(count)));
+  if (number_in(kSlurm.index) >= 0) return shard_of_slurm();
+  for (const BatchVariables& batch : kOthers) {
+    if (const int index = number_in(batch.index); index >= 0) return shard_in(batch, index);
   }
   return {};
 }

@@ -17,9 +17,10 @@ struct Shard {
 /// "I/N", I from 0 to N - 1. Throws InputError.
 Shard parse_shard(const std::string& text);
 
-/// What a batch system says of this process: SLURM_ARRAY_TASK_ID and SLURM_ARRAY_TASK_COUNT (and _MIN), Kubernetes'
-/// JOB_COMPLETION_INDEX with JOB_COMPLETION_COUNT, AWS Batch's AWS_BATCH_JOB_ARRAY_INDEX with AWS_BATCH_JOB_ARRAY_SIZE;
-/// otherwise the whole. Throws InputError where an index comes without its count.
+/// What a batch system says of this process: SLURM_ARRAY_TASK_ID and SLURM_ARRAY_TASK_COUNT (with _MIN, _MAX, _STEP),
+/// Kubernetes' JOB_COMPLETION_INDEX with JOB_COMPLETION_COUNT, AWS Batch's AWS_BATCH_JOB_ARRAY_INDEX with
+/// AWS_BATCH_JOB_ARRAY_SIZE; otherwise the whole. Throws InputError where an index comes without its count, or where
+/// Slurm's array has gaps that leave open how many tasks come before this one.
 Shard shard_of_environment();
 
 /// The shard's lines, samples of one scene side by side: each is in one shard, and scenes are spread over as few shards

@@ -21,6 +21,7 @@ using nlohmann::json;
 json index_entry(const SampleLine& line, const std::string& dataset) {
   const std::string path = sample_folder(dataset, line) + "/" + kSampleFile;
   const json sample = read_json_file(path);
+  const std::vector<SampleFile> files = files_of_sample(dataset, line, sample);
   try {
     const json& camera = sample.at("camera");
     json entry = {{"name", line.name},
@@ -34,7 +35,7 @@ json index_entry(const SampleLine& line, const std::string& dataset) {
     }
     for (const char* field : {"time_s", "iso"}) entry[field] = sample.at("exposure").at(field);
     if (sample.contains("missed_exposure")) entry["missed_exposure"] = sample["missed_exposure"];
-    for (const json& file : sample.at("files")) entry["files"].push_back(file.at("path"));
+    for (const SampleFile& file : files) entry["files"].push_back(file.name);
     return entry;
   } catch (const json::exception& error) {
     throw InputError(printable(path) + ": is no sample: " + printable(error.what()));
@@ -51,21 +52,50 @@ void link_file(const std::string& from, const std::string& to) {
   if (error) throw InputError(printable(to) + ": cannot be written: " + error.message());
 }
 
-void link_dpdd(const SampleLine& line, const std::string& dataset) {
-  const std::string from = sample_folder(dataset, line);
+/// The names that a layout's tree has for files of a sample.
+struct Link {
+  std::string file;  ///< of the sample
+  std::string name;  ///< in the data set
+};
+
+std::vector<Link> dpdd_links(const SampleLine& line) {
   const std::string split = line.split == Split::validation ? "val" : name_of(kSplits, line.split);
+  std::vector<Link> links;
   for (const char* view : {"c", "l", "r"}) {
-    link_file(fmt::format("{}/source_{}.png", from, view),
-              fmt::format("{}/dpdd/{}_{}/source/{}.png", dataset, split, view, line.name));
+    links.push_back(
+        {fmt::format("source_{}.png", view), fmt::format("dpdd/{}_{}/source/{}.png", split, view, line.name)});
   }
-  link_file(from + "/target.png", fmt::format("{}/dpdd/{}_c/target/{}.png", dataset, split, line.name));
+  links.push_back({"target.png", fmt::format("dpdd/{}_c/target/{}.png", split, line.name)});
+  return links;
 }
 
-void link_google(const SampleLine& line, const std::string& dataset) {
+std::vector<Link> google_links(const SampleLine& line) {
+  std::vector<Link> links;
   for (const GoogleFile& file : kGoogleFiles) {
-    link_file(
-        sample_folder(dataset, line) + "/" + file.file,
-        fmt::format("{}/google/{}/{}/{}/{}", dataset, name_of(kSplits, line.split), file.folder, line.name, file.file));
+    links.push_back({file.file, fmt::format("google/{}/{}/{}/{}", name_of(kSplits, line.split), file.folder, line.name,
+                                            file.file)});
+  }
+  return links;
+}
+
+std::vector<Link> links_of(const SampleLine& line) {
+  if (line.layout == Layout::dpdd) return dpdd_links(line);
+  return line.layout == Layout::google ? google_links(line) : std::vector<Link>{};
+}
+
+void link_sample(const std::string& dataset, const SampleLine& line) {
+  for (const Link& link : links_of(line)) {
+    link_file(sample_folder(dataset, line) + "/" + link.file, dataset + "/" + link.name);
+  }
+}
+
+/// Of a sample that is not there any more.
+void unlink_sample(const std::string& dataset, const SampleLine& line) {
+  std::error_code error;
+  for (const Link& link : links_of(line)) {
+    const fs::path path = dataset + "/" + link.name;
+    if (!fs::remove(path, error)) continue;
+    if (line.layout == Layout::google) fs::remove(path.parent_path(), error);  // the sample's own
   }
 }
 
@@ -75,11 +105,13 @@ std::vector<json> merge_samples(const std::string& folder) {
   std::vector<json> index;
   std::string text;
   for (const SampleLine& line : read_plan(folder)) {
-    if (!is_there(folder, line)) continue;
+    if (!is_there(folder, line)) {
+      unlink_sample(folder, line);
+      continue;
+    }
     index.push_back(index_entry(line, folder));
     text += index.back().dump() + "\n";
-    if (line.layout == Layout::dpdd) link_dpdd(line, folder);
-    if (line.layout == Layout::google) link_google(line, folder);
+    link_sample(folder, line);
   }
   if (index.empty()) throw InputError(printable(folder) + ": nothing is rendered yet");
   replace_file(folder + "/" + kIndexFile, text);

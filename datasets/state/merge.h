@@ -13,6 +13,7 @@ inline constexpr const char* kIndexFile = "index.jsonl";
 /// folder, files, camera, exposure and statistics, and returns the lines. Of the dpdd layout it also lays the pictures
 /// out as DPDD has them, by hard links: dpdd/{train,val,test}_{c,l,r}/source/NAME.png and dpdd/{...}_c/target/NAME.png;
 /// of the google layout likewise google/{train,validation,test}/FOLDER/NAME/FILE (datasets/pictures/google.h).
+/// Links of samples that are not there any more are removed.
 /// Throws InputError where the folder is no data set, a sample cannot be read, or nothing is rendered.
 std::vector<nlohmann::json> merge_samples(const std::string& folder);
 

@@ -84,6 +84,27 @@ TEST(Jobs, KnowWhetherTheirSceneIsTheSame) {
                           with("environment", {{"model", "sky"}, {"zenith_nits", 2}})));
 }
 
+TEST(Jobs, KnowTheFieldsOfTheirScene) {
+  const std::pair<const char*, json> fields[] = {{"gltf", "other.glb"},
+                                                 {"unlit_white_nits", 200},
+                                                 {"model_size_m", 2},
+                                                 {"burst.animation", true},
+                                                 {"burst", {{"animation", true}}},
+                                                 {"environment.model", "sky"},
+                                                 {"environment", {{"model", "sky"}}},
+                                                 {"camera.focus_distance_m", 2},
+                                                 {"render.light_spacing_px", 2},
+                                                 {"exposure.iso", 200},
+                                                 {"lens.f_number", 4},
+                                                 {"burst.frames", 2}};
+  const Simulation s = read_simulation(kMinimal, "scene.json");
+  for (const auto& [field, value] : fields) {
+    json document = kMinimal;
+    apply_override(document, std::string(field) + "=" + value.dump());
+    EXPECT_EQ(is_of_scene(field), !same_scene(s, read_simulation(document, "scene.json"))) << field;
+  }
+}
+
 // Whatever came before it in the process, a job gives the bytes of a call of its own: other light samples, another
 // spacing, a goal, another environment, and back again. capture.json holds the hashes of all files.
 TEST(SlowJobs, GiveTheBytesOfSeparateCalls) {

@@ -10,6 +10,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
+#include <stdexcept>
 #include <string_view>
 
 #include "capture/error.h"
@@ -232,6 +234,36 @@ GltfFile load_gltf(const std::string& bytes, const std::string& name, const std:
     throw InputError(printable(name) + ": tinygltf: " + printable(error.substr(0, error.find('\n'))));
   }
   return file;
+}
+
+std::string hash_of_geometry(const std::string& bytes, const std::string& name, const std::string& folder) {
+  try {
+    const Container container = open_container(bytes, name);
+    const json root = parse_json(container.json_text, name);
+    json parts = {{"buffers", root.at("buffers")}};
+    for (const json& buffer : parts["buffers"]) {
+      if (!buffer.contains("uri") && !container.bin) return hash_of(bytes);
+    }
+    const Bytes buffers = take_uris(parts, container.bin, folder, name);
+    std::set<std::size_t> pictures;
+    for (const json& image : root.value("images", json::array())) {
+      if (image.contains("bufferView")) pictures.insert(image["bufferView"].get<std::size_t>());
+    }
+    std::vector<std::string> hashes;  // sorted: other programs write the same parts in another order
+    const json& views = root.at("bufferViews");
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      if (pictures.contains(i)) continue;
+      const std::string_view buffer = buffers.at(fmt::format("buffers-{}", views[i].at("buffer").get<std::size_t>()));
+      hashes.push_back(hash_of(
+          buffer.substr(views[i].value("byteOffset", std::size_t{0}), views[i].at("byteLength").get<std::size_t>())));
+    }
+    std::sort(hashes.begin(), hashes.end());
+    if (!hashes.empty()) return hash_of(fmt::format("{}", fmt::join(hashes, " ")));
+  } catch (const InputError&) {
+  } catch (const json::exception&) {
+  } catch (const std::out_of_range&) {
+  }
+  return hash_of(bytes);
 }
 
 }  // namespace dualpixel::simulator

@@ -21,4 +21,7 @@ struct GltfFile {
 /// Without `with_animations` they are left out, with a warning. Throws InputError.
 GltfFile load_gltf(const std::string& bytes, const std::string& name, const std::string& folder, bool with_animations);
 
+/// As geometry_hash() in gltf.h; the hash of the file's bytes where it cannot be taken apart.
+std::string hash_of_geometry(const std::string& bytes, const std::string& name, const std::string& folder);
+
 }  // namespace dualpixel::simulator

@@ -301,6 +301,10 @@ Scene read_gltf(const std::string& path, std::optional<double> time_s) {
   return read_gltf_bytes(bytes, path, std::filesystem::absolute(path).parent_path().string(), time_s);
 }
 
+std::string geometry_hash(const std::string& path) {
+  return hash_of_geometry(read_file(path), path, std::filesystem::absolute(path).parent_path().string());
+}
+
 Scene read_gltf_bytes(const std::string& bytes, const std::string& name, const std::string& folder,
                       std::optional<double> time_s) {
   GltfFile file = load_gltf(bytes, name, folder, time_s.has_value());

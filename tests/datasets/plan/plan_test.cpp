@@ -1,8 +1,11 @@
 #include "datasets/plan/plan.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <cstring>
 #include <ctime>
 #include <map>
 #include <set>
@@ -66,10 +69,56 @@ TEST(Plan, SplitsShareNoSceneAndHaveTheirShares) {
   EXPECT_EQ(plan.scenes, (std::array<std::size_t, 3>{12, 2, 6}));
 }
 
+std::uint32_t word_in(const std::string& bytes, std::size_t at) {
+  std::uint32_t word = 0;
+  std::memcpy(&word, bytes.data() + at, sizeof(word));
+  return word;
+}
+
+std::string as_word(std::size_t value) {
+  const auto word = static_cast<std::uint32_t>(value);
+  return std::string(reinterpret_cast<const char*>(&word), sizeof(word));
+}
+
+/// The parts of a .glb file.
+struct GlbParts {
+  json root;
+  std::string buffer;
+};
+
+GlbParts parts_of(const std::string& glb) {
+  const std::uint32_t length = word_in(glb, 12);
+  return {json::parse(glb.substr(20, length)), glb.substr(28 + length)};
+}
+
+/// As another program might save it: other JSON, and the buffer's parts in reverse order.
+std::string saved_again(const std::string& glb) {
+  auto [root, buffer] = parts_of(glb);
+  root["asset"]["generator"] = "another program";
+  std::string reversed;
+  for (std::size_t i = root["bufferViews"].size(); i-- > 0;) {
+    json& view = root["bufferViews"][i];
+    const auto begin = view.value("byteOffset", std::size_t{0});
+    view["byteOffset"] = reversed.size();
+    reversed += buffer.substr(begin, view["byteLength"].get<std::size_t>());
+    reversed.resize((reversed.size() + 3) / 4 * 4);
+  }
+  root["buffers"][0]["byteLength"] = reversed.size();
+  std::string text = root.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  return "glTF" + as_word(2) + as_word(28 + text.size() + reversed.size()) + as_word(text.size()) + "JSON" + text +
+         as_word(reversed.size()) + std::string("BIN\0", 4) + reversed;
+}
+
 TEST(Plan, CopiesOfAModelAreInOneSplit) {
   const TemporaryFolder folder;
   const std::string glb = read_bytes(DUALPIXEL_SCENES_DIR "/slanted_planes.glb");
   for (const char* name : {"a.glb", "b.glb", "deep/c.glb"}) folder.write(name, glb);
+  folder.write("again.glb", saved_again(glb));
+  GlbParts parts = parts_of(glb);
+  parts.root["buffers"][0]["uri"] = "apart.bin";
+  folder.write("apart.gltf", parts.root.dump());
+  folder.write("apart.bin", parts.buffer);
   folder.write("other.glb", read_bytes(DUALPIXEL_SCENES_DIR "/occlusion_edges.glb"));
   folder.write("a.json", R"({"version": 1, "gltf": "a.glb"})");
   json recipe = small_recipe(64);
@@ -79,9 +128,119 @@ TEST(Plan, CopiesOfAModelAreInOneSplit) {
   for (const SampleLine& line : plan_of(recipe).lines) {
     (line.split == Split::train ? train : test).insert(line.scene["file"].get<std::string>());
   }
-  std::set<std::string>& copies = train.size() == 3 ? train : test;
-  EXPECT_EQ(copies, (std::set<std::string>{folder / "a.json", folder / "b.glb", folder / "deep/c.glb"}));
-  EXPECT_EQ(train.size() + test.size(), 4U);
+  std::set<std::string>& copies = train.size() == 5 ? train : test;
+  EXPECT_EQ(copies, (std::set<std::string>{folder / "a.json", folder / "again.glb", folder / "apart.gltf",
+                                           folder / "b.glb", folder / "deep/c.glb"}));
+  EXPECT_EQ(train.size() + test.size(), 6U);
+}
+
+/// Three models, each in a scene file of its own; the pictures of light are never opened by a plan.
+json of_lit_models(const TemporaryFolder& folder, const std::map<std::string, std::string>& light_of_model) {
+  for (const auto& [model, light] : light_of_model) {
+    GlbParts parts = parts_of(read_bytes(DUALPIXEL_SCENES_DIR "/slanted_planes.glb"));
+    parts.buffer[0] = model[0];  // of its geometry, or else of a picture in it
+    for (json& view : parts.root["bufferViews"]) parts.buffer[view.value("byteOffset", std::size_t{0})] = model[0];
+    parts.root["buffers"][0]["uri"] = model + ".bin";
+    folder.write("models/" + model + ".gltf", parts.root.dump());
+    folder.write("models/" + model + ".bin", parts.buffer);
+    const json scene = {
+        {"version", 1}, {"gltf", model + ".gltf"}, {"environment", {{"model", "file"}, {"path", light}}}};
+    folder.write("models/" + model + ".json", scene.dump());
+  }
+  json recipe = small_recipe(64);
+  recipe["scenes"] = {{{"folder", folder / "models"}}};
+  recipe["split"] = {{"train", 0.5}, {"test", 0.5}};
+  return recipe;
+}
+
+TEST(Plan, ScenesLitByOnePictureAreInOneSplit) {
+  const TemporaryFolder folder;
+  // a and b by copies of one picture, b and c by one file
+  folder.write("models/1.hdr", "sunset");
+  folder.write("models/copy.hdr", "sunset");
+  folder.write("models/2.hdr", "noon");
+  const json recipe = of_lit_models(folder, {{"a", "1.hdr"}, {"b", "copy.hdr"}, {"c", "2.hdr"}, {"d", "2.hdr"}});
+  std::map<Split, std::set<std::string>> models;
+  for (const SampleLine& line : plan_of(recipe).lines) {
+    models[line.split].insert(std::filesystem::path(line.scene["file"].get<std::string>()).stem());
+  }
+  using Names = std::set<std::string>;
+  EXPECT_EQ((std::set<Names>{models[Split::train], models[Split::test]}), (std::set<Names>{{"a", "b"}, {"c", "d"}}));
+  json lit = recipe;  // where the recipe's own light replaces them, four models stay four
+  lit["set"]["environment"] = {{"constant", {{"model", "constant"}, {"nits", {9, 9, 9}}}}};
+  lit["split"] = {{"train", 0.4}, {"validation", 0.3}, {"test", 0.3}};
+  EXPECT_EQ(plan_of(lit).lines.size(), 64U);
+  lit["set"].erase("environment");
+  EXPECT_EQ(message_of<InputError>([&] { plan_of(lit); }),
+            "r.json: /scenes: 2 different files or seeds: must be 3 at least, one for each split of /split");
+}
+
+TEST(Plan, SplitsShareNoEnvironment) {
+  const TemporaryFolder folder;
+  for (const char* name : {"1", "2", "3", "4"}) folder.write(std::string("light/") + name + ".exr", name);
+  folder.write("light/deep/copy_of_1.exr", "1");
+  json recipe = small_recipe(200);
+  recipe["split"] = {{"train", 0.5}, {"test", 0.5}};
+  recipe["relations"]["environments"] = folder / "light";
+  std::map<std::string, std::set<Split>> splits;  // of a picture's bytes
+  for (const SampleLine& line : plan_of(recipe).lines) {
+    splits[read_bytes(line.set["environment"]["path"].get<std::string>())].insert(line.split);
+  }
+  EXPECT_EQ(splits.size(), 4U);
+  for (const auto& [bytes, in] : splits) EXPECT_EQ(in.size(), 1U) << bytes;
+  recipe["relations"].erase("environments");
+  const std::string path = folder / "light/1.exr",
+                    refusal =
+                        ": would be in more than one split: name a folder by relations.environments, whose files "
+                        "are shared out";
+  recipe["set"]["environment.path"] = {{"choice", {path, folder / "light/2.exr"}}};
+  EXPECT_EQ(message_of<InputError>([&] { plan_of(recipe); }), "r.json: /set/environment.path: " + path + refusal);
+  recipe["set"].erase("environment.path");
+  recipe["set"]["environment"] = {{"constant", {{"model", "file"}, {"path", path}}}};
+  EXPECT_EQ(message_of<InputError>([&] { plan_of(recipe); }), "r.json: /set/environment: " + path + refusal);
+  recipe.erase("split");
+  EXPECT_EQ(plan_of(recipe).lines.size(), 200U);
+}
+
+/// As a user who may not read everything.
+class AsNobody {
+ public:
+  AsNobody() : was_(geteuid()) { EXPECT_TRUE(was_ != 0 || seteuid(65534) == 0); }
+  ~AsNobody() { EXPECT_TRUE(was_ != 0 || seteuid(was_) == 0); }
+
+ private:
+  uid_t was_;
+};
+
+TEST(Plan, SaysWhichFolderAndWhichSceneFileCannotBeRead) {
+  namespace fs = std::filesystem;
+  const TemporaryFolder folder;
+  fs::permissions(folder.path, fs::perms(0755));
+  folder.write("models/a.glb", read_bytes(DUALPIXEL_SCENES_DIR "/slanted_planes.glb"));
+  folder.write("models/notes.json", R"({"author": "somebody"})");
+  folder.write("models/sizes.json", "[1, 2]");
+  fs::create_symlink("nowhere", folder / "models/link.json");
+  json recipe = small_recipe(2);
+  recipe["scenes"] = {{{"folder", folder / "models"}}};
+  recipe["set"]["environment"] = {{"constant", {{"model", "constant"}, {"nits", {9, 9, 9}}}}};
+  const Plan plan = plan_of(recipe);
+  EXPECT_EQ(plan.lines.size(), 2U);
+  EXPECT_EQ(plan.warnings,
+            std::vector<std::string>{(folder / "models/notes.json") + ": no scene file, which has version "
+                                                                      "and gltf: left out, with 1 more"});
+  folder.write("models/broken.json", R"({"version": 1, "gltf": "a.glb")");
+  EXPECT_TRUE(message_of<InputError>([&] {
+                plan_of(recipe);
+              }).starts_with("r.json: /scenes/0: " + (folder / "models/broken.json") + ": parse error"));
+  fs::remove(folder / "models/broken.json");
+  fs::create_directories(folder / "models/shut/deep");
+  fs::permissions(folder / "models/shut", fs::perms::none);
+  {
+    const AsNobody nobody;
+    EXPECT_EQ(message_of<InputError>([&] { plan_of(recipe); }),
+              "r.json: /scenes/0: " + (folder / "models/shut") + ": cannot be read as a folder: Permission denied");
+  }
+  fs::permissions(folder / "models/shut", fs::perms::owner_all);
 }
 
 TEST(Plan, GridsRunThroughAllCombinations) {
@@ -117,14 +276,14 @@ TEST(Plan, StatesItsBytes) {
 
 TEST(Plan, WarnsOfWhatIsSeldomMeant) {
   json recipe = small_recipe();
-  EXPECT_FALSE(plan_of(recipe).warning);
+  EXPECT_TRUE(plan_of(recipe).warnings.empty());
   recipe["set"]["camera.file"] = DUALPIXEL_SCENES_DIR "/cameras/phone_2019.json";
-  const std::optional<std::string> warning = plan_of(recipe).warning;
-  ASSERT_TRUE(warning);
-  EXPECT_TRUE(warning->starts_with("r.json: 6 of 6 samples, the first is 0: ")) << *warning;
-  EXPECT_NE(warning->find("/lens: hides the lens of "), std::string::npos) << *warning;
+  const std::vector<std::string> warnings = plan_of(recipe).warnings;
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_TRUE(warnings[0].starts_with("r.json: 6 of 6 samples, the first is 0: ")) << warnings[0];
+  EXPECT_NE(warnings[0].find("/lens: hides the lens of "), std::string::npos) << warnings[0];
   recipe["set"]["lens"] = nullptr;
-  EXPECT_FALSE(plan_of(recipe).warning);
+  EXPECT_TRUE(plan_of(recipe).warnings.empty());
 }
 
 TEST(Plan, RefusesBeforeAnythingIsRendered) {
@@ -153,8 +312,10 @@ TEST(Plan, RefusesBeforeAnythingIsRendered) {
             "r.json: /scenes: 2 different files or seeds: must be 3 at least, one for each split of /split");
   EXPECT_EQ(refusal("/count", 0), "r.json: /count: 0: must be an integer in [1, 10000000]");
   EXPECT_EQ(refusal("/scenes/0", {{"kind", "chart"}, {"seeds", {3, 1}}}),
-            "r.json: /scenes/0/seeds: [3,1]: must be [first, last], whole numbers in [0, 1e15], at most 10000000 of "
-            "them");
+            "r.json: /scenes/0/seeds: [3,1]: must be [first, last], whole numbers in [0, 1e15]");
+  EXPECT_EQ(
+      refusal("/scenes", {{{"kind", "chart"}, {"seeds", {0, 599999}}}, {{"kind", "room"}, {"seeds", {1, 400001}}}}),
+      "r.json: /scenes: more than 1000000 seeds in all");
   EXPECT_EQ(refusal("/scenes/1", {{"kind", "chart"}, {"seeds", {1, 3}}, {"set", {{"width_px", 64}}}}),
             "r.json: /scenes/1: chart: width_px: 64: must be a multiple of 16 in [128, 8192] photosites");
   EXPECT_EQ(refusal("/scenes/1", {{"file", "/none.json"}}), "r.json: /scenes/1: /none.json: no such file");
@@ -166,6 +327,21 @@ TEST(Recipe, NamesFilesBesideItself) {
     recipe["set"][field] = "../files/a.json";
     EXPECT_EQ(read_recipe(recipe, "/sets/new/r.json").set.at(field).values.front(), "/sets/files/a.json");
   }
+  const auto read = [&](const std::string& field, const json& value) {
+    json other = small_recipe();
+    other.erase("relations");
+    other["set"][field] = {{"choice", {value, "b.json"}}};
+    return read_recipe(other, "/sets/new/r.json").set.at(field).values.front();
+  };
+  const std::string name = "../files/a.json", full = "/sets/files/a.json";
+  EXPECT_EQ(read("camera", {{"file", name}, {"node", "a"}}), (json{{"file", full}, {"node", "a"}}));
+  EXPECT_EQ(read("lens", {{"base", {{"file", name}}}, {"field", {{"map", name}}}}),
+            (json{{"base", {{"file", full}}}, {"field", {{"map", full}}}}));
+  EXPECT_EQ(read("environment", {{"model", "file"}, {"path", name}}), (json{{"model", "file"}, {"path", full}}));
+  EXPECT_EQ(read("truth.photograph_lens", name), full);
+  for (const char* own : {"ideal", "own"}) EXPECT_EQ(read("truth.photograph_lens", own), own);
+  recipe["scenes"] = {{{"kind", "chart"}, {"seeds", {1, 2}}, {"set", {{"camera.file", name}, {"light", name}}}}};
+  EXPECT_EQ(read_recipe(recipe, "/sets/new/r.json").scenes[0].set, (json{{"camera.file", full}, {"light", name}}));
 }
 
 TEST(Plan, StaysAsItWasWritten) {
@@ -176,13 +352,35 @@ TEST(Plan, StaysAsItWasWritten) {
   const std::string written = read_bytes(path + "/plan.jsonl");
   EXPECT_EQ(read_plan(path).size(), 6U);
   write_plan(make_plan(recipe), recipe, path);  // the same: stays
-  const Recipe longer = read_recipe(small_recipe(7), "r.json");
-  EXPECT_EQ(message_of<InputError>([&] { write_plan(make_plan(longer), longer, path); }),
-            path + ": holds another plan, which may not change: choose another folder");
-  EXPECT_EQ(read_bytes(path + "/plan.jsonl"), written);
+  json changed = small_recipe(7);
+  changed["seed"] = 6;
+  for (const json& other : {changed, small_recipe(5)}) {
+    const Recipe another = read_recipe(other, "r.json");
+    EXPECT_EQ(message_of<InputError>([&] { write_plan(make_plan(another), another, path); }),
+              path + ": holds another plan, whose lines may not change: choose another folder");
+    EXPECT_EQ(read_bytes(path + "/plan.jsonl"), written);
+  }
   write_bytes(path + "/plan.jsonl", written.substr(1));
   EXPECT_EQ(message_of<InputError>([&] { read_plan(path); }),
             path + "/plan.jsonl: was changed since it was planned: plan again into another folder");
+}
+
+TEST(Plan, GetsMoreLinesWhereTheFirstStay) {
+  const TemporaryFolder folder;
+  const auto write = [](const std::string& to, int count) {
+    const Recipe recipe = read_recipe(small_recipe(count), "r.json");
+    write_plan(make_plan(recipe), recipe, to);
+  };
+  const std::string path = folder / "set", whole = folder / "whole";
+  write(path, 6);
+  const std::string about = read_bytes(path + "/dataset.json");
+  write(path, 9);
+  write(whole, 9);
+  EXPECT_TRUE(testing::bytes_under(path) == testing::bytes_under(whole));
+  EXPECT_EQ(read_plan(path).size(), 9U);
+  write_bytes(path + "/dataset.json", about);  // as where it was killed between the two files
+  write(path, 9);
+  EXPECT_TRUE(testing::bytes_under(path) == testing::bytes_under(whole));
 }
 
 TEST(Plan, SplitsGetWholeThings) {
@@ -197,6 +395,20 @@ TEST(SlowPlan, TenThousandLinesInTenCpuSeconds) {
   const std::clock_t begin = std::clock();
   plan_of(of_charts(10000, 100));
   EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 10);
+}
+
+TEST(SlowPlan, OfAMillionSeedsTakesTenCpuSecondsAndHalfAGigabyte) {
+  rusage before{}, after{};
+  getrusage(RUSAGE_SELF, &before);
+  const std::clock_t begin = std::clock();
+  const Plan plan = plan_of(of_charts(10000, 1'000'000));
+  EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 10);
+  getrusage(RUSAGE_SELF, &after);
+  EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 500'000);  // kB
+  // so few draws of so many hardly meet: by the evenly spread sequence, never
+  std::set<json> scenes;
+  for (const SampleLine& line : plan.lines) scenes.insert(line.scene);
+  EXPECT_GT(scenes.size(), 9900U);
 }
 
 }  // namespace

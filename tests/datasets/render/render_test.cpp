@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "capture/error.h"
@@ -33,18 +34,22 @@ SampleLine first_line(const json& recipe) { return make_plan(read_recipe(recipe,
 
 TEST(Render, ShardsGiveTheBytesOfTheWhole) {
   const TemporaryFolder folder;
-  for (const char* set : {"whole", "shards"}) plan_into(folder / set, small_recipe());
+  json recipe = small_recipe(7);  // of three scenes, one of them drawn
+  recipe["scenes"].push_back({{"kind", "chart"}, {"seeds", {1, 1}}, {"set", {{"width_px", 128}}}});
+  for (const char* set : {"whole", "four", "nine"}) plan_into(folder / set, recipe);
   const RenderCounts counts = render_shard({.dataset = folder / "whole"});
-  EXPECT_EQ(counts.rendered, 6);
+  EXPECT_EQ(counts.rendered, 7);
   EXPECT_EQ(counts.left(), 0);
   int rendered = 0;
-  for (int i : {2, 0, 3, 1}) {
-    rendered += render_shard({.dataset = folder / "shards", .shard = {i, 4}, .jobs = 1 + i % 2}).rendered;
+  for (int i : {2, 0, 3, 1}) {  // which do not divide seven
+    rendered += render_shard({.dataset = folder / "four", .shard = {i, 4}, .jobs = 1 + i % 2}).rendered;
   }
-  EXPECT_EQ(rendered, 6);
+  for (int i = 8; i >= 0; --i) rendered += render_shard({.dataset = folder / "nine", .shard = {i, 9}}).rendered;
+  EXPECT_EQ(rendered, 2 * 7);
   const auto whole = bytes_under(folder / "whole");
-  EXPECT_EQ(whole.size(), 2U + 6 * 6);
-  EXPECT_TRUE(whole == bytes_under(folder / "shards"));
+  EXPECT_EQ(whole.size(), 2U + 2 + 7 * 6);  // and those of the drawn scene
+  EXPECT_TRUE(whole == bytes_under(folder / "four"));
+  EXPECT_TRUE(whole == bytes_under(folder / "nine"));
 }
 
 TEST(Render, RendersOnlyWhatIsMissing) {
@@ -121,6 +126,63 @@ TEST(Render, WritesNoSampleWhoseLightIsNotFinite) {
   EXPECT_TRUE(is_there(folder / "set", line));
 }
 
+TEST(Render, WritesNoPictureWithAValueThatIsNotFinite) {
+  const TemporaryFolder folder;
+  json recipe = small_recipe(1);
+  recipe["keep"] = {"left", "normal", "view_disparity_dp_px", "view_depth_m", "depth_m", "all_in_focus"};
+  const SampleLine line = first_line(recipe);
+  RenderedSample sample{capture_of(line), {}};
+  Truth& truth = *sample.capture.truth;
+  const auto refusal = [&](float& value, float bad) {
+    const float good = std::exchange(value, bad);
+    const std::string message = message_of<InputError>([&] { write_sample(line, sample, folder / "set"); });
+    value = good;
+    return message;
+  };
+  EXPECT_EQ(refusal(truth.normal.data[5], NAN), "normal: a value is not finite");
+  EXPECT_EQ(refusal(truth.all_in_focus.data[5], INFINITY), "all_in_focus: a value is not finite");
+  EXPECT_EQ(refusal(truth.depth_m.data[0], -INFINITY), "depth_m: a value is not finite");
+  EXPECT_EQ(refusal(truth.depth_m.data[0], NAN), "depth_m: a value is not finite");
+  EXPECT_NE(refusal(truth.disparity_dp_px.data[0], NAN), "");
+  EXPECT_EQ(refusal(truth.depth_m.data[0], INFINITY), "");  // as of the sky
+  EXPECT_TRUE(is_there(folder / "set", line));
+  SampleLine dpdd = line;
+  dpdd.layout = Layout::dpdd;
+  dpdd.keep = {};
+  truth.all_in_focus.data[4] = NAN;  // green
+  EXPECT_EQ(message_of<InputError>([&] { write_sample(dpdd, sample, folder / "dpdd"); }),
+            "target.png: a value is not finite");
+  EXPECT_FALSE(is_there(folder / "dpdd", dpdd));
+}
+
+TEST(Render, VerifyFindsWhatIsKeptAndNotThere) {
+  const TemporaryFolder folder;
+  const std::string set = folder / "set", file = set + "/samples/000001/sample.json";
+  plan_into(set, small_recipe(3));
+  render_shard({.dataset = set});
+  const std::string written = read_bytes(file);
+  json document = json::parse(written);
+  document["files"] = json::array();
+  write_bytes(file, document.dump());
+  const std::string names =
+      ": /files: must name left.npy, right.npy, view_disparity_dp_px.npy, depth_m.npy, "
+      "preview.png, as the plan has it";
+  EXPECT_EQ(faults_of(set), std::vector<std::string>{file + names});
+  document = json::parse(written);
+  document["files"][0]["path"] = "../../../../secret";
+  write_bytes(file, document.dump());
+  EXPECT_EQ(faults_of(set), std::vector<std::string>{file + names});
+  write_bytes(file, written);
+  const std::string picture = set + "/samples/000001/left.npy", elsewhere = folder / "elsewhere.npy";
+  std::filesystem::rename(picture, elsewhere);
+  EXPECT_EQ(faults_of(set), std::vector<std::string>{picture + ": no such file"});
+  std::filesystem::create_symlink(elsewhere, picture);
+  EXPECT_EQ(faults_of(set), std::vector<std::string>{picture + ": is not a regular file"});
+  EXPECT_EQ(clear(set).damaged, 1);
+  EXPECT_EQ(render_shard({.dataset = set}).rendered, 1);
+  EXPECT_EQ(read_bytes(file), written);
+}
+
 TEST(Render, VerifyFindsWhatWasChanged) {
   const TemporaryFolder folder;
   const std::string set = folder / "set";
@@ -165,6 +227,26 @@ TEST(Relations, FocusLiesOnWhatTheCameraSeesThere) {
     EXPECT_GE(capture.camera.focus_distance_m, low * (1 - 1e-3)) << line.name;
     EXPECT_LE(capture.camera.focus_distance_m, high * (1 + 1e-3)) << line.name;
   }
+}
+
+// "auto" is the surface in the middle of the picture: the same number as focus there.
+TEST(Relations, FocusIsAutomaticWhereTheSceneFileSaysSo) {
+  json recipe = small_recipe(1);
+  SampleLine middle = first_line(recipe);
+  middle.relations["focus_at"] = {0.5, 0.5};
+  const double expected_m = capture_of(middle).camera.focus_distance_m;
+  recipe.erase("relations");
+  const double file_m = capture_of(first_line(recipe)).camera.focus_distance_m;
+  EXPECT_NE(expected_m, file_m);
+  recipe["set"]["camera.focus_distance_m"] = "auto";
+  EXPECT_EQ(capture_of(first_line(recipe)).camera.focus_distance_m, expected_m);
+  recipe["set"]["camera.focus_distance_m"] = {{"choice", {"auto", 2.5}}};
+  recipe["count"] = 32;
+  std::set<double> distances_m;
+  for (const SampleLine& line : make_plan(read_recipe(recipe, "r.json")).lines) {
+    if (line.scene == middle.scene) distances_m.insert(capture_of(line).camera.focus_distance_m);
+  }
+  EXPECT_EQ(distances_m, (std::set<double>{expected_m, 2.5}));
 }
 
 TEST(Relations, ExposureGivesTheMean) {

@@ -44,6 +44,22 @@ TEST(Merge, IndexesWhatIsThere) {
   EXPECT_EQ(message_of<InputError>([&] { merge_samples(set); }), set + ": nothing is rendered yet");
 }
 
+// A data set that somebody else has made must not reach what lies beside it.
+TEST(Merge, ReadsNoFileThatThePlanDoesNotKeep) {
+  const TemporaryFolder folder;
+  const std::string set = folder / "set", file = set + "/samples/000000/sample.json";
+  make(set, small_recipe(1));
+  folder.write("secret", "private");
+  json sample = json::parse(read_bytes(file));
+  sample["files"][0]["path"] = "../../../secret";
+  write_bytes(file, sample.dump());
+  EXPECT_EQ(message_of<InputError>([&] { write_webdataset(merge_samples(set), set); }),
+            file +
+                ": /files: must name left.npy, right.npy, view_disparity_dp_px.npy, depth_m.npy, preview.png, as the "
+                "plan has it");
+  EXPECT_FALSE(std::filesystem::exists(set + "/webdataset"));
+}
+
 double linear_mean(const std::string& path) {
   const ImageU16 picture = read_image_u16(path, 3);
   double sum = 0;
@@ -69,6 +85,11 @@ TEST(Merge, LaysDpddOut) {
   // of 64 * 48 * 3 values, each rounded by 1 / 65535 of the sRGB curve, and clipped below at black's noise
   const double views = 0.5 * (linear_mean(set + "/dpdd/train_l" + file) + linear_mean(set + "/dpdd/train_r" + file));
   EXPECT_NEAR(linear_mean(c + file) / views, 1, 0.01);
+  std::filesystem::remove_all(set + "/samples/000000");
+  EXPECT_EQ(merge_samples(set).size(), 1U);
+  const std::map<std::string, std::string> left = testing::bytes_under(set + "/dpdd");
+  EXPECT_EQ(left.size(), 4U);
+  for (const auto& [name, bytes] : left) EXPECT_TRUE(name.ends_with("/000001.png")) << name;
 }
 
 // As the release's loaders read it: views over 16 * 1023, black near 64 / 1023, depth from 8 bits, all upright after a
@@ -112,6 +133,10 @@ TEST(Merge, LaysGooglesDataOut) {
     }
   }
   EXPECT_EQ(read_image(train + "scaled_images/000001/result_scaled_image_center.jpg").width, depth_m.height);
+  std::filesystem::remove_all(set + "/samples/000000");
+  EXPECT_EQ(merge_samples(set).size(), 1U);
+  EXPECT_FALSE(std::filesystem::exists(train + "merged_conf/000000"));
+  EXPECT_TRUE(std::filesystem::exists(train + "merged_conf/000001"));
   recipe["set"]["sensor.dp_downsample_x"] = recipe["set"]["sensor.dp_downsample_y"] = 1;
   EXPECT_NE(message_of<InputError>([&] { make(folder / "dense", recipe); }).find("holds green views"),
             std::string::npos);

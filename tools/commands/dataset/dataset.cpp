@@ -60,11 +60,11 @@ void print_plan(const datasets::Plan& plan, const DatasetArguments& arguments) {
 
 void run_plan(const DatasetArguments& arguments) {
   nlohmann::json json = read_json_file(arguments.recipe);
-  if (arguments.count) apply_override(json, fmt::format("count={}", *arguments.count));
-  if (arguments.seed) apply_override(json, fmt::format("seed={}", *arguments.seed));
+  if (json.is_object() && arguments.count) json["count"] = *arguments.count;
+  if (json.is_object() && arguments.seed) json["seed"] = *arguments.seed;
   const datasets::Recipe recipe = datasets::read_recipe(json, arguments.recipe);
   const datasets::Plan plan = datasets::make_plan(recipe);
-  if (plan.warning) print_warnings({*plan.warning});
+  print_warnings(plan.warnings);
   datasets::write_plan(plan, recipe, arguments.folder);
   print_plan(plan, arguments);
 }
