@@ -11,7 +11,9 @@ of the scene, as the two programs' glossy surfaces follow different models. Ours
 aperture scale of 1: the undivided picture.
 
 Time is CPU time of all threads, and marginal: that of N samples minus that of the fewest, so that reading the scene and
-starting up count for neither. Error is the RMS over the picture and R, G, B against a program's own reference.
+starting up count for neither. Ours includes points of light on surfaces, of as many light samples as the picture has
+samples: the fewest samples that are subtracted are rendered without points. Error is the RMS over the picture and R, G,
+B against a program's own reference; ours has all light sampled by every path, so that what points leave wrong counts.
 """
 
 import json
@@ -94,11 +96,13 @@ def our_scene(source, out, width):
     return scene
 
 
-def render_ours(program, out, samples, seed):
+def render_ours(program, out, samples, seed, points=True):
     """The picture in nits, and CPU seconds of the whole program."""
     capture = os.path.join(out, "capture")
     command = [program, "simulate", os.path.join(out, "matte.json"), "-o", capture, "--seed", str(seed)]
     command += ["--set", f"render.photograph_samples_per_pixel={samples}"]
+    light = f"light_samples={samples}" if points else "light_spacing_px=0"
+    command += ["--set", f"render.{light}"]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run(command, check=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -199,8 +203,8 @@ def time_at(rows, error):
     return None
 
 
-def measure(render, reference):
-    fewest = min(render(1, 7)[1] for _ in range(2))
+def measure(render, fewest, reference):
+    """`fewest`: of CPU seconds, what counts for nothing."""
     rows = []
     for samples in SAMPLES:
         picture, cpu_s = render(samples, 3)
@@ -218,13 +222,15 @@ def main():
     sky = write_environment(os.path.join(out, "sky.exr"))
 
     ours = lambda samples, seed: render_ours(program, out, samples, seed)
-    signal, _ = ours(REFERENCE_SAMPLES, 1)
+    plain = lambda samples, seed: render_ours(program, out, samples, seed, points=False)
+    signal, _ = plain(REFERENCE_SAMPLES, 1)
     with open(os.path.join(out, "capture", "capture.json")) as file:
         capture = json.load(file)
     description = capture["camera"]
     set_up_cycles(os.path.join(out, "matte.glb"), gltf, sky, description, scene["camera"]["focus_distance_m"])
     cycles = lambda samples, seed: render_cycles(out, samples, seed)
     theirs, _ = cycles(REFERENCE_SAMPLES, 1)
+    fewest = lambda render: min(render(1, 7)[1] for _ in range(2))
 
     # our pictures are in the frames' signal: one factor for all of a capture, found from the exposure
     focus_m, focal_m = description["focus_distance_m"], 1e-3 * description["focal_length_mm"]
@@ -237,8 +243,10 @@ def main():
         "mean_nits": {"ours": float(np.mean(reference)), "cycles": mean},
         "difference_of_means": float(np.mean(reference)) / mean - 1,
         "mean_absolute_difference": float(np.mean(np.abs(reference - theirs))) / mean,
-        "ours": measure(lambda n, seed: (lambda p: (p[0] * nits_per_unit, p[1]))(ours(n, seed)), reference),
-        "cycles": measure(cycles, theirs),
+        "ours": measure(
+            lambda n, seed: (lambda p: (p[0] * nits_per_unit, p[1]))(ours(n, seed)), fewest(plain), reference
+        ),
+        "cycles": measure(cycles, fewest(cycles), theirs),
     }
     result["time_of_cycles_over_ours"] = [
         {"rmse_nits": row["rmse_nits"], "ratio": row["cpu_s"] / time_at(result["ours"], row["rmse_nits"])}

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -36,16 +37,19 @@ double resident_bytes() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-/// 2 m a side about `z_m`; 2 `side`^2 triangles of one and the same shape.
+/// 2 m a side about `z_m`; 2 `side`^2 triangles of one and the same shape, smooth as most meshes are.
 Mesh waves(unsigned side, float z_m) {
   Mesh mesh;
   mesh.positions.reserve(std::size_t{side + 1} * (side + 1));
+  mesh.normals.reserve(mesh.positions.capacity());
   mesh.triangles.reserve(std::size_t{2} * side * side);
   for (unsigned i = 0; i <= side; ++i) {
     for (unsigned j = 0; j <= side; ++j) {
       const float x = 2 * static_cast<float>(j) / static_cast<float>(side) - 1;
       const float y = 2 * static_cast<float>(i) / static_cast<float>(side) - 1;
       mesh.positions.emplace_back(x, y, z_m + 0.02f * std::sin(30 * x) * std::sin(30 * y));
+      mesh.normals.push_back(glm::normalize(
+          glm::vec3(0.6f * std::cos(30 * x) * std::sin(30 * y), 0.6f * std::sin(30 * x) * std::cos(30 * y), -1)));
       if (i == side || j == side) continue;
       const unsigned at = i * (side + 1) + j;
       mesh.triangles.emplace_back(at, at + 1, at + side + 2);
@@ -94,10 +98,12 @@ Scene with_copies(const Scene& scene) {
   const Mesh& tile = scene.meshes[0];
   Mesh all;
   all.positions.reserve(tile.positions.size() * tile.placements.size());
+  all.normals.reserve(all.positions.capacity());
   all.triangles.reserve(tile.triangles.size() * tile.placements.size());
   for (const simulator::Placement& placement : tile.placements) {
     const auto first = static_cast<unsigned>(all.positions.size());
     for (const glm::vec3& p : tile.positions) all.positions.push_back(placement.world_from_mesh * glm::vec4(p, 1));
+    all.normals.insert(all.normals.end(), tile.normals.begin(), tile.normals.end());  // only scaled, all axes alike
     for (const glm::uvec3& t : tile.triangles) all.triangles.push_back(t + first);
   }
   return scene_of(std::move(all));
@@ -118,14 +124,16 @@ double photosites(const CameraView& camera) {
   return static_cast<double>(camera.lens.sensor().width_px) * camera.lens.sensor().height_px;
 }
 
-/// CPU time of one camera sample, ns: the least of some renders on one thread.
-double sample_ns(const RenderScene& world, const CameraView& camera, int samples) {
+/// Renders with `samples` samples on one thread: the first makes points of light, the least of the others does not.
+SampleCost sample_cost(RenderScene& world, const CameraView& camera, int samples, double count) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  double best = 1e30;
-  for (int i = 0; i < kRepeats; ++i) {
-    best = std::min(best, cpu_seconds([&] { render_views(world, camera, {samples, 0, 1}); }));
-  }
-  return 1e9 * best / (samples * photosites(camera));
+  world.light_cache = std::make_unique<simulator::LightCache>(simulator::LightCacheOptions{});
+  const auto render_s = [&] { return cpu_seconds([&] { render_views(world, camera, {samples, 0, 1}); }); };
+  const double first_s = render_s();
+  double best_s = 1e30;
+  for (int i = 0; i < kRepeats; ++i) best_s = std::min(best_s, render_s());
+  const auto points = static_cast<double>(world.light_cache->table.points());
+  return {count, 1e9 * best_s / (samples * photosites(camera)), {points, std::max(first_s - best_s, 0.0)}};
 }
 
 /// CPU time of one ray in Embree alone, ns: those of some photosites' samples again.
@@ -156,7 +164,8 @@ SceneCost cost_of(const Scene& scene, double triangles) {
   std::optional<RenderScene> world;
   const double build_s = cpu_seconds([&] { world.emplace(scene); });
   const double bytes = resident_bytes() - before;
-  return {triangles, sample_ns(*world, phone(128, 96), 64), ray_ns(*world, phone(128, 96)), build_s, bytes / triangles};
+  const SampleCost sample = sample_cost(*world, phone(128, 96), 64, 0);
+  return {triangles, sample.cpu_ns, ray_ns(*world, phone(128, 96)), build_s, bytes / triangles, sample.light};
 }
 
 SceneCost with_triangles(double triangles) {
@@ -196,7 +205,9 @@ nlohmann::ordered_json to_json(const SceneCost& cost) {
           {"cpu_ns", cost.cpu_ns},
           {"ray_ns", cost.ray_ns},
           {"build_s", cost.build_s},
-          {"bytes_per_triangle", cost.bytes_per_triangle}};
+          {"bytes_per_triangle", cost.bytes_per_triangle},
+          {"points_of_light", cost.light.points},
+          {"points_cpu_s", cost.light.cpu_s}};
 }
 
 nlohmann::ordered_json to_json(const InstancingCost& cost) {
@@ -215,14 +226,14 @@ RenderScaling measure_scaling(double most_triangles, const std::function<void(do
   RenderScaling scaling;
   {
     const Scene scene = wall_of_waves(side_for(1e5));
-    const RenderScene world(scene);
+    RenderScene world(scene);
     for (int samples = 16; samples <= 1024; samples *= 4) {
-      scaling.samples.push_back({static_cast<double>(samples), sample_ns(world, phone(96, 72), samples)});
+      scaling.samples.push_back(sample_cost(world, phone(96, 72), samples, samples));
     }
     progress(0.2);
     for (int width = 64; width <= 512; width *= 2) {
       const CameraView camera = phone(width, width * 3 / 4);
-      scaling.photosites.push_back({photosites(camera), sample_ns(world, camera, 32)});
+      scaling.photosites.push_back(sample_cost(world, camera, 32, photosites(camera)));
     }
     progress(0.5);
     measure_threads(world, scaling);
@@ -248,7 +259,10 @@ nlohmann::ordered_json to_json(const RenderScaling& scaling) {
     json["samples"].push_back({{"samples", static_cast<int>(c.count)}, {"cpu_ns", c.cpu_ns}});
   }
   for (const SampleCost& c : scaling.photosites) {
-    json["photosites"].push_back({{"photosites", c.count}, {"cpu_ns", c.cpu_ns}});
+    json["photosites"].push_back({{"photosites", c.count},
+                                  {"cpu_ns", c.cpu_ns},
+                                  {"points_of_light", c.light.points},
+                                  {"points_cpu_s", c.light.cpu_s}});
   }
   json["threads"] = {{"wall_time_ratio", scaling.wall_time_ratio}, {"cpu_time_ratio", scaling.cpu_time_ratio}};
   for (const SceneCost& cost : scaling.triangles) json["triangles"].push_back(to_json(cost));

@@ -8,18 +8,26 @@
 /// sky, with one shadow ray a sample. Times are CPU time, so that other programs on the machine count little.
 namespace dualpixel::evaluation {
 
+/// Points of light on surfaces (simulator/render/light) that one picture asks for.
+struct PointCost {
+  double points = 0;
+  double cpu_s = 0;  ///< what the picture takes longer when they are made than when they are known
+};
+
 /// CPU time of one camera sample where a photosite has `count` samples, or a picture `count` photosites.
 struct SampleCost {
   double count = 0;
-  double cpu_ns = 0;
+  double cpu_ns = 0;  ///< with points of light that are known
+  PointCost light;
 };
 
 struct SceneCost {
   double triangles = 0;
-  double cpu_ns = 0;              ///< of a camera sample
+  double cpu_ns = 0;              ///< of a camera sample, with points of light that are known
   double ray_ns = 0;              ///< of a ray in Embree alone
   double build_s = 0;             ///< of the acceleration structure
   double bytes_per_triangle = 0;  ///< of the acceleration structure, its copy of the geometry included
+  PointCost light;                ///< of a picture of 128 x 96 photosites
 };
 
 /// One tile of 10^4 triangles placed many times, and the same with a copy at each position.

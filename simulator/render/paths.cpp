@@ -369,24 +369,29 @@ SurfaceLight soft_irradiance(const RenderScene& world, const PathOptions& option
 struct WantedLight {
   int bounces = 0;
   bool refined = false;  ///< at points closer than `spacing_m` of the paths
+  bool surer = false;    ///< direct light from four times the samples, other ones, to compare points by
 
   /// Names it among the kinds of light at one point.
-  std::uint64_t id() const { return bounces == 0 ? 0 : 2 * static_cast<std::uint64_t>(bounces) + (refined ? 1 : 0); }
+  std::uint64_t id() const {
+    if (bounces == 0) return surer ? 1 : 0;
+    return 2 * static_cast<std::uint64_t>(bounces) + (refined ? 1 : 0);
+  }
 };
 
 /// Light at one point of a lattice.
 SurfaceLight light_at(const RenderScene& world, const PathOptions& options, const TriangleLattice& lattice,
                       const LatticePoint& point, WantedLight wanted) {
-  constexpr int kMoreReflected = 4;
+  constexpr int kMoreReflected = 4, kMoreToBeSure = 4;
   LightCache& cache = *world.light_cache;
   const int bounces = wanted.bounces;
-  const std::uint64_t key = bounces == 0 ? point.key : hash(point.key, wanted.id()) | 1;
+  const std::uint64_t key = wanted.id() == 0 ? point.key : hash(point.key, wanted.id()) | 1;
   if (const auto known = cache.table.find(point.group, key)) return *known;
   Hits hits;
   surface_of(world, lattice, point, hits);
   SurfaceLight light;
   // Reflected light varies more from path to path, and its points are few where they are neither vertices nor refined.
-  const int more = bounces > 0 && point.vertex < 0 && !wanted.refined ? kMoreReflected : 1;
+  const int more_reflected = bounces > 0 && point.vertex < 0 && !wanted.refined ? kMoreReflected : 1;
+  const int more = wanted.surer ? kMoreToBeSure : more_reflected;
   const int samples = std::max(more * cache.options.light_samples >> (2 * lattice.fewer()), 1);  // in whole packets
   const std::uint64_t random = hash(key, cache.scramble);
   if (bounces > 0) {
@@ -433,10 +438,42 @@ class LightLookup {
     return around.from_m < lattice.spacing_m() && (level < 2 || around.soft_difference > kReflected);
   }
 
+  // Where neighbors differ by more than this share of the larger, an edge of a shadow or of a surface in contact lies
+  // between them, and light is sampled there.
+  static constexpr float kSoft = 0.7f, kHard = 0.3f;
+
+  /// The points with the least and the most luminance of one kind of light.
+  struct Range {
+    const SurfaceLight *low, *high;
+    float low_nits, high_nits;
+    float difference() const { return high_nits > 0 ? 1 - low_nits / high_nits : 0; }
+  };
+
+  static Range range_of(const CellLight& around, glm::vec3 SurfaceLight::*kind) {
+    Range range{&around.light[0][0], &around.light[0][0], kInfinity, -1};
+    for (const auto& row : around.light) {
+      for (const SurfaceLight& light : row) {
+        const float nits = luminance(light.*kind);
+        if (nits < range.low_nits) range.low = &light, range.low_nits = nits;
+        if (nits > range.high_nits) range.high = &light, range.high_nits = nits;
+      }
+    }
+    return range;
+  }
+
+  /// What noise alone may do is no difference. Beside a point that no sample reached, so many errors are the square
+  /// root of how many arrive at the other: of 4, all miss it with a probability of exp(-4).
+  static bool is_more_than_noise(const Range& soft) {
+    constexpr float kErrors = 3, kErrorsOfDark = 2;
+    const float errors = soft.low->soft_error > 0 ? kErrors : kErrorsOfDark;
+    return soft.high_nits - soft.low_nits > errors * std::hypot(soft.low->soft_error, soft.high->soft_error);
+  }
+
+  static bool noise_hides_a_shadow(const CellLight& around) {
+    return around.soft_difference == 0 && range_of(around, &SurfaceLight::soft).difference() > kSoft;
+  }
+
   static InterpolatedLight interpolated(const LatticeCell& cell, const CellLight& around) {
-    // Where neighbors differ by more than this share of the larger, an edge of a shadow or of a surface in contact lies
-    // between them, and light is sampled there.
-    constexpr float kSoft = 0.7f, kHard = 0.3f;
     InterpolatedLight out;
     out.soft_agrees = around.soft_difference <= kSoft, out.hard_agrees = around.hard_difference <= kHard;
     for (int k = 0; k < 2; ++k) {
@@ -452,15 +489,18 @@ class LightLookup {
     const WantedLight wanted{bounces_, level > 0};
     const std::uint64_t key = lattice.key_of(cell) + 2 * wanted.id();
     if (recent_.slot(key).key == key) return recent_.slot(key);
-    return recent_.slot(key) = fetch(lattice, cell, wanted, key);
+    CellLight found = fetch(lattice, cell, wanted);
+    // Where few samples arrive, their noise hides a full shadow. Whether there is one is asked of samples of its own:
+    // light that was chosen by what it was found to be would be biased.
+    if (bounces_ == 0 && noise_hides_a_shadow(found)) {
+      found.soft_difference = fetch(lattice, cell, {.surer = true}).soft_difference;
+    }
+    found.key = key;
+    return recent_.slot(key) = found;
   }
 
-  CellLight fetch(const TriangleLattice& lattice, const LatticeCell& cell, WantedLight wanted,
-                  std::uint64_t key) const {
+  CellLight fetch(const TriangleLattice& lattice, const LatticeCell& cell, WantedLight wanted) const {
     CellLight found;
-    found.key = key;
-    const SurfaceLight *low = nullptr, *high = nullptr;  // of soft light
-    float hard_low = kInfinity, hard_high = 0;
     for (int k = 0; k < 2; ++k) {
       const LatticeCell::Row& row = cell.rows[k];
       for (int side = 0; side < 2; ++side) {
@@ -471,22 +511,11 @@ class LightLookup {
         }
         light = light_at(world_, options_, lattice, lattice.point(row.row, row.left + side, row.pieces), wanted);
         found.from_m = std::min(found.from_m, light.from_m);
-        if (!low || luminance(light.soft) < luminance(low->soft)) low = &light;
-        if (!high || luminance(light.soft) > luminance(high->soft)) high = &light;
-        const float hard = luminance(light.hard);
-        hard_low = std::min(hard_low, hard), hard_high = std::max(hard_high, hard);
       }
     }
-    // What noise alone may do is no difference. Beside a point that no sample reached, so many errors are the square
-    // root of how many arrive at the other: of 4, all miss it with a probability of exp(-4).
-    constexpr float kErrors = 3, kErrorsOfDark = 2;
-    const float errors = low->soft_error > 0 ? kErrors : kErrorsOfDark;
-    const float difference = luminance(high->soft) - luminance(low->soft);
-    const float variance = low->soft_error * low->soft_error + high->soft_error * high->soft_error;
-    if (difference * difference > errors * errors * variance) {
-      found.soft_difference = difference / luminance(high->soft);
-    }
-    if (hard_high > 0) found.hard_difference = 1 - hard_low / hard_high;
+    const Range soft = range_of(found, &SurfaceLight::soft), hard = range_of(found, &SurfaceLight::hard);
+    if (is_more_than_noise(soft)) found.soft_difference = soft.difference();
+    found.hard_difference = hard.difference();
     return found;
   }
 

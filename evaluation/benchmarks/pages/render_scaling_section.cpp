@@ -41,6 +41,14 @@ Plot triangle_plot(const std::string& title, const char* y_label, const std::vec
                      [&](const SceneCost& c) { return c.*figure; })});
 }
 
+template <typename Row, typename Count>
+Plot light_plot(const std::string& title, const char* x_label, const std::vector<Row>& costs, const Count& count) {
+  Plot plot = plot_of(title, x_label, "CPU time of points of light, s",
+                      {series_of("measured", costs, count, [](const Row& c) { return c.light.cpu_s; })});
+  plot.log_y = true;
+  return plot;
+}
+
 Plot instancing_plot(const std::vector<InstancingCost>& costs) {
   const auto triangles = [](const InstancingCost& c) { return c.placed.triangles; };
   return plot_of("Placements of a tile of 10082 triangles", "triangles", "CPU time of a ray in Embree, ns",
@@ -59,15 +67,21 @@ std::string scaling_section(const RenderScaling& scaling) {
              "Two "
              "threads are {:.2f} times as fast as one ({:.2f} of the CPU time). The acceleration structure of {:.1e} "
              "triangles takes {:.0f} bytes each. As {} placements of one tile they take {:.1f} bytes each, and a ray "
-             "takes {:.2f} times as long as among copies.</p>",
+             "takes {:.2f} times as long as among copies. A picture of 128 × 96 photosites asks for {:.0f} points of "
+             "light on {:.1e} triangles, which take {:.2f} s.</p>",
              100 * relative_spread(scaling.samples), 100 * relative_spread(scaling.photosites), scaling.wall_time_ratio,
              1 / scaling.cpu_time_ratio, largest.triangles, largest.bytes_per_triangle, instanced.placements,
-             instanced.placed.bytes_per_triangle, instanced.placed.ray_ns / instanced.copied.ray_ns) +
+             instanced.placed.bytes_per_triangle, instanced.placed.ray_ns / instanced.copied.ray_ns,
+             largest.light.points, largest.triangles, largest.light.cpu_s) +
          html_plots({sample_plot("Samples of a photosite", "samples", scaling.samples),
                      sample_plot("Photosites", "photosites", scaling.photosites),
                      triangle_plot("Triangles", kSampleTime, scaling.triangles, &SceneCost::cpu_ns),
                      triangle_plot("Memory of the acceleration structure", "bytes of a triangle", scaling.triangles,
                                    &SceneCost::bytes_per_triangle),
+                     light_plot("Light on surfaces, 128 × 96 photosites", "triangles", scaling.triangles,
+                                [](const SceneCost& c) { return c.triangles; }),
+                     light_plot("Light on surfaces, 10^5 triangles", "photosites", scaling.photosites,
+                                [](const SampleCost& c) { return c.count; }),
                      instancing_plot(scaling.instancing)});
 }
 
