@@ -188,11 +188,11 @@ void expect_little_bias(const std::string& scene_file, Asked asked) {
 
 // The other shipped scenes are unlit. What is asked of views is asked of those that were measured with small enough
 // errors (docs/rendering.md, "What is not met").
-TEST(SlowSceneLightBias, OfThePortrait) {
+TEST(SweepSceneLightBias, OfThePortrait) {
   expect_little_bias(std::string(DUALPIXEL_SCENES_DIR) + "/portrait.json", Asked::left_minus_right);
 }
 
-TEST(SlowSceneLightBias, OfDrawnScenes) {
+TEST(SweepSceneLightBias, OfDrawnScenes) {
   for (const char* name : {"foliage", "two_people", "text_and_repetition"}) {
     const TemporaryFolder folder;
     const scenes::SceneOrder order =
