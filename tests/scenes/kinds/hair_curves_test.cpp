@@ -119,19 +119,6 @@ TEST(HairCurves, LieOnTheMassButForTwoInAHundred) {
               0.03 * kHair_m);  // .5 to 1.4 of it, evenly; rising makes it longer
 }
 
-TEST(HairCurves, HangDownAtTheSides) {
-  const HairyBall& ball = hairy_ball();
-  int sides = 0, down = 0;
-  for (std::size_t i = 0; i < ball.strands; ++i) {
-    const vec3 *root = ball.strand(i), *tip = root + kPoints - 1;
-    if (std::abs(root->y - ball.middle.y) > 0.5f * kBall_m || is_stray(ball, i)) continue;
-    ++sides;
-    down += tip->y < root->y ? 1 : 0;
-  }
-  EXPECT_GT(sides, 10000);
-  EXPECT_GT(down, 0.9 * sides);
-}
-
 TEST(HairCurves, DrawnPeopleHaveThemAsPartOfThePerson) {
   const TemporaryFolder folder;
   SceneBuilder build;
