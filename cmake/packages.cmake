@@ -1,0 +1,48 @@
+# What distributors need: a pkg-config file, manual pages, bash completion, and the Debian package that `cpack` makes.
+
+# Libraries without a pkg-config file. The libraries of this project are static, so who links them needs these as well.
+set(pc_libraries -lembree${embree_VERSION_MAJOR})
+if(TARGET dualpixel_onednn)
+  string(APPEND pc_libraries " -ldnnl -lgomp")
+endif()
+if(TARGET dualpixel_dlib)
+  string(APPEND pc_libraries " -ldlib -llapack")
+endif()
+# From the folder of the file to the prefix, so that the tree may be moved.
+file(RELATIVE_PATH pc_prefix /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+configure_file(cmake/dualpixel.pc.in ${PROJECT_BINARY_DIR}/dualpixel.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/dualpixel.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
+install(FILES tools/completion/dualpixel DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+
+# One page for the program and one for each of its commands, from their --help.
+find_program(HELP2MAN help2man)
+if(HELP2MAN)
+  set(pages ${PROJECT_BINARY_DIR}/man1)
+  add_custom_command(OUTPUT ${pages}/dualpixel.1
+                     COMMAND ${PROJECT_SOURCE_DIR}/cmake/manual_pages.sh $<TARGET_FILE:dualpixel> ${pages}
+                     DEPENDS dualpixel cmake/manual_pages.sh
+                     COMMENT "Writing the manual pages")
+  add_custom_target(manual_pages ALL DEPENDS ${pages}/dualpixel.1)
+  install(DIRECTORY ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR})
+else()
+  message(STATUS "No help2man: no manual pages are made")
+endif()
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "The dualpixel maintainers <dualpixel@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "dual-pixel camera simulator and portrait pipeline")
+set(CPACK_PACKAGE_DESCRIPTION
+    "Renders scenes through a lens onto a dual-pixel sensor, with exact ground truth, and
+computes portraits with synthetic depth of field from dual-pixel captures. Holds the
+program, its static C++20 libraries with their headers, lens models and scenes.")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+# For those who link the libraries.
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS
+    "libembree-dev, libopenimageio-dev, openimageio-tools, libopenexr-dev, libtiff-dev, zlib1g-dev, libtinygltf-dev, \
+libglm-dev, libtbb-dev, nlohmann-json3-dev, libfmt-dev, libdnnl-dev, libdlib-dev, liblapack-dev")
+include(CPack)
