@@ -61,7 +61,7 @@ void add_strand(Mesh& mesh, int i, vec3 root) {
   const auto random = [&](int k) { return scene_hash01(k, i) - 0.5f; };
   const vec3 outward = glm::normalize(root - kSkullCenter);
   const float length = (stray ? 0.045f : 0.052f) * (0.55f + 0.9f * scene_hash01(107, i));
-  const float lift = 0.003f + 0.012f * scene_hash01(113, i) * scene_hash01(114, i);
+  const float lift = 0.003f + 0.018f * scene_hash01(113, i) * scene_hash01(114, i);
   vec3 p = root;
   vec3 direction =
       glm::normalize(combed(p) + 0.35f * vec3(random(104), random(105), random(106)) + (stray ? 0.7f : 0.3f) * outward);
@@ -99,17 +99,17 @@ Mesh hair_strands() {
 }
 
 Mesh brow_hairs() {
-  constexpr int kHairs = 1300, kSegments = 3;
+  constexpr int kHairs = 1000, kSegments = 3;
   Mesh mesh;
   for (int i = 0; i < kHairs; ++i) {
     const float side = i % 2 ? 1.0f : -1.0f, t = scene_hash01(211, i), across = scene_hash01(212, i) - 0.5f;
-    const float x = 0.0125f + 0.037f * t;
+    const float x = 0.0135f + 0.036f * t - 0.004f * (1 - t) * scene_hash01(217, i);  // no straight inner end
     const float y =
         0.0335f + 0.0052f * std::sin(2.4f * t + 0.15f) - 0.003f * t * t + 0.0062f * across * (1 - 0.65f * t);
     vec3 p = on_face(side * x, y);
     vec3 direction = glm::normalize(vec3(side * (0.55f + 0.5f * t), 0.75f - 1.15f * t - 0.5f * across, 0.15f) +
                                     0.25f * vec3(scene_hash01(214, i) - 0.5f, scene_hash01(215, i) - 0.5f, 0));
-    Ribbon ribbon(mesh, 0.00017f, 0.4f * scene_hash01(213, i), kSegments);
+    Ribbon ribbon(mesh, 0.00014f, 0.6f * scene_hash01(213, i), kSegments);
     for (int s = 0; s <= kSegments; ++s) {
       ribbon.add(p, direction, glm::normalize(vec3(0.4f * side * t, 0.1f, 1)));
       p += direction * (0.0075f * (0.7f + 0.5f * scene_hash01(216, i)) / kSegments);
@@ -134,7 +134,7 @@ Mesh lashes() {
     for (int s = 0; s <= kSegments; ++s) {
       ribbon.add(p, direction, {0, 1, 0.2f});
       direction = glm::normalize(direction + vec3(0, 0.38f, 0));
-      p += direction * (0.0075f * (0.7f + 0.5f * scene_hash01(223, i)) / kSegments);
+      p += direction * (0.006f * (0.7f + 0.5f * scene_hash01(223, i)) / kSegments);
     }
   }
   return mesh;

@@ -84,7 +84,7 @@ void add_eyes(Glb& glb, const glm::mat4& to_head) {
     const float r = 2 * std::hypot(u - 0.5f, v - 0.5f),
                 rays = value_noise(206, vec3(std::atan2(v - 0.5f, u - 0.5f) * 14, r * 9, 0));
     if (r < 0.058f) return vec3(0.006f);
-    const vec3 color = glm::mix(vec3(0.05f, 0.06f, 0.045f), vec3(0.21f, 0.23f, 0.17f), 0.4f * n + 0.6f * rays);
+    const vec3 color = glm::mix(vec3(0.045f, 0.026f, 0.013f), vec3(0.2f, 0.12f, 0.055f), 0.4f * n + 0.6f * rays);
     if (r < 0.17f) return color * std::clamp((0.172f - r) / 0.02f, 0.3f, 1.0f);
     return glm::mix(vec3(0.5f, 0.43f, 0.4f), vec3(0.62f, 0.57f, 0.54f), n) *
            std::clamp((r - 0.14f) / 0.05f, 0.5f, 1.0f);
@@ -140,7 +140,7 @@ void add_portrait_person(Glb& glb) {
   const glm::mat4 to_head = glm::rotate(glm::translate(glm::mat4(1), kHead), -0.16f, vec3(0, 1, 0));
   const glm::mat4 to_body = glm::translate(glm::mat4(1), kHead);
   const Texture skin = noise_texture(201, 1024, 16, 512, 0.93f, [](float n, float, float) {
-    return glm::mix(vec3(0.56f, 0.335f, 0.235f), vec3(0.68f, 0.435f, 0.32f), n);
+    return glm::mix(vec3(0.575f, 0.345f, 0.245f), vec3(0.635f, 0.4f, 0.29f), n);
   });
   const int skin_material = glb.add_material(glb.add_texture(skin), vec3(1), false, 0.55f);
   add_head(glb, to_head, skin_material);

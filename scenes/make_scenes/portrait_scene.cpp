@@ -181,7 +181,7 @@ void make_portrait(const std::string& path) {
   add_portrait_person(glb);
   add_garden(glb);
   glb.add_camera("camera", vec3(0), {0, 0, -1});
-  glb.add_sun(glm::normalize(vec3(0.55f, -0.75f, -0.55f)), {1, 0.93f, 0.82f}, 16000);
+  glb.add_sun(glm::normalize(vec3(0.55f, -0.75f, -0.55f)), {1, 0.93f, 0.82f}, 13000);
   glb.write(path);
 }
 

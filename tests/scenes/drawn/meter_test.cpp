@@ -1,0 +1,65 @@
+// The exposure that the meter sets, against the formula that its header states.
+#include "scenes/drawn/meter.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "scenes/shapes/solids.h"
+#include "tests/temporary_folder.h"
+
+namespace dualpixel::scenes {
+namespace {
+
+using glm::vec3;
+
+constexpr float kWall = 0.1f, kPerson = 0.6f;
+constexpr double kWhite_nits = 1000;
+
+/// Seconds at ISO 100 that the meter takes of an unlit wall and an unlit box of 2 `half_m` in front of its middle.
+double metered_s(float half_m, bool is_person) {
+  const TemporaryFolder folder;
+  SceneBuilder build;
+  build.scene["sensor"] = {{"width_px", 256}, {"height_px", 192}, {"pixel_pitch_um", 14.7}};
+  build.scene["render"] = {{"max_bounces", 0}};
+  build.scene["unlit_white_nits"] = kWhite_nits;
+  build.camera({0, 0, 0}, {0, 0, -1});
+  build.shooting.clear_m = 0.5f;
+  Mesh wall, box;
+  add_solid_box(wall, {0, 0, -3}, {4, 4, 0.1f});
+  add_solid_box(box, {0, 0, -2}, {half_m, half_m, 0.1f});
+  build.glb.add_node("wall", wall, build.glb.add_material(-1, vec3(kWall), true));
+  build.glb.add_node("box", box, build.glb.add_material(-1, vec3(kPerson), true), is_person);
+  build.glb.write(folder / "scene.glb");
+  EXPECT_EQ(meter(build.scene, folder / "scene.json", build.shooting, 1, 0), std::vector<std::string>());
+  const nlohmann::json& exposure = build.scene["exposure"];
+  return exposure["time_s"].get<double>() * exposure["iso"].get<double>() / 100;
+}
+
+/// The same where so much of the weight is the box's: the weighted geometric mean becomes the key. Signal of a nit
+/// second at f/1.8: E = pi L / (4 N^2), 4000 electrons per lux second in a well of 6000.
+double expected_s(double box_share) {
+  const double log_mean = (1 - box_share) * std::log(kWall) + box_share * std::log(kPerson);
+  const double signal_per_nit_s = 3.14159265 / (4 * 1.8 * 1.8) * 4000 / 6000;
+  return Shooting().key / (std::exp(log_mean) * kWhite_nits * signal_per_nit_s);
+}
+
+// Exposures have two digits, so each may be 5 % off; pixels that both share are a tenth of the smallest box, and off by
+// less than half of the contrast, ln 6, of which people are half: at most 5 % again.
+constexpr double kTolerance = 0.1;
+
+TEST(Meter, PeopleCountAsMuchAsAllTheRest) {
+  for (const float half_m : {0.15f, 0.3f, 0.45f}) {  // 2 % to 20 % of the picture
+    EXPECT_NEAR(std::log(metered_s(half_m, true) / expected_s(0.5)), 0, kTolerance) << half_m;
+  }
+}
+
+TEST(Meter, ThingsCountByTheirArea) {
+  const double half_picture_m = 1.9 * 256 * 14.7e-3 / 2 / 4.3;  // at the box's front, of a lens of 4.3 mm
+  const double share = 0.3 * 0.3 / (half_picture_m * half_picture_m * 0.75);
+  EXPECT_NEAR(std::log(metered_s(0.3f, false) / expected_s(share)), 0, kTolerance) << share;
+  EXPECT_GT(std::log(expected_s(share) / expected_s(0.5)), 3 * kTolerance);  // or these tests could not tell
+}
+
+}  // namespace
+}  // namespace dualpixel::scenes
