@@ -4,18 +4,23 @@ set -euo pipefail
 program=$1 folder=$2
 version=$("$program" --version)
 
-# The names below "Subcommands:" of a command's help.
-commands() { "$program" "$@" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z][a-z-]*\) .*/\1/p'; }
+mkdir -p "$folder"
+rm -f "$folder"/dualpixel*.1
 
+# Of one command, given by its words, and of the commands below it.
 write_page() {
-  local name summary
+  local help name
+  help=$("$program" "$@" --help)
   name=$(IFS=-; echo "dualpixel${*:+-$*}")
-  summary=$("$program" "$@" --help | sed -n 1p)
-  help2man --no-info --no-discard-stderr --version-string="$version" --name="${summary%.}" "$program${*:+ $*}" |
+  local summary=${help%%$'\n'*}
+  # help2man runs its argument by a shell
+  help2man --no-info --no-discard-stderr --version-string="$version" --name="${summary%.}" \
+    "$(printf %q "$program")${*:+ $*}" |
     sed -e "s/^\.TH DUALPIXEL /.TH ${name^^} /" -e "s/^dualpixel \\\\- /$name \\\\- /" \
         -e '/^\.SS "Example:"/,$s/^\.IP$/.IP\n.nf/' >"$folder/$name.1"  # an example's lines stay lines
-  for command in $(commands "$@"); do write_page "$@" "$command"; done
+  for command in $(sed -n '/^Subcommands:/,/^$/s/^  \([a-z][a-z-]*\) .*/\1/p' <<<"$help"); do
+    write_page "$@" "$command"
+  done
 }
 
-mkdir -p "$folder"
 write_page

@@ -1,6 +1,6 @@
 # What distributors need: a pkg-config file, manual pages, bash completion, and the Debian package that `cpack` makes.
 
-# Libraries without a pkg-config file. The libraries of this project are static, so who links them needs these as well.
+# Libraries without a pkg-config file. The libraries of this project are static, so programs that link them need these as well.
 set(pc_libraries -lembree${embree_VERSION_MAJOR})
 if(TARGET dualpixel_onednn)
   string(APPEND pc_libraries " -ldnnl -lgomp")
@@ -15,18 +15,14 @@ install(FILES ${PROJECT_BINARY_DIR}/dualpixel.pc DESTINATION ${CMAKE_INSTALL_LIB
 
 install(FILES tools/completion/dualpixel DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 
-# One page for the program and one for each of its commands, from their --help.
+# One page for the program and one for each of its commands, made of their --help while they are installed.
 find_program(HELP2MAN help2man)
 if(HELP2MAN)
-  set(pages ${PROJECT_BINARY_DIR}/man1)
-  add_custom_command(OUTPUT ${pages}/dualpixel.1
-                     COMMAND ${PROJECT_SOURCE_DIR}/cmake/manual_pages.sh $<TARGET_FILE:dualpixel> ${pages}
-                     DEPENDS dualpixel cmake/manual_pages.sh
-                     COMMENT "Writing the manual pages")
-  add_custom_target(manual_pages ALL DEPENDS ${pages}/dualpixel.1)
-  install(DIRECTORY ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR})
+  set(pages "\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1")
+  install(CODE "execute_process(COMMAND \"${PROJECT_SOURCE_DIR}/cmake/manual_pages.sh\" \"$<TARGET_FILE:dualpixel>\"
+                                        \"${pages}\" COMMAND_ERROR_IS_FATAL ANY)")
 else()
-  message(STATUS "No help2man: no manual pages are made")
+  message(STATUS "No help2man: no manual pages are installed")
 endif()
 
 set(CPACK_GENERATOR DEB)
@@ -41,7 +37,7 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-# For those who link the libraries.
+# For programs that link the libraries.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
     "libembree-dev, libopenimageio-dev, openimageio-tools, libopenexr-dev, libtiff-dev, zlib1g-dev, libtinygltf-dev, \
 libglm-dev, libtbb-dev, nlohmann-json3-dev, libfmt-dev, libdnnl-dev, libdlib-dev, liblapack-dev")

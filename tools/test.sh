@@ -6,7 +6,7 @@ if [ "${1:-}" = --fast ]; then fast=true; fi
 set --
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" clang-format clang-tidy libraw-bin \
   pybind11-dev python3-dev python3-pip python3-numpy python3-pytest python3-matplotlib python3-opencv parallel dpkg-dev \
-  help2man
+  file help2man
 
 sources() { git ls-files '*.h' '*.cpp'; }
 if [[ $(clang-format --version) == *" 14."* ]]; then  # Debian 12's; later ones break other lines

@@ -369,7 +369,7 @@ SurfaceLight soft_irradiance(const RenderScene& world, const PathOptions& option
 struct WantedLight {
   int bounces = 0;
   bool refined = false;  ///< at points closer than `spacing_m` of the paths
-  bool surer = false;    ///< direct light from four times the samples, other ones, to compare points by
+  bool surer = false;    ///< direct light from four times as many samples of its own; compared, never used as light
 
   /// Names it among the kinds of light at one point.
   std::uint64_t id() const {
@@ -398,7 +398,7 @@ SurfaceLight light_at(const RenderScene& world, const PathOptions& options, cons
     light = gathered_light(world, options, hits, random, samples, options.max_bounces - bounces + 1, false);
   } else {
     light = soft_irradiance(world, options, hits, random, samples);
-    light.hard = hard_irradiance(world, hits, random, samples);
+    if (!wanted.surer) light.hard = hard_irradiance(world, hits, random, samples);
   }
   return cache.table.add(point.group, key, light);
 }
@@ -491,7 +491,7 @@ class LightLookup {
     if (recent_.slot(key).key == key) return recent_.slot(key);
     CellLight found = fetch(lattice, cell, wanted);
     // Where few samples arrive, their noise hides a full shadow. Whether there is one is asked of samples of its own:
-    // light that was chosen by what it was found to be would be biased.
+    // light that is kept or not by what it was found to be is biased, and less so the less it decides.
     if (bounces_ == 0 && noise_hides_a_shadow(found)) {
       found.soft_difference = fetch(lattice, cell, {.surer = true}).soft_difference;
     }

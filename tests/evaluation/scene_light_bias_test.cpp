@@ -159,7 +159,7 @@ DisparityBias bias_of(const Renders& cached, const Renders& sampled, const Error
 
 enum class Asked { left_minus_right, views_too };
 
-/// A tenth of the sensor's noise is the most that is allowed. Disparity is printed alone: noise of these samples pulls
+/// Fails where bias is above a tenth of the sensor's noise by more than two standard errors. Disparity is printed alone: noise of these samples pulls
 /// it towards 0, and more in views whose light is sampled.
 void expect_little_bias(const std::string& scene_file, Asked asked) {
   constexpr int kSamples = 256;
@@ -186,8 +186,8 @@ void expect_little_bias(const std::string& scene_file, Asked asked) {
   }
 }
 
-// The other shipped scenes are unlit. What is asked of views is asked of those that were measured with small enough
-// errors (docs/rendering.md, "What is not met").
+// The other shipped scenes are unlit. Views of the portrait were measured with too large an error to ask anything of
+// them, those of the room have more bias than a tenth (docs/rendering.md, "What is not met").
 TEST(SweepSceneLightBias, OfThePortrait) {
   expect_little_bias(std::string(DUALPIXEL_SCENES_DIR) + "/portrait.json", Asked::left_minus_right);
 }

@@ -14,7 +14,9 @@ namespace dualpixel::simulator {
 struct CellLight {
   std::uint64_t key = 0;                           ///< of the cell, for this number of reflections
   SurfaceLight light[2][2];                        ///< at the points: of each row, left and right
-  float soft_difference = 0, hard_difference = 0;  ///< between the least and the largest of them, over the largest
+  /// Between the least and the largest, over the largest. Of soft light 0 where noise explains it; other samples than
+  /// those of `light` may have decided that.
+  float soft_difference = 0, hard_difference = 0;
   float from_m = std::numeric_limits<float>::infinity();  ///< the least of them
 };
 
