@@ -10,7 +10,7 @@
 /// around the axis. Lengths in the picture are in DP px along x, in both directions.
 namespace dualpixel::evaluation {
 
-inline constexpr int kAtlasSide_px = 384;
+inline constexpr int kAtlasSide_px = 448;
 
 struct AtlasCamera {
   std::string name;         ///< as it was asked for

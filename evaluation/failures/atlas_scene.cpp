@@ -15,7 +15,7 @@
 namespace dualpixel::evaluation {
 namespace {
 
-constexpr int kPainted_px = 768;        // texels a side: two and a half for a DP px
+constexpr int kPainted_px = 896;        // texels a side: two and two thirds for a DP px
 constexpr double kSeen = 1.5;           // side of whole_picture() over that of the picture
 constexpr double kRepeats_dp_px = 256;  // of pink noise
 constexpr double kGray = 0.18, kLongest_s = 1.0 / 15;
