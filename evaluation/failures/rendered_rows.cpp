@@ -52,7 +52,7 @@ std::vector<RenderedRow> texture_scenes() {
        "Repetition",
        "period, DP px",
        "period_dp_px",
-       {32, 24, 20, 16, 12, 8, 6, 4, 3},
+       {24, 20, 16, 12, 8, 6, 4, 3},
        [](AtlasScene& scene, double period) {
          const Paint grating = [=](double x, double) {
            return kAtlasMean * (1 + 0.5 * std::sin(2 * std::numbers::pi * x / period));
@@ -152,7 +152,7 @@ std::vector<RenderedRow> depth_scenes() {
 void build_highlights(AtlasScene& scene, double ratio) {
   constexpr int kLamps = 30;
   constexpr double kLamp_dp_px = 2.4, kLampBlur = 16;
-  use_samples(scene, 64);
+  use_samples(scene, 16);
   add_plain_wall(scene);
   const double pane_m = 0.999 * depth_of_blur(scene.camera, kWall);
   add_pane(scene, pane_m);
@@ -172,7 +172,7 @@ void build_reflection(AtlasScene& scene, double ratio) {
   const double transmits = 1 - kPaneReflects, equal = kPaneReflects / transmits;
   const double wall = std::min(equal / ratio, 1.0), reflected = std::min(ratio / equal, 1.0);
   scene.mean = kAtlasMean * (wall * transmits + reflected * kPaneReflects);
-  use_samples(scene, 64);
+  use_samples(scene, 16);
   scene.document["render"]["max_bounces"] = 1;
   const double pane_m = depth_of_blur(scene.camera, kPane);
   add_wall(scene, add_paint(scene, pink_paint(scene, 0), wall), kWall);
@@ -184,6 +184,7 @@ void build_reflection(AtlasScene& scene, double ratio) {
 /// Waving strands, 1.2 DP px wide and 4 apart, before a wall.
 void build_hair(AtlasScene& scene, double blur_step) {
   constexpr double kWidth = 1.2, kApart = 4, kSegment = 6, kSwing = 3, kWave = 20;
+  use_samples(scene, 32);
   add_wall(scene, add_paint(scene, pink_paint(scene, 0)), blur_step / 2);
   const double depth_m = depth_of_blur(scene.camera, -blur_step / 2);
   const Window all = whole_picture(scene);

@@ -1,0 +1,165 @@
+#include "evaluation/failures/rendered_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "capture/error.h"
+#include "evaluation/failures/atlas_scene.h"
+#include "evaluation/failures/failure_atlas.h"
+#include "evaluation/failures/run_atlas.h"
+#include "pipeline/burst/merge.h"
+#include "tests/run_program.h"
+
+namespace dualpixel::evaluation {
+namespace {
+
+constexpr double kPhoneAlpha = 1 / (4 * 1.19);  // of a ramp split, 1 / (4 k)
+
+AtlasScene scene_of(const char* camera, double reach_dp_px = 24) {
+  return {focused_for(atlas_camera(camera), reach_dp_px), 0};
+}
+
+double mean_of(const Image& image) {
+  return std::accumulate(image.data.begin(), image.data.end(), 0.0) / static_cast<double>(image.data.size());
+}
+
+int gray(AtlasScene& scene) {
+  return add_paint(scene, [](double, double) { return kAtlasMean; });
+}
+
+TEST(RenderedRows, AWallIsAsBlurredAsAsked) {
+  const AtlasScene scene = scene_of("thin", 40);
+  const simulator::ThinLens& thin = scene.camera.lens.thin;
+  EXPECT_NEAR(thin.blur_diameter_m(INFINITY) / dp_pitch_m(scene.camera), 40, 1e-9);
+  for (const double blur : {-60.0, -4.0, 0.0, 4.0, 32.0}) {
+    EXPECT_NEAR(thin.blur_diameter_m(depth_of_blur(scene.camera, blur)) / dp_pitch_m(scene.camera), blur, 1e-9);
+  }
+}
+
+TEST(RenderedRows, TruthIsAlphaTimesTheBlur) {
+  for (const double blur : {-8.0, 4.0}) {
+    AtlasScene scene = scene_of("thin");
+    add_wall(scene, gray(scene), blur);
+    const ViewSample views = take_views(scene);
+    const auto [low, high] = std::minmax_element(views.truth_dp_px.data.begin(), views.truth_dp_px.data.end());
+    EXPECT_NEAR(*low, kPhoneAlpha * blur, 1e-3);
+    EXPECT_NEAR(*high, kPhoneAlpha * blur, 1e-3);
+  }
+}
+
+// The light of a wall of one gray: as metered, with the noise that the sensor states, in both views alike.
+TEST(RenderedRows, ViewsAreExposedAndNoisyAsStated) {
+  AtlasScene scene = scene_of("thin");
+  add_wall(scene, gray(scene), 0);
+  const ViewSample views = take_views(scene);
+  const double mean = 0.5 * kAtlasLevel;
+  for (const Image* view : {&views.left, &views.right}) {
+    EXPECT_NEAR(mean_of(*view) / mean, 1, 0.012);  // sRGB codes near gray lie 1.1 % apart
+    double squares = 0;
+    for (const float value : view->data) squares += std::pow(value / mean_of(*view) - 1, 2);
+    const double noise = std::sqrt(squares / static_cast<double>(view->data.size()));
+    // a merge leaves its variance within 5 %; rendering, at most .15 of one frame's noise, adds .05 of what is left
+    EXPECT_NEAR(noise / relative_noise(scene) / std::sqrt(pipeline::merged_view_variance(3)), 1.01, 0.05);
+  }
+}
+
+/// A camera's views of a wall through a pane that reflects `ratio` of its light: the row meters by the pane's Fresnel
+/// reflection, 2 F / (1 + F), so that any other share shows in the exposure.
+TEST(RenderedRows, APaneReflectsAsMetered) {
+  const std::vector<FailureRow> rows = rendered_failure_rows(atlas_camera("thin"));
+  const auto& row = *std::find_if(rows.begin(), rows.end(), [](const auto& r) { return r.name == "reflection"; });
+  for (const double ratio : {0.0, 6.4}) {
+    const ViewSample views = row.make(ratio, 0);
+    // the mean of a texture over the picture is known to its contrast over the root of its 40 coarse cells
+    EXPECT_NEAR(mean_of(views.left) / (0.5 * kAtlasLevel), 1, 3 * kAtlasContrast / std::sqrt(40.0)) << ratio;
+  }
+}
+
+TEST(RenderedRows, EveryCameraTakesEveryRow) {
+  for (const char* camera : {"prescription", DUALPIXEL_SOURCE_DIR "/scenes/cameras/phone_2019.json"}) {
+    for (const FailureRow& row : rendered_failure_rows(atlas_camera(camera))) {
+      if (row.name != "vignetting" && row.name != "defocus") continue;  // a lens of the row's own, and the camera's
+      const ViewSample views = row.make(row.values[1], 0);
+      EXPECT_TRUE(std::isfinite(views.truth_dp_px.at(views.left.width / 2, views.left.height / 2))) << row.name;
+    }
+  }
+}
+
+/// Steps in which 1, 5, 8 and 16 of 60 blocks are wrong.
+FailureSweep blocks_wrong() {
+  constexpr int kWidth = 224, kHeight = 112, kBlockPx = 16, kAcross = 12;
+  const FailureRow row{"blocks", "", "", "", {1, 5, 8, 16}, [](double count, unsigned) {
+                         const Image empty(kWidth, kHeight);
+                         return ViewSample{"", Image(kWidth, kHeight, 1, static_cast<float>(count)), empty, empty, {}};
+                       }};
+  const DisparityMethod method = {"some", [](const Image& left, const Image&, const pipeline::ViewSensor&) {
+                                    MethodRun run{{Image(kWidth, kHeight), {}, {}}, 0, 0, {}};
+                                    const int count = static_cast<int>(left.at(0, 0));
+                                    for (int i = 0; i < count * kBlockPx * kBlockPx; ++i) {
+                                      const int block = i / (kBlockPx * kBlockPx), x = i % kBlockPx;
+                                      const int y = i / kBlockPx % kBlockPx;
+                                      run.found.disparity_dp_px.at(kBlockPx * (1 + block % kAcross) + x,
+                                                                   kBlockPx * (1 + block / kAcross) + y) = 1;
+                                    }
+                                    return run;
+                                  }};
+  return measure_row(row, {method}, 1);
+}
+
+// Of 60 blocks drawn anew, more than 6 are wrong with the binomial's chance: .0001, .23, .74 and .999.
+TEST(FailureAtlas, TheIntervalOfABreakingPointIsThatOfTheBinomial) {
+  const FailureSweep sweep = blocks_wrong();
+  EXPECT_NEAR(sweep.steps[2].methods[0].wrong, 8 / 60.0, 1e-9);
+  EXPECT_EQ(sweep.value_at(sweep.breaks[0].step), "8");
+  EXPECT_EQ(sweep.value_at(sweep.breaks[0].low), "5");
+  EXPECT_EQ(sweep.value_at(sweep.breaks[0].high), "16");
+  EXPECT_EQ(sweep.value_at(4), "never");
+}
+
+TEST(FailureAtlas, ARowIsTheSameOnceItWasKept) {
+  const FailureSweep sweep = blocks_wrong();
+  const nlohmann::ordered_json json = to_json(sweep, true);
+  EXPECT_EQ(to_json(sweep_of_json(json), true), json);
+}
+
+TEST(FailureAtlas, GoesOnWhereItWasLeft) {
+  const TemporaryFolder folder;
+  const AtlasOptions one{.camera = "ideal", .methods = {"paper"}, .rows = {"parallel"}};
+  run_failure_atlas(one, folder / "new");
+  const std::string kept = folder / "new/rows/parallel.json", bytes = read_bytes(kept);
+  const auto written = std::filesystem::last_write_time(kept);
+  AtlasOptions two = one;
+  two.rows.emplace_back("repetition");
+  run_failure_atlas(two, folder / "new");
+  EXPECT_EQ(std::filesystem::last_write_time(kept), written);
+  const auto json = nlohmann::json::parse(read_bytes(folder / "new/failures.json"));
+  EXPECT_EQ(json["rows"].size(), 2);
+  std::string damaged = bytes;
+  damaged[damaged.find("0.4")] = '1';
+  write_bytes(kept, damaged);
+  run_failure_atlas(one, folder / "new");
+  EXPECT_EQ(read_bytes(kept), bytes);
+  two.draws = 2;
+  run_failure_atlas(two, folder / "new");
+  EXPECT_NE(read_bytes(kept), bytes);
+}
+
+TEST(FailureAtlas, RefusesWhatItCannotUse) {
+  const TemporaryFolder folder;
+  const std::string out = "experiment failures -o '" + (folder / "new") + "' ";
+  expect_one_line_refusal(run_program(out + "--row nois"));
+  expect_one_line_refusal(run_program(out + "--camera none.json"));
+  expect_one_line_refusal(run_program(out + "--camera '" DUALPIXEL_SCENES_DIR "/portrait.json'"));
+  expect_one_line_refusal(run_program(out + "--method ppaer"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "new"));
+  folder.write("mine/notes.txt", "mine");
+  expect_one_line_refusal(run_program("experiment failures -o '" + (folder / "mine") + "' --row noise"));
+}
+
+}  // namespace
+}  // namespace dualpixel::evaluation
