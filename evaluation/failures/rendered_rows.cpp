@@ -241,17 +241,18 @@ std::vector<RenderedRow> lens_scenes() {
        "Split beside the middle of the pixel",
        "offset, pupil radii",
        "offset_pupil_radii",
-       {0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8},
+       {0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 0.98},
        [](AtlasScene& scene, double offset) {
-         scene.camera = with_plain_lens(scene.camera, {{"split_offset", offset}});
+         scene.camera = with_plain_lens(scene.camera, {{"split_offset", offset}, {"split", {{"model", "hard"}}}});
          add_plain_wall(scene);
        },
-       "An ideal lens of the camera's focal length and f-number; one view gets more light than the other."},
+       "An ideal lens of the camera's focal length and f-number before a hard split; one view gets ever less of the "
+       "light."},
       {"vignetting",
        "Pupil cut by vignetting",
        "offset of the cutting disc at the sides, pupil radii",
        "offset_pupil_radii",
-       {0, 0.3, 0.6, 0.9, 1.2, 1.5, 1.8, 1.95},
+       {0, 0.6, 1.2, 1.8, 2.4, 3, 4},
        [](AtlasScene& scene, double cut) {
          const double half_mm = 0.5e-3 * kAtlasSide_px * scene.camera.sensor.pixel_pitch_um;
          scene.camera = with_plain_lens(
@@ -259,7 +260,9 @@ std::vector<RenderedRow> lens_scenes() {
              {{"image_radius_mm", half_mm}, {"rims", nlohmann::json::array({{{"radius", 1}, {"shift", cut}}})}});
          add_plain_wall(scene);
        },
-       "An ideal lens whose pupil is cut the more the farther from the middle of this small picture."},
+       "An ideal lens whose pupil is cut the more the farther from the middle of this small picture; from 2 on the "
+       "corners "
+       "are dark."},
       {"fringes",
        "Color fringes",
        "shift of red and of blue at the sides, DP px",
@@ -286,7 +289,7 @@ void build_motion(AtlasScene& scene, double dp_px_a_frame) {
   const double interval_s = std::max(exposure_of(scene).time_s, 0.04);
   const float a_frame_m = point_seen_at(scene.camera, dp_px_a_frame, 0, depth_of_blur(scene.camera, -kBlur)).x;
   scene.glb.move_last_node(0, glm::vec3(0), 1, {a_frame_m / static_cast<float>(interval_s), 0, 0});
-  scene.document["burst"] = {{"interval_s", interval_s}, {"animation", true}, {"exposure_poses", 8}};
+  scene.document["burst"] = {{"interval_s", interval_s}, {"animation", true}, {"exposure_poses", 4}};
 }
 
 void build_shake(AtlasScene& scene, double scale) {
@@ -300,7 +303,7 @@ std::vector<RenderedRow> motion_scenes() {
        "Things that move",
        "DP px from frame to frame",
        "dp_px_a_frame",
-       {0, 1, 2, 4, 8, 16, 32, 64},
+       {0, 4, 8, 16, 32, 64, 128},
        build_motion,
        "A card before a wall, blurred by its way in each exposure; true is the middle of the first frame's."},
       {"shake",
@@ -316,10 +319,10 @@ std::vector<RenderedRow> motion_scenes() {
        "readout_ms",
        {0, 5, 10, 20, 30, 45, 60},
        [](AtlasScene& scene, double readout_ms) {
-         build_shake(scene, 4);
+         build_shake(scene, 2);
          scene.document["sensor"]["row_time_us"] = 1e3 * readout_ms / kAtlasSide_px;
        },
-       "No value breaks a method: both views of a row are read together, and bend alike. The hand shakes four times as "
+       "No value breaks a method: both views of a row are read together, and bend alike. The hand shakes twice as "
        "much as usual."},
   };
 }
