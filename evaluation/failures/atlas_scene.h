@@ -53,7 +53,7 @@ struct Strips {
 void add_strips(AtlasScene& scene, const Strips& strips, double strip_blur_dp_px, double wall_blur_dp_px);
 /// A thin pane of glass across the view.
 void add_pane(AtlasScene& scene, double depth_m);
-inline constexpr double kPaneReflects = 0.077;  ///< head-on: 2 F / (1 + F), F = .04
+inline constexpr double kPaneReflects = 0.04;  ///< head-on: glTF's thin pane has one surface, of ior 1.5
 /// What is placed behind the camera so that the pane at that depth shows it at `place`.
 Place mirrored(Place place, double pane_depth_m);
 
