@@ -26,6 +26,7 @@ struct RenderedRow {
 void add_plain_wall(AtlasScene& scene) { add_wall(scene, add_paint(scene, pink_paint(scene, 0)), kWall); }
 
 /// As many for each photosite, where what is small and bright would ask for too many to reach a share of the noise.
+/// Noise of rendering is common to both views: with 16, lamps in a varnish pull all methods to 0.
 void use_samples(AtlasScene& scene, int samples) {
   scene.document["render"] = {{"noise_fraction", nullptr}, {"samples_per_pixel", samples}};
 }
@@ -152,7 +153,7 @@ std::vector<RenderedRow> depth_scenes() {
 void build_highlights(AtlasScene& scene, double ratio) {
   constexpr int kLamps = 30;
   constexpr double kLamp_dp_px = 2.4, kLampBlur = 16;
-  use_samples(scene, 16);
+  use_samples(scene, 64);
   add_plain_wall(scene);
   const double pane_m = 0.999 * depth_of_blur(scene.camera, kWall);
   add_pane(scene, pane_m);
@@ -172,7 +173,7 @@ void build_reflection(AtlasScene& scene, double ratio) {
   const double transmits = 1 - kPaneReflects, equal = kPaneReflects / transmits;
   const double wall = std::min(equal / ratio, 1.0), reflected = std::min(ratio / equal, 1.0);
   scene.mean = kAtlasMean * (wall * transmits + reflected * kPaneReflects);
-  use_samples(scene, 16);
+  use_samples(scene, 64);
   scene.document["render"]["max_bounces"] = 1;
   const double pane_m = depth_of_blur(scene.camera, kPane);
   add_wall(scene, add_paint(scene, pink_paint(scene, 0), wall), kWall);
@@ -220,7 +221,7 @@ std::vector<RenderedRow> material_scenes() {
        "Reflections in glass",
        "reflected over transmitted light",
        "reflected_over_transmitted",
-       {0, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4},
+       {0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 6.4},
        build_reflection,
        "Two walls are seen at once, each with its own disparity; true is that behind the pane."},
       {"hair",

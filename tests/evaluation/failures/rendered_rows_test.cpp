@@ -181,6 +181,8 @@ constexpr KnownOverconfidence kKnown[] = {
     {"highlights", "likelihood split", "lamps in a varnish are bright, and lie behind it"},
     {"defocus", "likelihood", "it takes both views for shifts of each other, which a soft split's are not"},
     {"near_defocus", "likelihood", "likewise"},
+    {"vignetting", "likelihood", "nor are those of a pupil that is cut on one side"},
+    {"motion", "likelihood split", "a card that moves by half of the picture is seen on both sides of its edges"},
 };
 
 bool is_known(const std::string& row, const std::string& method) {
