@@ -151,7 +151,8 @@ std::vector<RenderedRow> depth_scenes() {
 void build_highlights(AtlasScene& scene, double ratio) {
   constexpr int kLamps = 30;
   constexpr double kLamp_dp_px = 2.4, kLampBlur = 16;
-  allow_noise(scene);
+  // no share of the noise: lamps that clip would ask for samples without end
+  scene.document["render"] = {{"noise_fraction", nullptr}, {"samples_per_pixel", 64}};
   add_plain_wall(scene);
   const double pane_m = 0.999 * depth_of_blur(scene.camera, kWall);
   add_pane(scene, pane_m);
@@ -212,7 +213,7 @@ std::vector<RenderedRow> material_scenes() {
        "Specular highlights",
        "brightness over the surface",
        "brightness_ratio",
-       {0, 1, 3, 10, 30, 100, 300, 1000},
+       {0, 1, 3, 10, 30, 100},
        build_highlights,
        "Lamps mirrored by a varnished print lie far behind it, and so does their disparity."},
       {"reflection",
