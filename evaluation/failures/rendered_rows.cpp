@@ -25,7 +25,7 @@ struct RenderedRow {
 
 void add_plain_wall(AtlasScene& scene) { add_wall(scene, add_paint(scene, pink_paint(scene, 0)), kWall); }
 
-/// Twice the noise of rendering that other rows have, in a quarter of the time, where glass and hair cost much. It is
+/// Twice the noise of rendering that other rows have, in a quarter of the time, where hair costs much. It is
 /// common to both views, and much of it would pull all methods to 0.
 void allow_noise(AtlasScene& scene) { scene.document["render"]["noise_fraction"] = 0.3; }
 
@@ -172,8 +172,7 @@ void build_reflection(AtlasScene& scene, double ratio) {
   const double transmits = 1 - kPaneReflects, equal = kPaneReflects / transmits;
   const double wall = std::min(equal / ratio, 1.0), reflected = std::min(ratio / equal, 1.0);
   scene.mean = kAtlasMean * (wall * transmits + reflected * kPaneReflects);
-  allow_noise(scene);
-  scene.document["render"]["max_bounces"] = 1;
+  scene.document["render"] = {{"noise_fraction", nullptr}, {"samples_per_pixel", 64}, {"max_bounces", 1}};
   const double pane_m = depth_of_blur(scene.camera, kPane);
   add_wall(scene, add_paint(scene, pink_paint(scene, 0), wall), kWall);
   add_pane(scene, pane_m);

@@ -79,7 +79,7 @@ TEST(RenderedRows, ViewsAreAsNoisyAsStated) {
 
 /// The row meters by the pane's reflection, F = .04 of one surface head-on, so that any other share shows in the
 /// exposure.
-TEST(RenderedRows, APaneReflectsAsMetered) {
+TEST(SlowRenderedRows, APaneReflectsAsMetered) {
   const std::vector<FailureRow> rows = rendered_failure_rows(atlas_camera("thin"));
   const auto& row = *std::find_if(rows.begin(), rows.end(), [](const auto& r) { return r.name == "reflection"; });
   for (const double ratio : {0.0, 6.4}) {
