@@ -6,8 +6,8 @@
 #include <initializer_list>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
-#include "capture/capture.h"
 #include "capture/error.h"
 #include "capture/folder/capture_json.h"
 #include "capture/image/map_file.h"
@@ -74,19 +74,11 @@ ViewSample sample_of_data_set(const std::string& folder) {
 ViewSample sample_of_capture(const std::string& folder) {
   const Capture capture = read_capture(folder, true);
   if (!capture.truth) throw InputError(printable(folder) + ": holds no truth to score against");
-  const Camera& camera = capture.camera;
-  ViewSample sample{fs::path(folder).filename(), normalized(capture.frames[0].left, capture.exposure),
-                    normalized(capture.frames[0].right, capture.exposure),
-                    Image(camera.dp_width(), camera.dp_height(), 1, kUnknownDpPx),
-                    pipeline::view_sensor(capture.exposure)};
-  for (int y = 0; y < camera.dp_height(); ++y) {
-    for (int x = 0; x < camera.dp_width(); ++x) {
-      const int u = x * camera.dp_downsample_x + camera.dp_downsample_x / 2;
-      const int v = y * camera.dp_downsample_y + camera.dp_downsample_y / 2;
-      if (capture.truth->valid.at(u, v) == 1) sample.truth_dp_px.at(x, y) = capture.truth->disparity_dp_px.at(u, v);
-    }
-  }
-  return pipeline::is_dense_mosaic(capture) ? of_green_means(sample, camera.cfa) : sample;
+  ViewSample sample =
+      view_sample(capture, normalized(capture.frames[0].left, capture.exposure),
+                  normalized(capture.frames[0].right, capture.exposure), pipeline::view_sensor(capture.exposure));
+  sample.name = fs::path(folder).filename();
+  return sample;
 }
 
 }  // namespace
@@ -112,6 +104,20 @@ std::vector<std::string> sample_folders(const std::string& set, const std::strin
                      ": holds no samples: must be a data set that is rendered, or a folder of captures");
   }
   return folders;
+}
+
+ViewSample view_sample(const Capture& capture, Image left, Image right, const pipeline::ViewSensor& sensor) {
+  const Camera& camera = capture.camera;
+  ViewSample sample{"", std::move(left), std::move(right),
+                    Image(camera.dp_width(), camera.dp_height(), 1, kUnknownDpPx), sensor};
+  for (int y = 0; y < camera.dp_height(); ++y) {
+    for (int x = 0; x < camera.dp_width(); ++x) {
+      const int u = x * camera.dp_downsample_x + camera.dp_downsample_x / 2;
+      const int v = y * camera.dp_downsample_y + camera.dp_downsample_y / 2;
+      if (capture.truth->valid.at(u, v) == 1) sample.truth_dp_px.at(x, y) = capture.truth->disparity_dp_px.at(u, v);
+    }
+  }
+  return pipeline::is_dense_mosaic(capture) ? of_green_means(sample, camera.cfa) : sample;
 }
 
 ViewSample read_view_sample(const std::string& folder) {

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/image/image.h"
+#include "capture/capture.h"
 #include "pipeline/disparity/noise_model.h"
 
 namespace dualpixel::evaluation {
@@ -25,5 +25,8 @@ std::vector<std::string> sample_folders(const std::string& set, const std::strin
 /// Of dense captures the sample is what a sensor with DP pixels of 2 x 2 photosites would have read, as the portrait
 /// matches them (pipeline/disparity/match_pixels.h), disparity in its DP pixels. Throws InputError.
 ViewSample read_view_sample(const std::string& folder);
+
+/// The same of a capture with truth, whose views are given: those of its first frame, or merged ones that show it.
+ViewSample view_sample(const Capture& capture, Image left, Image right, const pipeline::ViewSensor& sensor);
 
 }  // namespace dualpixel::evaluation

@@ -1,5 +1,3 @@
-#include "evaluation/experiments/failure_cases.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +5,8 @@
 #include <limits>
 #include <numbers>
 #include <random>
+
+#include "evaluation/failures/failure_row.h"
 
 namespace dualpixel::evaluation {
 namespace {
@@ -83,23 +83,22 @@ class Waves {
   /// Through a pupil whose image is `blur_px` wide, signed: point p of the kernel moves the picture by
   /// blur_px / 2 * p to the right.
   Image seen(const Kernel& kernel, double blur_px, double shift_px) const {
-    std::vector<double> sums(static_cast<std::size_t>(kFailureWidth) * kFailureHeight);
-    std::vector<std::complex<double>> across(kFailureWidth);
+    std::vector<double> sums(static_cast<std::size_t>(kIdealWidth) * kIdealHeight);
+    std::vector<std::complex<double>> across(kIdealWidth);
     for (const Wave& wave : waves_) {
       std::complex<double> gain = 0;
       for (const PupilPoint& p : kernel.points) {
         gain += std::polar(p.share, -0.5 * blur_px * (wave.x * p.x + wave.y * p.y));
       }
       gain *= std::polar(1.0, wave.phase - wave.x * shift_px);
-      for (int x = 0; x < kFailureWidth; ++x) across[x] = std::polar(1.0, wave.x * x) * gain;
-      for (int y = 0; y < kFailureHeight; ++y) {
+      for (int x = 0; x < kIdealWidth; ++x) across[x] = std::polar(1.0, wave.x * x) * gain;
+      for (int y = 0; y < kIdealHeight; ++y) {
         const std::complex<double> down = std::polar(1.0, wave.y * y);
-        double* row = sums.data() + static_cast<std::size_t>(y) * kFailureWidth;
-        for (int x = 0; x < kFailureWidth; ++x)
-          row[x] += across[x].real() * down.real() - across[x].imag() * down.imag();
+        double* row = sums.data() + static_cast<std::size_t>(y) * kIdealWidth;
+        for (int x = 0; x < kIdealWidth; ++x) row[x] += across[x].real() * down.real() - across[x].imag() * down.imag();
       }
     }
-    Image image(kFailureWidth, kFailureHeight);
+    Image image(kIdealWidth, kIdealHeight);
     const double scale = std::sqrt(2.0 / static_cast<double>(waves_.size()));
     for (std::size_t i = 0; i < sums.size(); ++i) image.data[i] = static_cast<float>(scale * sums[i]);
     return image;
@@ -121,13 +120,18 @@ pipeline::ViewNoise noise_at(double lux) {
   return {static_cast<float>(electron), static_cast<float>(4 * 2.4 * 2.4 * electron * electron)};
 }
 
-FailureCase with_noise(Image left, Image right, Image truth, double lux = 100) {
-  FailureCase result{std::move(left), std::move(right), std::move(truth), noise_at(lux)};
-  std::mt19937 random(1);
+using Draw = unsigned;  // which textures and which noise
+
+Waves waves_of(unsigned texture, Draw draw) { return Waves(texture + 100 * draw); }
+
+ViewSample with_noise(Image left, Image right, Image truth, Draw draw, double lux = 100) {
+  const pipeline::ViewNoise noise = noise_at(lux);
+  ViewSample result{"", std::move(left), std::move(right), std::move(truth), {noise}};
+  std::mt19937 random(1 + draw);
   std::normal_distribution<float> normal;
   for (Image* view : {&result.left, &result.right}) {
     for (float& value : view->data) {
-      value += normal(random) * std::sqrt(result.noise.shot * std::max(value, 0.0f) + result.noise.read);
+      value += normal(random) * std::sqrt(noise.shot * std::max(value, 0.0f) + noise.read);
       value = std::min(value, 1.0f);
     }
   }
@@ -139,51 +143,51 @@ Image exposed(Image texture, double contrast = kContrast) {
   return texture;
 }
 
-Image uniform_image(double value) { return Image(kFailureWidth, kFailureHeight, 1, static_cast<float>(value)); }
+Image uniform_image(double value) { return Image(kIdealWidth, kIdealHeight, 1, static_cast<float>(value)); }
 
 /// In focus, shifted by d.
-FailureCase shifted(const Waves& waves, double d, double contrast = kContrast, double lux = 100) {
+ViewSample shifted(const Waves& waves, double d, Draw draw, double contrast = kContrast, double lux = 100) {
   return with_noise(exposed(waves.seen(pinhole(), 0, 0), contrast), exposed(waves.seen(pinhole(), 0, d), contrast),
-                    uniform_image(d), lux);
+                    uniform_image(d), draw, lux);
 }
 
 /// Out of focus. A point of the pupil at x moves the picture by b x / 2 to the right; the right view looks through the
 /// half that moves it by d / 2 and thus right(x + d) = left(x).
-FailureCase defocused(const Waves& waves, double blur_px, const Kernel& left, const Kernel& right) {
+ViewSample defocused(const Waves& waves, double blur_px, const Kernel& left, const Kernel& right, Draw draw) {
   return with_noise(exposed(waves.seen(left, blur_px, 0)), exposed(waves.seen(right, blur_px, 0)),
-                    uniform_image(0.5 * blur_px * (right.centroid() - left.centroid())));
+                    uniform_image(0.5 * blur_px * (right.centroid() - left.centroid())), draw);
 }
 
 /// Through a hard split `split` beside the middle, and a pupil that vignetting cuts.
-FailureCase defocused(const Waves& waves, double blur_px, double split = 0, double cut = 0) {
-  return defocused(waves, blur_px, half_disc(-1, split, cut), half_disc(1, split, cut));
+ViewSample defocused(const Waves& waves, double blur_px, Draw draw, double split = 0, double cut = 0) {
+  return defocused(waves, blur_px, half_disc(-1, split, cut), half_disc(1, split, cut), draw);
 }
 
 /// Through the soft split of a phone: alpha = .21, as measured on a Pixel 4 (docs/disparity.md).
-FailureCase softly_defocused(const Waves& waves, double blur_px) {
+ViewSample softly_defocused(const Waves& waves, double blur_px, Draw draw) {
   constexpr double kPhoneAlpha = 0.21;
-  return defocused(waves, blur_px, soft_half(-1, kPhoneAlpha), soft_half(1, kPhoneAlpha));
+  return defocused(waves, blur_px, soft_half(-1, kPhoneAlpha), soft_half(1, kPhoneAlpha), draw);
 }
 
 /// Opaque bars of one blur in front of a background of another: each point of the pupil sees both, shifted, with the
 /// bars on top. A pixel belongs to a surface where all points of both halves show it; the truth is NaN elsewhere.
-FailureCase layered(double front_blur_px, double back_blur_px, double bar_px, double period_px) {
-  const Waves front(3, 0.25), back(4, 0.25);
+ViewSample layered(double front_blur_px, double back_blur_px, double bar_px, double period_px, Draw draw) {
+  const Waves front(3 + 100 * draw, 0.25), back(4 + 100 * draw, 0.25);
   Image views[2];
-  Image front_count(kFailureWidth, kFailureHeight);
+  Image front_count(kIdealWidth, kIdealHeight);
   double points = 0;
   double centroids[2];
   for (int side = 0; side < 2; ++side) {
     const Kernel kernel = half_disc(2 * side - 1, 0, 0, 10);
     centroids[side] = kernel.centroid();
-    Image& view = views[side] = Image(kFailureWidth, kFailureHeight);
+    Image& view = views[side] = Image(kIdealWidth, kIdealHeight);
     for (const PupilPoint& point : kernel.points) {
       const Kernel one{{{point.x, point.y, 1}}};
       const Image f = exposed(front.seen(one, front_blur_px, 0)), b = exposed(back.seen(one, back_blur_px, 0));
-      for (int x = 0; x < kFailureWidth; ++x) {
+      for (int x = 0; x < kIdealWidth; ++x) {
         const double at = std::fmod(x + 0.5 - 0.5 * front_blur_px * point.x + 16 * period_px, period_px);
         const bool covered = at < bar_px;
-        for (int y = 0; y < kFailureHeight; ++y) {
+        for (int y = 0; y < kIdealHeight; ++y) {
           view.at(x, y) += (covered ? f : b).at(x, y) * static_cast<float>(point.share);
           front_count.at(x, y) += covered;
         }
@@ -197,11 +201,11 @@ FailureCase layered(double front_blur_px, double back_blur_px, double bar_px, do
     if (front_count.data[i] == 0) truth.data[i] = static_cast<float>(apart * back_blur_px);
     if (front_count.data[i] == static_cast<float>(points)) truth.data[i] = static_cast<float>(apart * front_blur_px);
   }
-  return with_noise(std::move(views[0]), std::move(views[1]), std::move(truth));
+  return with_noise(std::move(views[0]), std::move(views[1]), std::move(truth), draw);
 }
 
-FailureCase saturated(double clipped_share) {
-  const Waves waves(5);
+ViewSample saturated(double clipped_share, Draw draw) {
+  const Waves waves = waves_of(5, draw);
   Image left = waves.seen(pinhole(), 0, 0), right = waves.seen(pinhole(), 0, 0.4);
   std::vector<float> sorted = left.data;
   const auto rank = sorted.begin() + static_cast<std::ptrdiff_t>((1 - clipped_share) * (sorted.size() - 1));
@@ -210,31 +214,31 @@ FailureCase saturated(double clipped_share) {
   for (Image* view : {&left, &right}) {
     for (float& value : view->data) value = gain * std::max(1 + 0.4f * value, 0.0f);
   }
-  return with_noise(std::move(left), std::move(right), uniform_image(0.4));
+  return with_noise(std::move(left), std::move(right), uniform_image(0.4), draw);
 }
 
-FailureCase shaded(double ramp) {
-  const Waves waves(6);
+ViewSample shaded(double ramp, Draw draw) {
+  const Waves waves = waves_of(6, draw);
   Image left = exposed(waves.seen(pinhole(), 0, 0)), right = exposed(waves.seen(pinhole(), 0, 0.4));
-  for (int y = 0; y < kFailureHeight; ++y) {
-    for (int x = 0; x < kFailureWidth; ++x) {
-      const double t = 2 * (x + 0.5) / kFailureWidth - 1;
+  for (int y = 0; y < kIdealHeight; ++y) {
+    for (int x = 0; x < kIdealWidth; ++x) {
+      const double t = 2 * (x + 0.5) / kIdealWidth - 1;
       left.at(x, y) *= static_cast<float>(1 + ramp * t);
       right.at(x, y) *= static_cast<float>(1 - ramp * t);
     }
   }
-  return with_noise(std::move(left), std::move(right), uniform_image(0.4));
+  return with_noise(std::move(left), std::move(right), uniform_image(0.4), draw);
 }
 
 /// Small highlights, mirrored by the surface: mirror images of their sources, they have twice the surface's blur.
-FailureCase highlights(double brightness) {
+ViewSample highlights(double brightness, Draw draw) {
   constexpr double kBlur = 4, kRadius = 1.2;
-  const Waves waves(7);
+  const Waves waves = waves_of(7, draw);
   Image views[2];
-  std::mt19937 random(2);
+  std::mt19937 random(2 + draw);
   std::uniform_real_distribution<double> uniform(0, 1);
   std::vector<std::array<double, 2>> sources(60);
-  for (auto& source : sources) source = {kFailureWidth * uniform(random), kFailureHeight * uniform(random)};
+  for (auto& source : sources) source = {kIdealWidth * uniform(random), kIdealHeight * uniform(random)};
   double centroids[2];
   for (int side = 0; side < 2; ++side) {
     const Kernel kernel = half_disc(2 * side - 1);
@@ -246,7 +250,7 @@ FailureCase highlights(double brightness) {
         const double each = brightness * kMean * p.share;
         for (int y = static_cast<int>(cy) - 4; y <= cy + 4; ++y) {
           for (int x = static_cast<int>(cx) - 4; x <= cx + 4; ++x) {
-            if (x < 0 || y < 0 || x >= kFailureWidth || y >= kFailureHeight) continue;
+            if (x < 0 || y < 0 || x >= kIdealWidth || y >= kIdealHeight) continue;
             const double square = (x + 0.5 - cx) * (x + 0.5 - cx) + (y + 0.5 - cy) * (y + 0.5 - cy);
             views[side].at(x, y) += static_cast<float>(each * std::exp(-0.5 * square / (kRadius * kRadius)));
           }
@@ -255,7 +259,7 @@ FailureCase highlights(double brightness) {
     }
   }
   return with_noise(std::move(views[0]), std::move(views[1]),
-                    uniform_image(0.5 * kBlur * (centroids[1] - centroids[0])));
+                    uniform_image(0.5 * kBlur * (centroids[1] - centroids[0])), draw);
 }
 
 /// What the views show.
@@ -267,26 +271,28 @@ std::vector<FailureRow> texture_rows() {
        "angle of the lines to the baseline, degrees",
        "angle_deg",
        {90, 45, 20, 10, 5, 2, 1, 0},
-       [](double angle) { return shifted(Waves(1, 0.4, (90 - angle) * kPi / 180, 0), 0.4); }},
+       [](double angle, Draw draw) {
+         return shifted(Waves(1 + 100 * draw, 0.4, (90 - angle) * kPi / 180, 0), 0.4, draw);
+       }},
       {"texture",
        "No texture",
        "contrast over noise",
        "contrast_over_noise",
        {10, 5, 2, 1, 0.5, 0.2, 0.1, 0.01},
-       [=](double ratio) { return shifted(Waves(2), 0.4, ratio * texture_noise); },
+       [=](double ratio, Draw draw) { return shifted(waves_of(2, draw), 0.4, draw, ratio * texture_noise); },
        true},
       {"repetition",
        "Repetition",
        "period, DP px",
        "period_dp_px",
        {16, 12, 8, 7, 6, 5, 4, 3.5, 3},
-       [](double period) { return shifted(Waves::grating(period), 0.6); }},
+       [](double period, Draw draw) { return shifted(Waves::grating(period), 0.6, draw); }},
       {"range",
        "Disparity beyond the range",
        "true disparity, DP px",
        "disparity_dp_px",
        {0, 2, 2.75, 3.25, 4, 8, 12, 15, 16.5, 18, 24},
-       [](double d) { return shifted(Waves(8), d); }},
+       [](double d, Draw draw) { return shifted(waves_of(8, draw), d, draw); }},
   };
 }
 
@@ -298,7 +304,7 @@ std::vector<FailureRow> signal_rows() {
        "illumination, lux",
        "illumination_lux",
        {400, 100, 30, 10, 3, 1, 0.3, 0.1},
-       [](double lux) { return shifted(Waves(9), 0.4, kContrast, lux); },
+       [](double lux, Draw draw) { return shifted(waves_of(9, draw), 0.4, draw, kContrast, lux); },
        true},
       {"saturation",
        "Saturation",
@@ -329,13 +335,13 @@ std::vector<FailureRow> edge_rows() {
        "blur of the front minus that of the back, DP px",
        "blur_step_dp_px",
        {0, 1, 2, 4, 6, 8, 12},
-       [](double step) { return layered(-step / 2, step / 2, 64, 128); }},
+       [](double step, Draw draw) { return layered(-step / 2, step / 2, 64, 128, draw); }},
       {"thin",
        "Thin structures",
        "width of the bars in front, DP px",
        "width_dp_px",
        {48, 32, 24, 16, 12, 8, 4, 2, 1},
-       [](double width) { return layered(0, 5, width, 64); }},
+       [](double width, Draw draw) { return layered(0, 5, width, 64, draw); }},
   };
 }
 
@@ -347,43 +353,43 @@ std::vector<FailureRow> pupil_rows() {
        "blur diameter, DP px",
        "blur_dp_px",
        {0, 1, 2, 4, 6, 8, 12, 16, 24, 32, 40},
-       [](double blur) { return defocused(Waves(10), blur); }},
+       [](double blur, Draw draw) { return defocused(waves_of(10, draw), blur, draw); }},
       {"near_defocus",
        "Defocus in front of the focus",
        "blur diameter, DP px",
        "blur_dp_px",
        {0, -2, -4, -8, -16, -24, -40},
-       [](double blur) { return defocused(Waves(11), blur); }},
+       [](double blur, Draw draw) { return defocused(waves_of(11, draw), blur, draw); }},
       {"soft_defocus",
        "Defocus through a soft split",
        "blur diameter, DP px",
        "blur_dp_px",
        {0, 2, 4, 6, 8, 12, 16, 20, 30, 45, 60},
-       [](double blur) { return softly_defocused(Waves(14), blur); }},
+       [](double blur, Draw draw) { return softly_defocused(waves_of(14, draw), blur, draw); }},
       {"near_soft_defocus",
        "Defocus in front of the focus, through a soft split",
        "blur diameter, DP px",
        "blur_dp_px",
        {0, -2, -4, -6, -8, -12, -16, -20, -30, -45, -60},
-       [](double blur) { return softly_defocused(Waves(15), blur); }},
+       [](double blur, Draw draw) { return softly_defocused(waves_of(15, draw), blur, draw); }},
       {"split_offset",
        "Split beside the middle of the pixel",
        "offset, pupil radii",
        "offset_pupil_radii",
        {0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6},
-       [](double offset) { return defocused(Waves(12), 8, offset); }},
+       [](double offset, Draw draw) { return defocused(waves_of(12, draw), 8, draw, offset); }},
       {"vignetting",
        "Pupil cut by vignetting",
        "offset of the cutting disc, pupil radii",
        "offset_pupil_radii",
        {0, 0.2, 0.4, 0.6, 0.8, 0.9},
-       [](double cut) { return defocused(Waves(13), 8, 0, cut); }},
+       [](double cut, Draw draw) { return defocused(waves_of(13, draw), 8, draw, 0, cut); }},
   };
 }
 
 }  // namespace
 
-std::vector<FailureRow> failure_rows() {
+std::vector<FailureRow> ideal_failure_rows() {
   std::vector<FailureRow> all;
   for (const auto& group : {texture_rows(), signal_rows(), edge_rows(), pupil_rows()}) {
     all.insert(all.end(), group.begin(), group.end());

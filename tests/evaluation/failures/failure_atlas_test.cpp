@@ -1,4 +1,4 @@
-#include "evaluation/experiments/failure_atlas.h"
+#include "evaluation/failures/failure_atlas.h"
 
 #include <gtest/gtest.h>
 
@@ -20,22 +20,23 @@ DisparityMethod paper() { return method_named("paper"); }
 DisparityMethod likelihood() { return method_named("likelihood"); }
 
 TEST(FailureAtlas, TruthIsTheCentroidOfHalfDiscs) {
-  const std::vector<FailureRow> rows = failure_rows();
+  const std::vector<FailureRow> rows = ideal_failure_rows();
   for (const auto& [name, blur] : {std::pair{"defocus", 8.0}, {"near_defocus", -24.0}}) {
     // 4 r / 3 pi on either side; the disc is made of squares, 24 across
-    EXPECT_NEAR(row_of(rows, name).make(blur).truth_dp_px.at(5, 5), 4 * blur / (3 * M_PI), 0.01 * std::abs(blur));
+    EXPECT_NEAR(row_of(rows, name).make(blur, 0).truth_dp_px.at(5, 5), 4 * blur / (3 * M_PI), 0.01 * std::abs(blur));
   }
 }
 
 TEST(FailureAtlas, TruthOfASoftSplitIsAlphaTimesTheBlur) {
   // the second moment of squares, 24 across, is the disc's within a percent
-  const std::vector<FailureRow> rows = failure_rows();
-  EXPECT_NEAR(row_of(rows, "soft_defocus").make(20).truth_dp_px.at(5, 5), 4.2, 0.042);
-  EXPECT_NEAR(row_of(rows, "near_soft_defocus").make(-45).truth_dp_px.at(5, 5), -9.45, 0.095);
+  const std::vector<FailureRow> rows = ideal_failure_rows();
+  EXPECT_NEAR(row_of(rows, "soft_defocus").make(20, 0).truth_dp_px.at(5, 5), 4.2, 0.042);
+  EXPECT_NEAR(row_of(rows, "near_soft_defocus").make(-45, 0).truth_dp_px.at(5, 5), -9.45, 0.095);
 }
 
 TEST(FailureAtlas, BarsAndBackgroundHaveTheirOwnDisparity) {
-  const FailureCase bars = row_of(failure_rows(), "edges").make(8);  // blurs of -4 and 4, bars of 64 every 128 px
+  const ViewSample bars =
+      row_of(ideal_failure_rows(), "edges").make(8, 0);  // blurs of -4 and 4, bars of 64 every 128 px
   const double apart = 4 * 4 / (3 * M_PI);
   for (const double x : {32, 160, 288}) EXPECT_NEAR(bars.truth_dp_px.at(x, 9), -apart, 0.05) << x;
   for (const double x : {96, 224, 352}) EXPECT_NEAR(bars.truth_dp_px.at(x, 9), apart, 0.05) << x;
@@ -43,35 +44,37 @@ TEST(FailureAtlas, BarsAndBackgroundHaveTheirOwnDisparity) {
 }
 
 TEST(FailureAtlas, CountsOverconfidentErrors) {
-  FailureCase failure = row_of(failure_rows(), "defocus").make(0);
+  ViewSample failure = row_of(ideal_failure_rows(), "defocus").make(0, 0);
   const FailureFigures right = measure_failure(failure, likelihood());
   EXPECT_EQ(right.wrong, 0);
-  EXPECT_GT(right.sigma->confident, 0.99);
+  EXPECT_GT(*right.trusted, 0.99);
   for (float& truth : failure.truth_dp_px.data) truth += 1;  // a truth that no matcher can find
   const FailureFigures wrong = measure_failure(failure, likelihood());
   EXPECT_EQ(wrong.wrong, 1);
-  EXPECT_EQ(wrong.sigma->overconfident_errors, wrong.sigma->confident);
+  EXPECT_EQ(*wrong.overconfident, *wrong.trusted);
   EXPECT_NEAR(*wrong.rmse_dp_px, 1, 0.01);
-  EXPECT_FALSE(measure_failure(failure, paper()).sigma);
+  EXPECT_FALSE(measure_failure(failure, paper()).sigma_dp_px);
 }
 
 TEST(FailureAtlas, HasNoErrorWhereNothingIsFound) {
-  const FailureRow row = row_of(failure_rows(), "defocus");
+  const FailureRow row = row_of(ideal_failure_rows(), "defocus");
   const DisparityMethod blind = {"blind", [](const Image& left, const Image&, const pipeline::ViewSensor&) {
                                    return MethodRun{{Image(left.width, left.height, 1, NAN), {}, {}}, 0, 0, {}};
                                  }};
-  const FailureFigures figures = measure_failure(row.make(0), blind);
+  const FailureFigures figures = measure_failure(row.make(0, 0), blind);
   EXPECT_FALSE(figures.rmse_dp_px);
   EXPECT_EQ(figures.wrong, 1);
-  const std::vector<FailureSweep> sweeps = {{row, {"blind"}, {{0, {figures}}}}};
-  const nlohmann::ordered_json json = to_json(sweeps);
-  EXPECT_FALSE(json["rows"][0]["steps"][0]["blind"].contains("rmse_dp_px"));
-  EXPECT_NE(to_page(sweeps).find("<td>–</td>"), std::string::npos);
+  EXPECT_FALSE(figures.overconfident);
+  const std::vector<FailureSweep> sweeps = {measure_row(row, {blind}, 1)};
+  EXPECT_EQ(sweeps[0].breaks[0].step, 0);
+  const nlohmann::ordered_json json = to_json(sweeps[0], false);
+  EXPECT_FALSE(json["steps"][0]["methods"][0].contains("rmse_dp_px"));
+  EXPECT_NE(to_page(sweeps, "closed forms").find("<td>–</td>"), std::string::npos);
 }
 
 /// Of one step of a row.
 FailureFigures figures_of(const std::string& name, double value, const DisparityMethod& matcher) {
-  return measure_failure(row_of(failure_rows(), name).make(value), matcher);
+  return measure_failure(row_of(ideal_failure_rows(), name).make(value, 0), matcher);
 }
 
 struct PaperRow {
@@ -114,35 +117,31 @@ bool known_to_be_overconfident(std::string_view matcher, std::string_view row) {
 // Confidence falls before error rises, in every row, but for the exceptions above, which must be real.
 TEST(SlowFailureAtlas, AtMostOnePercentAreOverconfidentErrors) {
   const std::vector<DisparityMethod> methods = {paper(), likelihood(), method_named("split")};
-  for (const FailureSweep& sweep : measure_failures(methods)) {
+  for (const FailureRow& row : ideal_failure_rows()) {
+    const FailureSweep sweep = measure_row(row, methods, 1);
     for (std::size_t m = 0; m < methods.size(); ++m) {
-      double worst = 0;
-      bool predicts = false;
       for (const FailureStep& step : sweep.steps) {
         const FailureFigures& figures = step.methods[m];
-        EXPECT_TRUE(figures.rmse_dp_px && std::isfinite(*figures.rmse_dp_px)) << sweep.row.name << " " << step.value;
-        if (!figures.sigma) continue;
-        predicts = true;
-        worst = std::max(worst, figures.sigma->overconfident_errors);
+        EXPECT_TRUE(figures.rmse_dp_px && std::isfinite(*figures.rmse_dp_px)) << row.name << " " << step.value;
+        EXPECT_EQ(figures.sigma_dp_px.has_value(), methods[m].name != "paper");
       }
-      const std::string_view name = methods[m].name;
-      EXPECT_EQ(predicts, name != "paper");
-      EXPECT_EQ(worst > 0.01, known_to_be_overconfident(name, sweep.row.name))
-          << name << " in " << sweep.row.name << ": " << worst;
+      const double worst = sweep.overconfident(m).value();
+      EXPECT_EQ(worst > 0.01, known_to_be_overconfident(methods[m].name, row.name))
+          << methods[m].name << " in " << row.name << ": " << worst;
     }
   }
 }
 
 TEST(SlowFailureAtlas, TheExperimentWritesChartsAndFigures) {
   const TemporaryFolder folder;
-  const Outcome outcome = run_program("experiment failures -o '" + (folder / "new") + "'");
+  const Outcome outcome = run_program("experiment failures --camera ideal -o '" + (folder / "new") + "'");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const auto json = nlohmann::json::parse(read_bytes(folder / "new/failures.json"));
-  EXPECT_EQ(json["rows"].size(), failure_rows().size());
-  EXPECT_GT(json["rows"][0]["steps"][0]["likelihood"]["confident_share"], 0.9);
+  EXPECT_EQ(json["rows"].size(), ideal_failure_rows().size());
+  EXPECT_GT(json["rows"][0]["steps"][0]["methods"][1]["trusted_share"], 0.9);
   const std::string page = read_bytes(folder / "new/failures.html");
   EXPECT_EQ(page.find("http:"), std::string::npos);
-  for (const FailureRow& row : failure_rows()) EXPECT_NE(page.find(row.title), std::string::npos) << row.title;
+  for (const FailureRow& row : ideal_failure_rows()) EXPECT_NE(page.find(row.title), std::string::npos) << row.title;
 }
 
 TEST(Experiment, RefusesWhatItCannotWrite) {
