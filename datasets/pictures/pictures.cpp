@@ -85,7 +85,7 @@ constexpr int kDpddPictures = 4, kDpddBytes = 3 * 2;
 
 constexpr const char* kDpddFiles[] = {"source_c.png", "source_l.png", "source_r.png", "target.png"};
 
-/// Whoever learns from a data set shall not find a NaN in it.
+/// No NaN may reach a training set.
 void require_finite(const Image& image, const std::string& name, bool infinite = false) {
   const auto good = [&](float value) { return std::isfinite(value) || (infinite && value > 0); };
   if (std::all_of(image.data.begin(), image.data.end(), good)) return;

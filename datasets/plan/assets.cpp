@@ -39,9 +39,8 @@ struct Reader {
   /// Hash of the picture that a scene file names to light the scene; empty: it names none.
   std::string environment_of(const std::string& path, const json& scene_file) {
     const json light = own_light && scene_file.is_object() ? scene_file.value("environment", json()) : json();
-    if (!light.is_object() || light.value("model", json()) != "file" || !light.value("path", json()).is_string()) {
-      return "";
-    }
+    // "set" may give the model: a path beside another one is refused later
+    if (!light.is_object() || !light.value("path", json()).is_string()) return "";
     const std::string picture = path_beside(path, light["path"].get<std::string>());
     std::string& hash = hashes[picture];
     if (hash.empty()) hash = file_hash(picture);
@@ -73,7 +72,8 @@ std::vector<std::string> files_under(const std::string& folder) {
   return paths;
 }
 
-/// What else lies beside models is no scene file; what is no JSON may be meant to be one.
+/// Other JSON files beside models are skipped; a file that cannot be parsed may be a broken scene file, so it is an
+/// error.
 bool is_scene_file(const std::string& path) {
   if (!path.ends_with(".json")) return false;
   const json document = read_json_file(path);
@@ -129,9 +129,14 @@ std::vector<Asset> assets_of(const SceneSource& source, Reader& reader) {
   return source.folder.empty() ? kind_assets(source, reader) : folder_assets(source, reader);
 }
 
+/// Whether no sample is lit by the picture that its scene file names.
 bool replaces_light(const Recipe& recipe) {
-  return !recipe.relations.environments.empty() || recipe.set.contains("environment") ||
-         recipe.set.contains("environment.path") || recipe.set.contains("environment.model");
+  const auto model = recipe.set.find("environment.model");
+  const bool another_model =
+      model != recipe.set.end() && std::none_of(model->second.values.begin(), model->second.values.end(),
+                                                [](const json& value) { return value == "file"; });
+  return another_model || !recipe.relations.environments.empty() || recipe.set.contains("environment") ||
+         recipe.set.contains("environment.path");
 }
 
 std::vector<Asset> all_assets(const Recipe& recipe, std::vector<std::string>& warnings) {
@@ -155,7 +160,7 @@ std::uint64_t key_of(const Recipe& recipe, const std::string& name) {
   return Draws(recipe.seed, 0, "split " + name).bits();
 }
 
-/// Each scene's key; scenes that share geometry or a picture that lights them have the same.
+/// Each scene's key; scenes that share geometry or a picture that lights them, which are a group, have the same.
 std::vector<std::uint64_t> family_keys(const Recipe& recipe, const std::vector<Asset>& scenes) {
   std::map<std::uint64_t, std::uint64_t> parents;
   const auto root = [&](std::uint64_t key) {
@@ -170,22 +175,25 @@ std::vector<std::uint64_t> family_keys(const Recipe& recipe, const std::vector<A
     const std::uint64_t a = root(keys.back()), b = root(key_of(recipe, scene.origin->environment));
     if (a != b) parents[std::max(a, b)] = std::min(a, b);
   }
-  if (!parents.empty()) std::transform(keys.begin(), keys.end(), keys.begin(), root);
+  // a group's root is its least key: dealt out by that, large groups would all be in the first split
+  const auto key_of_group = [&](std::uint64_t key) { return simulator::hash(recipe.seed, root(key)); };
+  if (!parents.empty()) std::transform(keys.begin(), keys.end(), keys.begin(), key_of_group);
   return keys;
 }
 
 /// Which split each key is in: their order is one by chance, and is cut by the shares.
 class Deal {
  public:
-  Deal(const Recipe& recipe, std::vector<std::uint64_t> keys, const char* field) : order_(std::move(keys)) {
+  /// `one` and `many` are what messages call the things.
+  Deal(const Recipe& recipe, std::vector<std::uint64_t> keys, const char* field, const char* one, const char* many)
+      : order_(std::move(keys)) {
     std::sort(order_.begin(), order_.end());
     order_.erase(std::unique(order_.begin(), order_.end()), order_.end());
-    const auto splits = static_cast<std::size_t>(
-        std::count_if(recipe.shares.begin(), recipe.shares.end(), [](double share) { return share > 0; }));
+    const std::size_t splits = splits_with_a_share(recipe);
     if (order_.size() < splits) {
-      throw InputError(fmt::format("{}: /{}: {} different {}: must be {} at least, one for each split of /split",
-                                   printable(recipe.path), field, order_.size(),
-                                   order_.size() == 1 ? "file or seed" : "files or seeds", splits));
+      throw InputError(fmt::format("{}: /{}: {} {}: must be {} at least, one for each split of /split",
+                                   printable(recipe.path), field, order_.size(), order_.size() == 1 ? one : many,
+                                   splits));
     }
     counts_ = split_counts(order_.size(), recipe.shares);
   }
@@ -210,7 +218,7 @@ void add_environments(const Recipe& recipe, Assets& assets) {
     all.push_back(keys[path] = key_of(recipe, file_hash(path)));
   }
   if (all.empty()) throw InputError(printable(recipe.relations.environments) + ": holds no .exr and no .hdr file");
-  const Deal deal(recipe, all, "relations/environments");
+  const Deal deal(recipe, all, "relations/environments", "different file", "different files");
   for (const auto& [path, key] : keys) assets[deal.split_of(key)].environments.push_back(path);
 }
 
@@ -252,7 +260,8 @@ const Asset& SplitAssets::scene_at(double share) const {
 Assets gather_assets(const Recipe& recipe, std::vector<std::string>& warnings) {
   std::vector<Asset> all = all_assets(recipe, warnings);
   const std::vector<std::uint64_t> keys = family_keys(recipe, all);
-  const Deal deal(recipe, keys, "scenes");
+  const Deal deal(recipe, keys, "scenes", "group of scenes that share no model and no light",
+                  "groups of scenes that share no model and no light");
   Assets assets;
   for (std::size_t i = 0; i < all.size(); ++i) {
     SplitAssets& split = assets[deal.split_of(keys[i])];

@@ -42,8 +42,8 @@ struct SplitAssets {
 };
 using Assets = std::array<SplitAssets, kSplitCount>;
 
-/// Reads the files that the recipe names; `warnings` gets a line for each file in a folder that was left out. Throws
-/// InputError, also where there are fewer scenes or environments than splits.
+/// Reads the files that the recipe names; `warnings` gets a line for each folder of which files were left out. Throws
+/// InputError, also where there are fewer groups of scenes, or fewer environments, than splits.
 Assets gather_assets(const Recipe& recipe, std::vector<std::string>& warnings);
 
 /// What the scene of a file is known by: a scene file and its glTF file, or a glTF file alone.

@@ -127,6 +127,28 @@ json about(const Plan& plan, const Recipe& recipe, const std::string& text) {
           {"plan_xxh64", hash_of(text)}};
 }
 
+json read_about(const std::string& folder) {
+  const std::string path = folder + "/" + kDatasetFile;
+  json about = read_json_file(path);
+  if (!about.is_object() || about.value("format", json()) != kFormat || about.value("version", json()) != 1) {
+    throw InputError(printable(path) + ": /format: is no data set of this version");
+  }
+  return about;
+}
+
+/// Whether a data set's description was written for the first lines of a plan, or for all.
+bool tells_of_first_lines(const json& about, const std::string& text) {
+  const json recipe = about.value("recipe", json());
+  const json count = recipe.is_object() ? recipe.value("count", json()) : json();
+  if (!count.is_number_unsigned()) return false;
+  std::size_t end = 0;
+  for (auto left = count.get<std::uint64_t>(); left > 0; --left) {
+    end = text.find('\n', end) + 1;
+    if (end == 0) return false;
+  }
+  return about.value("plan_xxh64", json()) == hash_of(std::string_view(text).substr(0, end));
+}
+
 }  // namespace
 
 SampleLine plan_line(const Recipe& recipe, const Assets& assets, int k) {
@@ -189,11 +211,12 @@ void write_plan(const Plan& plan, const Recipe& recipe, const std::string& folde
   const std::string description = about(plan, recipe, text).dump(2) + "\n";
   std::error_code error;
   if (fs::exists(folder + "/" + kDatasetFile, error)) {
-    if (!text.starts_with(read_file(folder + "/" + kPlanFile))) {
+    const json there = read_about(folder);
+    const std::string lines = read_file(folder + "/" + kPlanFile);
+    if (!text.starts_with(lines) || !tells_of_first_lines(there, text)) {
       throw InputError(printable(folder) + ": holds another plan, whose lines may not change: choose another folder");
     }
-    const json there = read_json_file(folder + "/" + kDatasetFile);
-    if (there.is_object() && there.value("plan_xxh64", json()) == hash_of(text)) return;
+    if (lines == text && there["plan_xxh64"] == hash_of(text)) return;
     // killed in between, the next plan goes on here
     replace_file(folder + "/" + kPlanFile, text);
     replace_file(folder + "/" + kDatasetFile, description);
@@ -206,14 +229,11 @@ void write_plan(const Plan& plan, const Recipe& recipe, const std::string& folde
 }
 
 std::vector<SampleLine> read_plan(const std::string& folder) {
-  const std::string about_path = folder + "/" + kDatasetFile, path = folder + "/" + kPlanFile;
-  const json document = read_json_file(about_path);
-  if (!document.is_object() || document.value("format", json()) != kFormat || document.value("version", json()) != 1) {
-    throw InputError(printable(about_path) + ": /format: is no data set of this version");
-  }
-  const std::string text = read_file(path);
-  if (document.value("plan_xxh64", json()) != hash_of(text)) {
-    throw InputError(printable(path) + ": was changed since it was planned: plan again into another folder");
+  const json about = read_about(folder);
+  const std::string path = folder + "/" + kPlanFile, text = read_file(path);
+  if (about.value("plan_xxh64", json()) != hash_of(text)) {
+    throw InputError(printable(path) +
+                     ": was changed since, or planning was cut short: plan the same recipe here again");
   }
   std::vector<SampleLine> lines;
   for (std::size_t begin = 0; begin < text.size();) {

@@ -27,6 +27,13 @@ std::string absolute_beside(const std::string& recipe, const std::string& name) 
   return path;
 }
 
+/// So many as apply_override() takes: each becomes an object in the one before.
+void require_few_names(const Fields& set, const std::string& field) {
+  constexpr std::ptrdiff_t kMostNames = 32;
+  if (std::count(field.begin(), field.end(), '.') < kMostNames) return;
+  set.fail(field, fmt::format("more than {} names", kMostNames));
+}
+
 /// An object with `value` in the place of a scene file that `field` names: "lens.file".
 json in_scene(const std::string& field, json value) {
   std::size_t end = field.size();
@@ -72,8 +79,11 @@ void read_kind(Fields& fields, SceneSource& source, const std::string& recipe) {
   if (!fields.has("set")) return;
   source.set = fields.raw("set");
   if (!source.set.is_object()) fields.fail("set", "must be an object such as {\"objects\": 12}");
-  for (auto& [name, value] : source.set.items()) {  // with a dot: a field of the scene file
-    if (name.find('.') != std::string::npos) value = with_files_beside(recipe, name, std::move(value));
+  const Fields set = fields.object("set");
+  for (auto& [name, value] : source.set.items()) {
+    if (name.find('.') == std::string::npos) continue;  // with a dot: a field of the scene file
+    require_few_names(set, name);
+    value = with_files_beside(recipe, name, std::move(value));
   }
 }
 
@@ -143,6 +153,7 @@ void refuse_conflicts(const Fields& set, const Recipe& recipe) {
 void read_set(Fields fields, const json& names, Recipe& recipe) {
   for (const auto& [field, value] : names.items()) {
     if (field.empty() || field.find('=') != std::string::npos) fields.fail(field, "is not the name of a field");
+    require_few_names(fields, field);
     Distribution d = read_distribution(fields, field);
     for (json& v : d.values) v = with_files_beside(recipe.path, field, std::move(v));
     recipe.set.emplace(field, std::move(d));
@@ -167,7 +178,7 @@ void read_split(Fields fields, bool there, Recipe& recipe) {
 /// Every value of a field is drawn in every split: no picture that lights the scene may be among them where there are
 /// several.
 void refuse_shared_light(const Fields& set, const Recipe& recipe) {
-  if (std::count_if(recipe.shares.begin(), recipe.shares.end(), [](double share) { return share > 0; }) < 2) return;
+  if (splits_with_a_share(recipe) < 2) return;
   for (const auto& [field, distribution] : recipe.set) {
     for (const json& value : distribution.values) {
       const json scene = in_scene(field, value);
@@ -181,14 +192,15 @@ void refuse_shared_light(const Fields& set, const Recipe& recipe) {
 }
 
 /// So many that a plan takes less than half a gigabyte for them.
-void require_few_seeds(const Fields& root, const Recipe& recipe) {
+void require_few_seeds(const std::vector<Fields>& entries, const Recipe& recipe) {
   constexpr std::uint64_t kMostSeeds = 1'000'000;
-  std::uint64_t left = kMostSeeds;
-  for (const SceneSource& source : recipe.scenes) {
-    if (source.kind.empty()) continue;
-    const std::uint64_t count = source.seeds[1] - source.seeds[0] + 1;
-    if (count > left) root.fail("scenes", fmt::format("more than {} seeds in all", kMostSeeds));
-    left -= count;
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (recipe.scenes[i].kind.empty()) continue;
+    const auto [first, last] = recipe.scenes[i].seeds;
+    sum += last - first + 1;
+    if (sum <= kMostSeeds) continue;
+    entries[i].fail("seeds", fmt::format("[{},{}]: {} seeds in all: must be {} at most", first, last, sum, kMostSeeds));
   }
 }
 
@@ -233,7 +245,7 @@ Recipe read_recipe(const json& document, const std::string& path) {
     recipe.scenes.push_back(read_source(fields, path));
   }
   if (recipe.scenes.empty()) root.fail("scenes", "must be one entry or more");
-  require_few_seeds(root, recipe);
+  require_few_seeds(root.objects("scenes"), recipe);
   recipe.relations = read_relations(root.object("relations"), path);
   read_set(root.object("set"), root.raw("set").is_null() ? json::object() : root.raw("set"), recipe);
   read_split(root.object("split"), root.has("split"), recipe);
@@ -241,6 +253,11 @@ Recipe read_recipe(const json& document, const std::string& path) {
   read_keep(root, recipe);
   root.done();
   return recipe;
+}
+
+std::size_t splits_with_a_share(const Recipe& recipe) {
+  return static_cast<std::size_t>(
+      std::count_if(recipe.shares.begin(), recipe.shares.end(), [](double share) { return share > 0; }));
 }
 
 Recipe read_recipe(const std::string& path) { return read_recipe(read_json_file(path), path); }

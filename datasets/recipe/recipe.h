@@ -70,4 +70,7 @@ inline constexpr int kMostSamples = 10'000'000;
 Recipe read_recipe(const std::string& path);
 Recipe read_recipe(const nlohmann::json& json, const std::string& path);
 
+/// How many splits samples are dealt out to.
+std::size_t splits_with_a_share(const Recipe& recipe);
+
 }  // namespace dualpixel::datasets

@@ -42,6 +42,16 @@ json index_entry(const SampleLine& line, const std::string& dataset) {
   }
 }
 
+/// Throws where a folder of the data set on the way to `name` is a link: what it leads to may be anybody's.
+void require_own_folders(const std::string& dataset, const std::string& name) {
+  fs::path path = dataset;
+  for (const fs::path& part : fs::path(name).parent_path()) {
+    path /= part;
+    std::error_code error;
+    if (fs::is_symlink(path, error)) throw InputError(printable(path.string()) + ": is a link: must be a folder");
+  }
+}
+
 /// A second name for a file; what had that name is replaced.
 void link_file(const std::string& from, const std::string& to) {
   make_parents(to);
@@ -102,18 +112,22 @@ void unlink_sample(const std::string& dataset, const SampleLine& line) {
 }  // namespace
 
 std::vector<json> merge_samples(const std::string& folder) {
+  std::vector<SampleLine> lines = read_plan(folder);
+  const auto gone =
+      std::stable_partition(lines.begin(), lines.end(), [&](const SampleLine& line) { return is_there(folder, line); });
+  if (gone == lines.begin()) throw InputError(printable(folder) + ": nothing is rendered yet");
+  // what may be refused comes first: a refusal leaves everything as it was
+  for (const SampleLine& line : lines) {
+    for (const Link& link : links_of(line)) require_own_folders(folder, link.name);
+  }
   std::vector<json> index;
   std::string text;
-  for (const SampleLine& line : read_plan(folder)) {
-    if (!is_there(folder, line)) {
-      unlink_sample(folder, line);
-      continue;
-    }
-    index.push_back(index_entry(line, folder));
+  for (auto line = lines.begin(); line != gone; ++line) {
+    index.push_back(index_entry(*line, folder));
     text += index.back().dump() + "\n";
-    link_sample(folder, line);
   }
-  if (index.empty()) throw InputError(printable(folder) + ": nothing is rendered yet");
+  for (auto line = gone; line != lines.end(); ++line) unlink_sample(folder, *line);
+  for (auto line = lines.begin(); line != gone; ++line) link_sample(folder, *line);
   replace_file(folder + "/" + kIndexFile, text);
   return index;
 }

@@ -14,7 +14,8 @@ inline constexpr const char* kIndexFile = "index.jsonl";
 /// out as DPDD has them, by hard links: dpdd/{train,val,test}_{c,l,r}/source/NAME.png and dpdd/{...}_c/target/NAME.png;
 /// of the google layout likewise google/{train,validation,test}/FOLDER/NAME/FILE (datasets/pictures/google.h).
 /// Links of samples that are not there any more are removed.
-/// Throws InputError where the folder is no data set, a sample cannot be read, or nothing is rendered.
+/// Throws InputError where the folder is no data set, a sample cannot be read, or nothing is rendered, or a folder
+/// of a layout's tree is a symbolic link; all is then as it was.
 std::vector<nlohmann::json> merge_samples(const std::string& folder);
 
 }  // namespace dualpixel::datasets

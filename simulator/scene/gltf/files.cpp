@@ -10,9 +10,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <ranges>
 #include <set>
-#include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include "capture/error.h"
 #include "capture/files.h"
@@ -205,6 +206,27 @@ std::vector<std::string> ignored_features(const json& root, const std::string& n
   return warnings;
 }
 
+/// Tells parts of buffers apart by where they are, not by what they hold.
+struct ByPlace {
+  bool operator()(std::string_view a, std::string_view b) const {
+    return std::pair(a.data(), a.size()) < std::pair(b.data(), b.size());
+  }
+};
+
+std::size_t bytes_of(const auto& parts) {
+  std::size_t sum = 0;
+  for (const std::string_view part : parts) sum += part.size();
+  return sum;
+}
+
+/// In no order of theirs: other programs write the same parts in another.
+std::string hash_of_sorted(const auto& parts) {
+  std::vector<std::string> hashes;
+  for (const std::string_view part : parts) hashes.push_back(hash_of(part));
+  std::sort(hashes.begin(), hashes.end());
+  return hash_of(fmt::format("{}", fmt::join(hashes, " ")));
+}
+
 }  // namespace
 
 GltfFile load_gltf(const std::string& bytes, const std::string& name, const std::string& folder, bool with_animations) {
@@ -239,29 +261,26 @@ GltfFile load_gltf(const std::string& bytes, const std::string& name, const std:
 std::string hash_of_geometry(const std::string& bytes, const std::string& name, const std::string& folder) {
   try {
     const Container container = open_container(bytes, name);
-    const json root = parse_json(container.json_text, name);
+    json root = parse_json(container.json_text, name);
+    if (root.is_object()) root.erase("animations");  // which load_gltf() does not check either
+    check_gltf(root, name, container.bin ? std::optional(container.bin->size()) : std::nullopt);
     json parts = {{"buffers", root.at("buffers")}};
-    for (const json& buffer : parts["buffers"]) {
-      if (!buffer.contains("uri") && !container.bin) return hash_of(bytes);
-    }
     const Bytes buffers = take_uris(parts, container.bin, folder, name);
     std::set<std::size_t> pictures;
     for (const json& image : root.value("images", json::array())) {
       if (image.contains("bufferView")) pictures.insert(image["bufferView"].get<std::size_t>());
     }
-    std::vector<std::string> hashes;  // sorted: other programs write the same parts in another order
     const json& views = root.at("bufferViews");
+    std::set<std::string_view, ByPlace> covered;  // views may be many, and all of them cover one large buffer
     for (std::size_t i = 0; i < views.size(); ++i) {
       if (pictures.contains(i)) continue;
-      const std::string_view buffer = buffers.at(fmt::format("buffers-{}", views[i].at("buffer").get<std::size_t>()));
-      hashes.push_back(hash_of(
-          buffer.substr(views[i].value("byteOffset", std::size_t{0}), views[i].at("byteLength").get<std::size_t>())));
+      const std::string_view buffer = buffers.at(fmt::format("buffers-{}", views[i]["buffer"].get<std::size_t>()));
+      covered.insert(
+          buffer.substr(views[i].value("byteOffset", std::size_t{0}), views[i]["byteLength"].get<std::size_t>()));
     }
-    std::sort(hashes.begin(), hashes.end());
-    if (!hashes.empty()) return hash_of(fmt::format("{}", fmt::join(hashes, " ")));
+    if (!covered.empty() && bytes_of(covered) <= bytes_of(std::views::values(buffers))) return hash_of_sorted(covered);
   } catch (const InputError&) {
   } catch (const json::exception&) {
-  } catch (const std::out_of_range&) {
   }
   return hash_of(bytes);
 }

@@ -60,6 +60,47 @@ TEST(Merge, ReadsNoFileThatThePlanDoesNotKeep) {
   EXPECT_FALSE(std::filesystem::exists(set + "/webdataset"));
 }
 
+json dpdd_recipe(int count) {
+  json recipe = small_recipe(count);
+  recipe.erase("keep");
+  recipe["layout"] = "dpdd";
+  recipe["set"]["sensor.dp_downsample_x"] = recipe["set"]["sensor.dp_downsample_y"] = 1;
+  return recipe;
+}
+
+// Whether a sample is gone, whose picture would be removed, or there, whose picture would be replaced.
+TEST(Merge, TouchesNothingBehindALinkedFolder) {
+  const TemporaryFolder folder;
+  const std::string set = folder / "set", link = set + "/dpdd/train_c/source";
+  make(set, dpdd_recipe(2));
+  folder.write("victim/000000.png", "mine");
+  folder.write("victim/000001.png", "mine");
+  std::filesystem::create_directories(set + "/dpdd/train_c");
+  std::filesystem::create_directory_symlink("../../../victim", link);
+  for (const bool gone : {false, true}) {
+    if (gone) std::filesystem::remove_all(set + "/samples/000001");
+    const auto before = testing::bytes_under(folder.path);
+    EXPECT_EQ(message_of<InputError>([&] { merge_samples(set); }), link + ": is a link: must be a folder");
+    EXPECT_TRUE(testing::bytes_under(folder.path) == before);
+  }
+}
+
+TEST(Merge, LeavesAllAsItWasWhereItIsRefused) {
+  const TemporaryFolder folder;
+  const std::string set = folder / "set";
+  make(set, dpdd_recipe(3));
+  merge_samples(set);
+  std::filesystem::remove_all(set + "/samples/000000");
+  write_bytes(set + "/samples/000002/sample.json", "{}");
+  const auto before = testing::bytes_under(set);
+  EXPECT_NE(message_of<InputError>([&] { merge_samples(set); }), "");
+  EXPECT_TRUE(testing::bytes_under(set) == before);
+  for (const char* name : {"000001", "000002"}) std::filesystem::remove_all(set + "/samples/" + name);
+  const auto linked = testing::bytes_under(set + "/dpdd");
+  EXPECT_EQ(message_of<InputError>([&] { merge_samples(set); }), set + ": nothing is rendered yet");
+  EXPECT_TRUE(testing::bytes_under(set + "/dpdd") == linked);
+}
+
 double linear_mean(const std::string& path) {
   const ImageU16 picture = read_image_u16(path, 3);
   double sum = 0;
@@ -70,10 +111,7 @@ double linear_mean(const std::string& path) {
 TEST(Merge, LaysDpddOut) {
   const TemporaryFolder folder;
   const std::string set = folder / "set";
-  json recipe = small_recipe(2);
-  recipe.erase("keep");
-  recipe["layout"] = "dpdd";
-  recipe["set"]["sensor.dp_downsample_x"] = recipe["set"]["sensor.dp_downsample_y"] = 1;
+  json recipe = dpdd_recipe(2);
   recipe["set"]["exposure.time_s"] = 0.001;
   make(set, recipe);
   merge_samples(set);

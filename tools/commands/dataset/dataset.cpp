@@ -164,7 +164,9 @@ void add_dataset(CLI::App& program) {
       "  dualpixel dataset render out/set --jobs 2\n  dualpixel dataset status out/set");
   CLI::App* plan = add_step(*dataset, arguments, "plan", "Draw every sample's scene, values and seed", run_plan);
   plan->add_option("recipe", arguments->recipe, "Recipe JSON file")->required()->type_name("RECIPE.json");
-  plan->add_option("-o,--output", arguments->folder, "Data set to begin")->required()->type_name("DIR");
+  plan->add_option("-o,--output", arguments->folder, "Data set to begin, or to add samples to")
+      ->required()
+      ->type_name("DIR");
   plan->add_option("--count", arguments->count, "How many samples, instead of the recipe's count")->type_name("N");
   plan->add_option("--seed", arguments->seed, "Instead of the recipe's seed")->check(any_seed())->type_name("N");
   CLI::App* render = add_step(*dataset, arguments, "render", "Render the samples that are missing", run_render);
