@@ -12,8 +12,8 @@ namespace dualpixel::simulator {
 
 /// Light at the points around one cell of a lattice.
 struct CellLight {
-  std::uint64_t key = 0;                           ///< of the cell, for this number of reflections
-  SurfaceLight light[2][2];                        ///< at the points: of each row, left and right
+  std::uint64_t key = 0;     ///< of the cell, for this number of reflections
+  SurfaceLight light[2][2];  ///< at the points: of each row, left and right
   /// Between the least and the largest, over the largest. Of soft light 0 where noise explains it; other samples than
   /// those of `light` may have decided that.
   float soft_difference = 0, hard_difference = 0;

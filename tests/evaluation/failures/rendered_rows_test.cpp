@@ -193,7 +193,7 @@ bool is_known(const std::string& row, const std::string& method) {
 
 // Confidence falls before error rises, through the camera: nowhere is more than a hundredth of a picture wrong and
 // trusted, and where a method breaks it trusts less of the picture than at first. The exceptions above must be real.
-TEST(SlowRenderedRows, ConfidenceFallsBeforeErrorRises) {
+TEST(SweepRenderedRows, ConfidenceFallsBeforeErrorRises) {
   std::vector<DisparityMethod> methods;
   for (const pipeline::Matcher& matcher : pipeline::matchers()) methods.push_back(method_of(matcher));
   for (const FailureRow& row : rendered_failure_rows(atlas_camera("thin"))) {
