@@ -159,8 +159,8 @@ DisparityBias bias_of(const Renders& cached, const Renders& sampled, const Error
 
 enum class Asked { left_minus_right, views_too };
 
-/// Fails where bias is above a tenth of the sensor's noise by more than two standard errors. Disparity is printed alone: noise of these samples pulls
-/// it towards 0, and more in views whose light is sampled.
+/// Fails where bias is above a tenth of the sensor's noise by more than two standard errors. Disparity is printed
+/// alone: noise of these samples pulls it towards 0, and more in views whose light is sampled.
 void expect_little_bias(const std::string& scene_file, Asked asked) {
   constexpr int kSamples = 256;
   const Simulation s = simulator::read_simulation(read_json_file(scene_file), scene_file);
