@@ -126,7 +126,7 @@ BreakingPoint breaking_point(const std::vector<Tally>& steps) {
   return point;
 }
 
-/// Signed disparity in color, rows stretched to the height of the scene: a pixel of 2 x 4 photosites is twice as high.
+/// Signed disparity in color.
 std::string map_uri(const Image& map, float limit) { return jpeg_data_uri(diverging_colors(map, limit)); }
 
 std::string view_uri(const Image& view, float white) {

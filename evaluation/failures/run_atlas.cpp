@@ -94,13 +94,14 @@ void run_failure_atlas(const AtlasOptions& options, const std::string& folder,
     sweeps.push_back(std::move(*sweep));
     step(0);
   }
-  Json document = {{"format", "dualpixel-experiment-failures"}, {"version", kAtlasVersion}, {"camera", camera}};
+  const std::string camera_name = fs::path(options.camera).filename().string();  // not where it lies on this machine
+  Json document = {{"format", "dualpixel-experiment-failures"}, {"version", kAtlasVersion}, {"camera", camera_name}};
   document["draws"] = options.draws;
   for (const FailureSweep& sweep : sweeps) document["rows"].push_back(to_json(sweep, false));
   replace_file(
       folder + "/failures.html",
       to_page(sweeps, options.camera == kIdeal ? "Closed forms: no renderer, lens or sensor has a part in these views."
-                                               : fmt::format("Rendered through the camera '{}'.", options.camera)));
+                                               : fmt::format("Rendered through the camera '{}'.", camera_name)));
   replace_file(folder + "/" + kAtlasFile, document.dump(2) + "\n");
 }
 

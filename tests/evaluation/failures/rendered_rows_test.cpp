@@ -158,6 +158,17 @@ TEST(FailureAtlas, GoesOnWhereItWasLeft) {
   EXPECT_NE(read_bytes(kept), bytes);
 }
 
+TEST(FailureAtlas, NamesACameraFileWithoutItsFolder) {
+  const TemporaryFolder folder;
+  const std::string file = DUALPIXEL_SOURCE_DIR "/scenes/cameras/phone_2019.json";
+  run_failure_atlas({.camera = file, .methods = {"paper"}, .rows = {"noise"}}, folder / "new");
+  for (const char* written : {"new/failures.json", "new/failures.html"}) {
+    const std::string text = read_bytes(folder / written);
+    EXPECT_NE(text.find("phone_2019.json"), std::string::npos) << written;
+    EXPECT_EQ(text.find(DUALPIXEL_SOURCE_DIR), std::string::npos) << written;
+  }
+}
+
 TEST(FailureAtlas, RefusesWhatItCannotUse) {
   const TemporaryFolder folder;
   const std::string out = "experiment failures -o '" + (folder / "new") + "' ";
