@@ -89,7 +89,7 @@ Score score_result(const Capture& capture, const std::string& capture_path, cons
 /// sizes differ: all that is wrong in one line.
 Score score_estimate(const Capture& capture, const std::string& capture_path, const Estimate& estimate);
 
-/// score.json: disparity.<region>.<metric> (absent in mode seg), image.<metric>, stages.<name>.ms and .peak_rss_mb,
+/// score.json: `disparity.REGION.METRIC` (absent in mode seg), `image.METRIC`, `stages.NAME.ms` and .peak_rss_mb,
 /// notes. Figures that are none are null; those of what was not given are absent. image.psnr_db, .ssim and their _input
 /// are the sRGB ones; aiwe2 repeats rmse_affine_px.
 nlohmann::ordered_json to_json(const Score& score);

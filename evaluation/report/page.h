@@ -24,10 +24,10 @@ struct Picture {
   std::string bar_high = {};
 };
 
-/// A <figure>: the picture, its color bar, title and caption.
+/// A `<figure>`: the picture, its color bar, title and caption.
 std::string html_figure(const Picture& picture);
 
-/// <img> alone.
+/// `<img>` alone.
 std::string html_image(const Picture& picture);
 
 }  // namespace dualpixel::evaluation

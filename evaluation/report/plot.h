@@ -23,7 +23,7 @@ struct Plot {
   bool wide = false;                  ///< drawn large where it is the only one of its group
 };
 
-/// A <figure> with the plot and a legend. Text is escaped.
+/// A `<figure>` with the plot and a legend. Text is escaped.
 std::string svg_plot(const Plot& plot);
 
 /// A group of plots, as many side by side as the page is wide.

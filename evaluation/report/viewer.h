@@ -43,7 +43,7 @@ struct Viewer {
   std::vector<ViewerLayer> layers;
 };
 
-/// A <figure>. Layers without images are left out. All text is escaped.
+/// A `<figure>`. Layers without images are left out. All text is escaped.
 std::string html_viewer(const Viewer& viewer);
 
 /// One channel as deflated bytes: each value over `step`, rounded, as the difference from what its neighbors predict.

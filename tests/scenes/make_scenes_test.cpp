@@ -1,4 +1,4 @@
-// The shipped scenes are made by code: the same bytes every time, and each with a scene file that names it.
+// The shipped scenes are made by code: the same bytes as the built ones, and each with a scene file that names it.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -11,14 +11,11 @@ namespace dualpixel {
 namespace {
 
 TEST(SlowScenes, AreTheSameBytesEveryTime) {
-  const TemporaryFolder first, second;
-  for (const TemporaryFolder* folder : {&first, &second}) {
-    ASSERT_EQ(std::system(("'" DUALPIXEL_MAKE_SCENES "' '" + folder->path.string() + "'").c_str()), 0);
-  }
-  EXPECT_EQ(first.names().size(), 4u);
-  for (const std::string& name : first.names()) {
-    EXPECT_TRUE(read_bytes(first / name) == read_bytes(second / name)) << name;
-    EXPECT_TRUE(read_bytes(first / name) == read_bytes(DUALPIXEL_SCENES_DIR "/" + name)) << name;
+  const TemporaryFolder again;
+  ASSERT_EQ(std::system(("'" DUALPIXEL_MAKE_SCENES "' '" + again.path.string() + "'").c_str()), 0);
+  EXPECT_EQ(again.names().size(), 4u);
+  for (const std::string& name : again.names()) {
+    EXPECT_TRUE(read_bytes(again / name) == read_bytes(DUALPIXEL_SCENES_DIR "/" + name)) << name;
   }
 }
 

@@ -114,15 +114,15 @@ TEST(DrawnScenes, SettingOneParameterLeavesTheOthers) {
   EXPECT_EQ(set.choices(), drawn.choices());
 }
 
-void expect_six_clean(const std::string& kind) {
-  for (std::uint64_t seed = 1; seed <= 6; ++seed) expect_clean(kind, seed);
+void expect_two_clean(const std::string& kind) {
+  for (const std::uint64_t seed : {2, 3}) expect_clean(kind, seed);  // `experiment scenes` takes any number of them
 }
 
-TEST(SlowDrawnScenes, SixPortraits) { expect_six_clean("portrait"); }
-TEST(SlowDrawnScenes, SixStillLifes) { expect_six_clean("still_life"); }
-TEST(SlowDrawnScenes, SixRooms) { expect_six_clean("room"); }
-TEST(SlowDrawnScenes, SixOutdoors) { expect_six_clean("outdoors"); }
-TEST(SlowDrawnScenes, SixCharts) { expect_six_clean("chart"); }
+TEST(SlowDrawnScenes, TwoPortraits) { expect_two_clean("portrait"); }
+TEST(SlowDrawnScenes, TwoStillLifes) { expect_two_clean("still_life"); }
+TEST(SlowDrawnScenes, TwoRooms) { expect_two_clean("room"); }
+TEST(SlowDrawnScenes, TwoOutdoors) { expect_two_clean("outdoors"); }
+TEST(SlowDrawnScenes, TwoCharts) { expect_two_clean("chart"); }
 
 }  // namespace
 }  // namespace dualpixel::scenes
