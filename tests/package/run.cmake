@@ -19,7 +19,7 @@ endfunction()
 
 file(REMOVE_RECURSE ${folder})
 foreach(time first second)
-  run(output ${CPACK} --config ${BUILD}/CPackConfig.cmake -B ${folder}/${time})
+  run(output ${CPACK} --config ${BUILD}/CPackConfig.cmake -D CPACK_DEBIAN_COMPRESSION_TYPE=gzip -B ${folder}/${time})
   file(GLOB package ${folder}/${time}/*.deb)
   file(SHA256 ${package} ${time}_hash)
 endforeach()

@@ -109,17 +109,18 @@ TEST(Jobs, KnowTheFieldsOfTheirScene) {
 // spacing, a goal, another environment, and back again. capture.json holds the hashes of all files.
 TEST(SlowJobs, GiveTheBytesOfSeparateCalls) {
   const TemporaryFolder folder;
-  const std::string scene = "'" DUALPIXEL_SCENES_DIR "/portrait.json' ";
+  ASSERT_EQ(run_program("scene still_life --seed 3 --set objects=2 -o '" + (folder / "drawn") + "'").status, 0);
+  const std::string scene = "'" + (folder / "drawn/scene.json") + "' ";
   const std::string small =
-      "--set sensor.width_px=96 --set sensor.height_px=72 --set sensor.pixel_pitch_um=40 --set burst.frames=2 "
-      "--set render.samples_per_pixel=4 --set 'face_px=[30,10,20,20]' ";
+      "--set sensor.width_px=96 --set sensor.height_px=64 --set sensor.pixel_pitch_um=40 --set burst.frames=2 "
+      "--set render.samples_per_pixel=4 ";
   const std::vector<std::pair<std::string, json>> jobs = {
       {"plain", json::object()},
       {"light", {{"render.light_samples", 32}, {"camera.focus_distance_m", 1.5}}},
       {"again", {{"render.seed", 2}}},
       {"goal", {{"render.error", 0.1}}},
       {"spacing", {{"render.light_spacing_px", 0}}},
-      {"sky", {{"environment.zenith_nits", 9000}}},
+      {"sky", {{"environment", {{"model", "sky"}, {"zenith_nits", 9000}}}}},
       {"auto", {{"camera.focus_distance_m", "auto"}}},
       {"last", {{"render.max_bounces", 1}, {"burst.hand_shake", 1}}}};
   std::string lines;

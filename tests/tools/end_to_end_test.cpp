@@ -116,8 +116,8 @@ TEST(SlowEndToEnd, SmallPortraitThroughAllSubcommands) {
 
 TEST(SlowEndToEnd, SameBytesForAnyNumberOfThreadsAndInEveryRun) {
   const TemporaryFolder folder;
-  for (const std::string threads : {"1", "2", "8", "1 --seed 1"}) {
-    const std::string name = "capture" + threads.substr(0, 1) + (threads.size() > 1 ? "again" : "");
+  for (const std::string threads : {"1", "2", "8 --seed 1"}) {  // the seed is 1 where none is given
+    const std::string name = "capture" + threads.substr(0, 1);
     must_run("simulate " + kScene + " -o '" + (folder / name) + "' --threads " + threads + kSmall);
     must_run("portrait '" + (folder / name) + "' -o '" + (folder / name + "_dp") + "' --threads " +
              threads.substr(0, 1));
@@ -126,7 +126,6 @@ TEST(SlowEndToEnd, SameBytesForAnyNumberOfThreadsAndInEveryRun) {
   EXPECT_GT(first.size(), 5u);
   EXPECT_TRUE(first == contents(folder / "capture2"));
   EXPECT_TRUE(first == contents(folder / "capture8"));
-  EXPECT_TRUE(first == contents(folder / "capture1again"));
   for (const std::string picture : {"portrait.exr", "portrait.png", "maps.exr", "input.exr"}) {
     const std::string bytes = read_bytes(folder / "capture1_dp" + "/" + picture);
     EXPECT_FALSE(bytes.empty()) << picture;
