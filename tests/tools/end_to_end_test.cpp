@@ -134,8 +134,8 @@ TEST(SlowEndToEnd, SameBytesForAnyNumberOfThreadsAndInEveryRun) {
   }
 }
 
-// Floors for the default scene at full size.
-TEST(SlowEndToEnd, DefaultSceneMeetsItsFloors) {
+// Floors for the default scene at full size, where tools/demo.sh works: ten CPU minutes.
+TEST(SweepEndToEnd, DefaultSceneMeetsItsFloors) {
   const TemporaryFolder folder;
   must_run("simulate " + kScene + " -o '" + (folder / "capture") + "'");
   must_run("portrait '" + (folder / "capture") + "' -o '" + (folder / "dp") + "' --mode dp");

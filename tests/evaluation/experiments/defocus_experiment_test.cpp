@@ -41,8 +41,8 @@ SceneDefocus measure(const std::string& name) {
   const std::string path = std::string(DUALPIXEL_SCENES_DIR "/") + name + ".json";
   return measure_defocus(
       simulate_scene(path, {"sensor.width_px=672", "sensor.height_px=504", "sensor.pixel_pitch_um=5.6",
-                            "render.samples_per_pixel=32", "render.photograph_samples_per_pixel=512",
-                            "render.all_in_focus_samples_per_pixel=192"}),
+                            "render.samples_per_pixel=32", "render.photograph_samples_per_pixel=160",
+                            "render.all_in_focus_samples_per_pixel=64"}),
       name);
 }
 
