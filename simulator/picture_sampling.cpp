@@ -71,13 +71,10 @@ std::optional<ErrorTarget> goal_of(const Simulation& s, const ErrorTarget& noise
 void prepare_light(const Simulation& s, RenderScene& world, const CameraView& view,
                    const std::optional<ErrorTarget>& goal) {
   const auto use = [&](const LightCacheOptions& light) {
-    if (light.light_spacing_px == 0) return world.light_cache.reset();
-    if (world.light_cache && world.light_cache->options == light) return;
-    world.light_cache = std::make_unique<LightCache>(light);
+    light.light_spacing_px == 0 ? world.light_cache.reset() : use_light(world, light);
   };
   LightCacheOptions light = s.light;
   if (!goal || light.light_spacing_px == 0) return use(light);
-  std::unique_ptr<LightCache> before = std::move(world.light_cache);
   light.light_samples = kLightPilotSamples;
   use(light);
   double error = light_share(world, view, s.render, *goal);
@@ -87,7 +84,6 @@ void prepare_light(const Simulation& s, RenderScene& world, const CameraView& vi
     error = std::max(error, light_share(world, view, picture, goal_of_picture(s, *goal)));
   }
   light.light_samples = light_samples_for(0.5, error, kLightPilotSamples);
-  if (light.light_samples != kLightPilotSamples) world.light_cache = std::move(before);
   use(light);
 }
 

@@ -11,6 +11,7 @@
 #include "datasets/pictures/google.h"
 #include "datasets/plan/plan.h"
 #include "datasets/render/sample_folder.h"
+#include "datasets/state/state.h"
 
 namespace dualpixel::datasets {
 namespace {
@@ -42,14 +43,10 @@ json index_entry(const SampleLine& line, const std::string& dataset) {
   }
 }
 
-/// Throws where a folder of the data set on the way to `name` is a link: what it leads to may be anybody's.
+/// Throws where a folder of the data set on the way to `name` is a link.
 void require_own_folders(const std::string& dataset, const std::string& name) {
   fs::path path = dataset;
-  for (const fs::path& part : fs::path(name).parent_path()) {
-    path /= part;
-    std::error_code error;
-    if (fs::is_symlink(path, error)) throw InputError(printable(path.string()) + ": is a link: must be a folder");
-  }
+  for (const fs::path& part : fs::path(name).parent_path()) require_no_link((path /= part).string());
 }
 
 /// A second name for a file; what had that name is replaced.

@@ -17,13 +17,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr float kJumpDpPx = 0.1f, kFocusDpPx = 0.25f;
-constexpr int kEdgeReachDpPx = 2, kTextureRadius = 4;
+constexpr int kEdgeReachDpPx = 2, kThinDpPx = 8, kTextureRadius = 4;
 constexpr double kTextureless = 2, kClipped = 0.98;
 
 /// Of one pixel of a sample.
 struct JudgedPixel {
   float truth;
-  bool edge, textureless, clipped;
+  bool edge, thin, textureless, clipped;
 };
 
 struct Region {
@@ -40,6 +40,7 @@ bool in_bin(const JudgedPixel& p) {
 constexpr Region kRegions[] = {
     {"everything", [](const JudgedPixel&) { return true; }},
     {"edges", [](const JudgedPixel& p) { return p.edge; }},
+    {"thin", [](const JudgedPixel& p) { return p.thin; }},
     {"textureless", [](const JudgedPixel& p) { return p.textureless; }},
     {"clipped", [](const JudgedPixel& p) { return p.clipped; }},
     {"front", [](const JudgedPixel& p) { return p.truth < -kFocusDpPx; }},
@@ -72,6 +73,31 @@ Mask textureless(const ViewSample& sample) {
   return flat;
 }
 
+/// Whether a line's pixel lies on something thin: it has what lies further back on both sides. `step` leads to the next
+/// pixel of the line, which has `before` pixels before this one and `after` behind it.
+bool is_thin(const float* pixel, std::ptrdiff_t step, int before, int after) {
+  const auto ends_at = [&](int most, std::ptrdiff_t way) {
+    for (int i = 1; i <= std::min(most, kThinDpPx); ++i) {
+      if (pixel[way * i] > *pixel + kJumpDpPx) return i;
+    }
+    return kThinDpPx + 1;
+  };
+  return ends_at(before, -step) + ends_at(after, step) - 1 <= kThinDpPx;
+}
+
+/// Whether what each pixel shows is thin along its row or its column.
+Mask thin(const Image& truth_dp_px) {
+  Mask mask(truth_dp_px.width, truth_dp_px.height);
+  for (int y = 0; y < mask.height; ++y) {
+    for (int x = 0; x < mask.width; ++x) {
+      const float* pixel = truth_dp_px.row(y) + x;
+      mask.at(x, y) =
+          is_thin(pixel, 1, x, mask.width - 1 - x) || is_thin(pixel, truth_dp_px.width, y, mask.height - 1 - y);
+    }
+  }
+  return mask;
+}
+
 /// The pixels of a sample; those without truth have a NaN.
 std::vector<JudgedPixel> judged_pixels(const ViewSample& sample) {
   Image bridged = sample.truth_dp_px;  // no edge where the truth ends
@@ -80,12 +106,13 @@ std::vector<JudgedPixel> judged_pixels(const ViewSample& sample) {
       if (std::isnan(bridged.at(x, y))) bridged.at(x, y) = bridged.at(x - 1, y);
     }
   }
-  const Mask edges = depth_edges(bridged, kJumpDpPx, kEdgeReachDpPx), flat = textureless(sample);
+  const Mask edges = depth_edges(bridged, kJumpDpPx, kEdgeReachDpPx), narrow = thin(bridged);
+  const Mask flat = textureless(sample);
   const auto white = static_cast<float>(kClipped * sample.sensor.white);
   std::vector<JudgedPixel> pixels(sample.left.data.size());
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const bool clipped = sample.left.data[i] >= white || sample.right.data[i] >= white;
-    pixels[i] = {sample.truth_dp_px.data[i], edges.data[i] == 1, flat.data[i] == 1, clipped};
+    pixels[i] = {sample.truth_dp_px.data[i], edges.data[i] == 1, narrow.data[i] == 1, flat.data[i] == 1, clipped};
   }
   return pixels;
 }
@@ -174,10 +201,12 @@ std::string to_page(const std::vector<SetScore>& scores, std::size_t samples) {
   std::string body = fmt::format(
       "<h1>Methods compared over {} pairs</h1>\n<p>A click on a column's head sorts by it. Edges: up to {} DP px from "
       "a "
-      "jump of the true disparity by more than {} DP px. Textureless: views vary by less than {} times the variance of "
+      "jump of the true disparity by more than {} DP px. Thin: no more than {} DP px along the row or the column, with "
+      "what lies further back by such a jump on both sides. Textureless: views vary by less than {} times the variance "
+      "of "
       "their noise. Clipped: a view reaches {} of its white. Front and behind: the true disparity is under -{} or over "
       "{} DP px; bins are of its amount. Wrong: by more than {} DP px, or not found.</p>\n",
-      samples, kEdgeReachDpPx, kJumpDpPx, kTextureless, kClipped, kFocusDpPx, kFocusDpPx, kWrongDpPx);
+      samples, kEdgeReachDpPx, kJumpDpPx, kThinDpPx, kTextureless, kClipped, kFocusDpPx, kFocusDpPx, kWrongDpPx);
   using Figure = std::optional<double> (*)(const SetFigures&);
   const std::pair<const char*, Figure> figures[] = {
       {"RMSE of what was found, DP px", [](const SetFigures& f) { return f.rmse_dp_px; }},

@@ -12,6 +12,7 @@
 namespace dualpixel::evaluation {
 
 /// Parts of the views, by truth and left view. Edges: up to 2 DP px from a jump of the true disparity by more than 0.1.
+/// Thin: no more than 8 DP px along the row or the column, with what lies further back by such a jump on both sides.
 /// Textureless: the variance over 9 x 9 pixels is less than twice that of the noise that the sensor states (none where
 /// it states none). Clipped: either view reaches 0.98 of its white. Front and behind: the true disparity is under
 /// -0.25, or over 0.25; the bins are of its amount, DP px.

@@ -71,10 +71,11 @@ RenderError estimate_error(RenderScene& world, const CameraView& camera, const R
   const std::vector<HalfRadiance> first = render(0);
   RenderError error{half_difference(first, render(1), probes, target), 0};
   if (!world.light_cache) return error;
-  std::unique_ptr<LightCache> cache = std::make_unique<LightCache>(world.light_cache->options, 1);
-  cache.swap(world.light_cache);
+  const LightCacheOptions light = world.light_cache->options;
+  const std::uint64_t scramble = world.light_cache->scramble;
+  use_light(world, light, scramble + 1);
   error.light = half_difference(first, render(0), probes, target);
-  cache.swap(world.light_cache);
+  use_light(world, light, scramble);
   return error;
 }
 

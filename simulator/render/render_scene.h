@@ -1,5 +1,7 @@
 #pragma once
+#include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "simulator/render/intersector.h"
 #include "simulator/render/light/bright_surfaces.h"
@@ -23,7 +25,13 @@ struct RenderScene {
   Intersector intersector;
   Lights lights;
   BrightSurfaces bright;
-  std::unique_ptr<LightCache> light_cache;  ///< null: none
+  std::unique_ptr<LightCache> light_cache;               ///< null: none
+  std::vector<std::unique_ptr<LightCache>> spare_light;  ///< set aside by use_light(), the last one last
 };
+
+/// Makes `world.light_cache` one of these options and samples, and sets the one before aside with what it holds: light
+/// hangs on options and scramble alone, so that a later picture may go on with it. What is set aside takes as much
+/// memory as one cache may; the caches that were not used for longest go.
+void use_light(RenderScene& world, const LightCacheOptions& options, std::uint64_t scramble = 0);
 
 }  // namespace dualpixel::simulator

@@ -264,6 +264,38 @@ TEST(SlowSimulate, KeepsTheGoalInEveryPicture) {
   keeps(truth.left, truth.views_sigma, truth.noise->views, exact.left);
 }
 
+// Whatever other goals come between, light is found once for each number of its samples, and changes no byte.
+TEST(Simulate, FindsLightOnceForPicturesOfTheSameGoal) {
+  json document = minimal();
+  document["sensor"] = {{"width_px", 32}, {"height_px", 32}};
+  document["burst"]["frames"] = 1;
+  document["render"] = {{"error", 0.005}};
+  const Simulation fine = read_simulation(document, "s.json");
+  document["render"]["error"] = 0.5;
+  const Simulation coarse = read_simulation(document, "s.json");
+  const Scene scene = step_under_a_sky();
+  RenderScene world(scene, fine.light);
+  const auto take = [&](const Simulation& s) { return simulate(s, world, place_camera(s, scene)); };
+  const auto points = [&] {
+    std::uint64_t sum = world.light_cache->table.points();
+    for (const auto& spare : world.spare_light) sum += spare->table.points();
+    return sum;
+  };
+  const Capture first = take(fine);
+  const int samples = world.light_cache->options.light_samples;
+  take(coarse);
+  EXPECT_LT(world.light_cache->options.light_samples, samples);  // a goal of its own
+  const std::uint64_t found = points();
+  const Capture again = take(fine);
+  EXPECT_EQ(points(), found);
+  take(coarse);
+  EXPECT_EQ(points(), found);
+  EXPECT_GT(found, 0u);
+  EXPECT_EQ(again.truth->left.data, first.truth->left.data);
+  EXPECT_EQ(again.truth->photograph.data, first.truth->photograph.data);
+  EXPECT_EQ(again.truth->views_sigma.data, first.truth->views_sigma.data);
+}
+
 // No time: the fewest samples. Half a minute for a tile that takes a fraction of a second: the most.
 TEST(Simulate, SpendsTheTimeItIsGiven) {
   json document = minimal();

@@ -55,7 +55,8 @@ void add_evaluate(CLI::App& program) {
           "A matcher (paper, likelihood, split), or another program: NAME=COMMAND, run by the shell for each pair. "
           "{left} and {right} in it become 16-bit PNG files of the linear views, white where they clip, {left.npy} "
           "and {right.npy} float32 arrays; {out}, and where it has them {sigma} and {confidence}, are the files that "
-          "it writes: NPY, PFM or EXR, DP px, right(x + d) = left(x); '.npy', '.pfm' or '.exr' may follow a name. "
+          "it writes: NPY, PFM or EXR, DP px, right(x + d) = left(x); '.npy', '.pfm' or '.exr' may follow a name, as "
+          "in {out}.npy. "
           "Paths are "
           "quoted: put no quotes around them. Repeat for several");
   command->add_option("--split", options->split, "Of a data set, this split alone")

@@ -14,7 +14,8 @@ constexpr int kProbes = 32;  // slots of its page in which a point may lie
 
 }  // namespace
 
-LightTable::LightTable(std::size_t bytes) : pages_(std::bit_floor(std::max<std::size_t>(bytes / 4096, 1))) {
+LightTable::LightTable(std::size_t bytes)
+    : pages_(std::bit_floor(std::max<std::size_t>(bytes / 4096, 1))), is_used_(pages_) {
   // calloc: large blocks come as untouched pages of zeros, which the system fills when they are first written
   slots_.reset(static_cast<Slot*>(std::calloc(pages_ * kPage, sizeof(Slot))));
   if (!slots_) throw std::bad_alloc();
@@ -60,7 +61,9 @@ std::optional<SurfaceLight> LightTable::find(std::uint64_t group, std::uint64_t 
 SurfaceLight LightTable::add(std::uint64_t group, std::uint64_t key, const SurfaceLight& light) {
   const std::uint64_t soft = pack(light.soft), hard = pack(light.hard);
   const SurfaceLight held_light{unpack(soft), unpack(hard), light.from_m, light.soft_error};
-  Slot* page = &slots_[page_of(group) * kPage];
+  const std::uint64_t page_index = page_of(group);
+  Slot* page = &slots_[page_index * kPage];
+  if (!is_used_[page_index].exchange(true, std::memory_order_relaxed)) ++used_pages_;
   for (int probe = 0; probe < kProbes; ++probe) {
     Slot& slot = page[(key + probe) % kPage];
     std::uint64_t held = 0;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <vector>
 
 namespace dualpixel::simulator {
 
@@ -38,6 +39,8 @@ class LightTable {
   /// Points that are held, and those that found no room. Counted for messages alone.
   std::uint64_t points() const { return points_.load(std::memory_order_relaxed); }
   std::uint64_t turned_away() const { return turned_away_.load(std::memory_order_relaxed); }
+  /// Memory of the pages that hold points.
+  std::uint64_t bytes() const { return used_pages_.load(std::memory_order_relaxed) * kPage * sizeof(Slot); }
 
  private:
   struct alignas(32) Slot {
@@ -53,7 +56,8 @@ class LightTable {
 
   std::uint64_t pages_;  ///< a power of two
   std::unique_ptr<Slot[], Free> slots_;
-  std::atomic<std::uint64_t> points_ = 0, turned_away_ = 0;
+  std::vector<std::atomic<bool>> is_used_;  ///< of each page
+  std::atomic<std::uint64_t> points_ = 0, turned_away_ = 0, used_pages_ = 0;
 };
 
 }  // namespace dualpixel::simulator

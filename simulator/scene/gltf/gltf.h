@@ -35,9 +35,11 @@ Scene read_gltf(const std::string& path, std::optional<double> time_s = {});
 Scene read_gltf_bytes(const std::string& bytes, const std::string& name, const std::string& folder,
                       std::optional<double> time_s = {});
 
-/// Hash of what the file's buffers hold besides pictures: geometry, skins, animations. It stays where another program
-/// saves the file again with other JSON, names, materials or pictures, as .glb or as .gltf. Of a file that cannot be
-/// taken apart, the hash of its bytes. Throws InputError where it cannot be read.
+/// Hash of what the views of the file's buffers hold besides pictures: geometry, skins, animations. It stays where
+/// other JSON, names, materials, pictures or another order of the views are written around the same views, as .glb or
+/// as .gltf. It changes where a program divides the same numbers into other views, pads within them or writes them in
+/// another format or order. Of a file that cannot be taken apart, or whose views overlap to more bytes than its buffers
+/// have, the hash of its bytes. Throws InputError where it cannot be read.
 std::string geometry_hash(const std::string& path);
 
 }  // namespace dualpixel::simulator

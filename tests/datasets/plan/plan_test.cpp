@@ -158,7 +158,7 @@ TEST(Plan, ModelsWithHostileViewsAreKnownByTheirBytes) {
   EXPECT_EQ(hash(), hash_of(model.dump()));
 }
 
-/// Three models, each in a scene file of its own; the pictures of light are never opened by a plan.
+/// Models, each in a scene file of its own; the pictures of light are never opened by a plan.
 json of_lit_models(const TemporaryFolder& folder, const std::map<std::string, std::string>& light_of_model) {
   for (const auto& [model, light] : light_of_model) {
     GlbParts parts = parts_of(read_bytes(DUALPIXEL_SCENES_DIR "/slanted_planes.glb"));
@@ -203,6 +203,30 @@ TEST(Plan, ScenesLitByOnePictureAreInOneSplit) {
   EXPECT_EQ(message_of<InputError>([&] { plan_of(lit); }),
             "r.json: /scenes: 2 groups of scenes that share no model and no light: must be 3 at least, one for each "
             "split of /split");
+}
+
+// A scene file may name a picture and leave to the recipe whether it lights the scene.
+TEST(Plan, ScenesWhoseModelOfLightIsTheRecipesAreKnownByTheirPictures) {
+  const TemporaryFolder folder;
+  for (const char* name : {"1", "2"}) folder.write(std::string("models/") + name + ".hdr", name);
+  json recipe = of_lit_models(folder, {{"a", "1.hdr"}, {"b", "1.hdr"}, {"c", "2.hdr"}});
+  for (const auto& [name, light] : {std::pair{"a", "1.hdr"}, {"b", "1.hdr"}, {"c", "2.hdr"}}) {
+    const json scene = {{"version", 1}, {"gltf", std::string(name) + ".gltf"}, {"environment", {{"path", light}}}};
+    folder.write(std::string("models/") + name + ".json", scene.dump());
+  }
+  recipe["set"]["environment.model"] = "file";
+  std::map<std::string, std::set<Split>> splits;
+  for (const SampleLine& line : plan_of(recipe).lines) {
+    splits[std::filesystem::path(line.scene["file"].get<std::string>()).stem()].insert(line.split);
+  }
+  EXPECT_EQ(splits["a"].size(), 1U);
+  EXPECT_EQ(splits["a"], splits["b"]);
+  EXPECT_NE(splits["a"], splits["c"]);
+  // a picture of the recipe's takes the place of theirs, and lights all splits
+  recipe["set"]["environment.path"] = folder / "models/1.hdr";
+  EXPECT_TRUE(message_of<InputError>([&] { plan_of(recipe); }).starts_with("r.json: /set/environment.path: "));
+  recipe.erase("split");
+  for (const SampleLine& line : plan_of(recipe).lines) EXPECT_EQ(line.set["environment.path"], folder / "models/1.hdr");
 }
 
 // A large group must not be in the first split more often than a single scene is.

@@ -52,6 +52,20 @@ TEST(Render, ShardsGiveTheBytesOfTheWhole) {
   EXPECT_TRUE(whole == bytes_under(folder / "nine"));
 }
 
+// Samples of one scene go on with the light that those before them found, each with a goal of its own.
+TEST(Render, LightThatOtherSamplesFoundChangesNoByte) {
+  const TemporaryFolder folder;
+  json recipe = small_recipe(3);
+  recipe["scenes"].erase(1);
+  recipe["set"]["sensor.width_px"] = 32, recipe["set"]["sensor.height_px"] = 24;
+  recipe["set"].erase("render.light_spacing_px");
+  recipe["set"]["render.noise_fraction"] = {{"grid", {0.5, 4, 1}}};
+  for (const char* set : {"run", "apart"}) plan_into(folder / set, recipe);
+  EXPECT_EQ(render_shard({.dataset = folder / "run"}).rendered, 3);
+  for (int i : {1, 2, 0}) EXPECT_EQ(render_shard({.dataset = folder / "apart", .shard = {i, 3}}).rendered, 1);
+  EXPECT_TRUE(bytes_under(folder / "run") == bytes_under(folder / "apart"));
+}
+
 TEST(Render, RendersOnlyWhatIsMissing) {
   const TemporaryFolder folder;
   const std::string set = folder / "set";
@@ -181,6 +195,25 @@ TEST(Render, VerifyFindsWhatIsKeptAndNotThere) {
   EXPECT_EQ(clear(set).damaged, 1);
   EXPECT_EQ(render_shard({.dataset = set}).rendered, 1);
   EXPECT_EQ(read_bytes(file), written);
+}
+
+// A linked folder of samples may be another data set's, whose samples are not this plan's.
+TEST(Render, ClearsNothingBehindALinkedFolder) {
+  const TemporaryFolder folder;
+  const std::string set = folder / "set", other = folder / "other";
+  plan_into(set, small_recipe(1));
+  json recipe = small_recipe(1);
+  recipe["seed"] = 6;
+  plan_into(other, recipe);
+  render_shard({.dataset = other});
+  for (const char* part : {"samples", "scenes"}) {
+    std::filesystem::create_directories(other + "/" + part);
+    std::filesystem::create_directory_symlink("../other/" + std::string(part), set + "/" + part);
+    const auto before = bytes_under(folder.path);
+    EXPECT_EQ(message_of<InputError>([&] { clear(set); }), set + "/" + part + ": is a link: must be a folder");
+    EXPECT_TRUE(bytes_under(folder.path) == before);
+    std::filesystem::remove(set + "/" + part);
+  }
 }
 
 TEST(Render, VerifyFindsWhatWasChanged) {

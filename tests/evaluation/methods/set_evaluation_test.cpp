@@ -161,6 +161,36 @@ TEST(SetEvaluation, CutsRegionsByTheTruth) {
   EXPECT_EQ(region(score, "1 to 2").pixels + region(score, "0.25 to 1").pixels, kPixels);
 }
 
+// Bars before planes at disparities of -1 and, on the right, 0.5 and more; a gap behind them is no thin thing.
+TEST(SetEvaluation, FindsThinThingsInFront) {
+  const TemporaryFolder folder;
+  const auto thin_with_bar = [&](float dp_px, int first, int last, bool along_rows) {
+    Capture capture = pipeline::synthetic_capture();
+    Image& truth = capture.truth->disparity_dp_px;  // of photosites, 2 x 4 of them a pixel
+    for (int y = 0; y < truth.height; ++y) {
+      for (int x = 0; x < truth.width; ++x) {
+        const int at = along_rows ? y / 4 : x / 2;
+        if (at >= first && at <= last) truth.at(x, y) = dp_px;
+      }
+    }
+    write_capture(capture, folder / "set/one");
+    const DisparityMethod nothing = {"nothing", [](const Image& left, const Image&, const pipeline::ViewSensor&) {
+                                       MethodRun run;
+                                       run.found.disparity_dp_px = Image(left.width, left.height);
+                                       return run;
+                                     }};
+    const SetScore score = evaluate_set(sample_folders(folder / "set", ""), {nothing}).front();
+    std::filesystem::remove_all(folder / "set");
+    return region(score, "thin").pixels;
+  };
+  EXPECT_EQ(thin_with_bar(-2, 4, 11, false), 8U * 12);
+  EXPECT_EQ(thin_with_bar(-2, 4, 12, false), 0U) << "nine wide";
+  EXPECT_EQ(thin_with_bar(-2, 0, 3, false), 0U) << "at the border nothing is seen of its other side";
+  EXPECT_EQ(thin_with_bar(-2, 3, 4, true), 2U * 32);
+  EXPECT_EQ(thin_with_bar(0, 2, 5, false), 0U) << "behind what is beside it";
+  EXPECT_EQ(thin_with_bar(-1.05f, 4, 7, false), 0U) << "no jump";
+}
+
 // Of two samples one has a sigma: the share is that of its pixels.
 TEST(SetEvaluation, CountsSigmaWhereItIsGiven) {
   const OneCapture set;

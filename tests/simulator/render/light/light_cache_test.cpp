@@ -3,6 +3,7 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <memory>
 
 #include "simulator/render/views.h"
 #include "simulator/sampling/mosaic.h"
@@ -112,6 +113,34 @@ TEST(LightCache, BytesDependOnTheSceneAlone) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     EXPECT_EQ(render(RenderScene(scene)), once) << threads << " threads";
   }
+}
+
+// What is set aside comes back with its points, and takes no more memory than one cache may.
+TEST(LightCache, IsSetAsideWithinItsMemory) {
+  const Scene scene = room();
+  const CameraView camera = phone_camera(1.3, 16, 16);
+  const auto with_scrambles = [&](const LightCacheOptions& options, int count) {
+    auto world = std::make_unique<RenderScene>(scene, options);
+    for (int scramble = 0; scramble < count; ++scramble) {
+      use_light(*world, options, scramble);
+      EXPECT_EQ(world->light_cache->table.points(), 0u);
+      render_views(*world, camera, {16, 0, 5});
+    }
+    return world;
+  };
+  const auto roomy = with_scrambles({}, 3);
+  EXPECT_EQ(roomy->spare_light.size(), 2u);
+  const std::uint64_t points = roomy->spare_light.front()->table.points();
+  EXPECT_GT(points, 0u);
+  use_light(*roomy, {}, 0);
+  EXPECT_EQ(roomy->light_cache->table.points(), points);
+  EXPECT_EQ(roomy->spare_light.size(), 2u);
+  EXPECT_EQ(roomy->spare_light.back()->scramble, 2u);
+
+  const auto narrow = with_scrambles({.light_memory_mb = 0.004}, 5);  // a page each, and a page for the spare
+  ASSERT_EQ(narrow->spare_light.size(), 1u);
+  EXPECT_EQ(narrow->spare_light.front()->scramble, 3u);
+  EXPECT_EQ(with_scrambles({}, 30)->spare_light.size(), 18u);
 }
 
 // A mirror shows lamp and sky at the default of no reflections, exactly as bright as they are.
