@@ -38,6 +38,10 @@ struct Camera {
   std::array<double, 2> principal_point_px{};  ///< continuous full-sensor coordinates
   std::string split = "unknown";               ///< a name of kSplitKinds (capture/split_kinds.h), or "unknown"
   double alpha = 0;  ///< centroid disparity over signed blur diameter, both in DP px; 0: unknown
+  /// Lens shading: light of an undivided photosite before an even scene, over that of one on the axis behind the whole
+  /// pupil. Nodes of an even grid, at least 2 x 2, whose outer ones lie in the middle of the outermost photosites;
+  /// linear in between (capture/shading.h). Empty: not known, or 1 all over.
+  Image relative_light;
 
   int bayer_plane_width() const { return width_px / 2; }
   int bayer_plane_height() const { return height_px / 2; }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "capture/error.h"
+#include "simulator/lens/lens_shading.h"
 #include "simulator/picture_sampling.h"
 #include "simulator/render/motion.h"
 #include "simulator/render/render_error.h"
@@ -547,6 +548,7 @@ Capture simulate(const Simulation& s, RenderScene& world, const CameraView& view
   require_renderable(s, world.scene);
   Capture capture;
   capture.camera = describe_camera(s);
+  capture.camera.relative_light = relative_light(view.lens);
   capture.exposure = describe_exposure(s.sensor, s.exposure);
   capture.face_px = s.face_px;
   const double lux_s_per_nit = view.lens.lux_per_nit() * s.exposure.time_s;

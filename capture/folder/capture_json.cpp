@@ -1,5 +1,7 @@
 #include "capture/folder/capture_json.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -70,19 +72,23 @@ Json conventions() {
 }
 
 Json to_json(const Camera& camera) {
-  return {{"name", camera.name},
-          {"width_px", camera.width_px},
-          {"height_px", camera.height_px},
-          {"pixel_pitch_um", camera.pixel_pitch_um},
-          {"cfa", camera.cfa},
-          {"dp_downsample_x", camera.dp_downsample_x},
-          {"dp_downsample_y", camera.dp_downsample_y},
-          {"focal_length_mm", camera.focal_length_mm},
-          {"f_number", camera.f_number},
-          {"focus_distance_m", number_or_inf(camera.focus_distance_m)},
-          {"principal_point_px", camera.principal_point_px},
-          {"split", camera.split},
-          {"alpha", camera.alpha}};
+  Json json = {{"name", camera.name},
+               {"width_px", camera.width_px},
+               {"height_px", camera.height_px},
+               {"pixel_pitch_um", camera.pixel_pitch_um},
+               {"cfa", camera.cfa},
+               {"dp_downsample_x", camera.dp_downsample_x},
+               {"dp_downsample_y", camera.dp_downsample_y},
+               {"focal_length_mm", camera.focal_length_mm},
+               {"f_number", camera.f_number},
+               {"focus_distance_m", number_or_inf(camera.focus_distance_m)},
+               {"principal_point_px", camera.principal_point_px},
+               {"split", camera.split},
+               {"alpha", camera.alpha}};
+  if (const Image& light = camera.relative_light; !light.empty()) {
+    json["lens_shading"] = {{"columns", light.width}, {"rows", light.height}, {"relative_light", light.data}};
+  }
+  return json;
 }
 
 Json to_json(const Exposure& exposure) {
@@ -101,6 +107,23 @@ Json to_json(const Exposure& exposure) {
   return json;
 }
 
+Image read_lens_shading(Fields fields) {
+  constexpr int kMostNodes = 1024;  // along each side
+  constexpr double kMostLight = 10;
+  Image light;
+  fields.required("columns").integer("columns", light.width, 2, kMostNodes);
+  fields.required("rows").integer("rows", light.height, 2, kMostNodes);
+  const std::size_t nodes = static_cast<std::size_t>(light.width) * light.height;
+  std::vector<double> values;
+  fields.required("relative_light").list("relative_light", values, 0, kMostLight, nodes);
+  if (values.size() != nodes) {
+    fields.fail("relative_light", fmt::format("{} numbers: must be columns times rows, {}", values.size(), nodes));
+  }
+  light.data.assign(values.begin(), values.end());
+  fields.done();
+  return light;
+}
+
 Camera read_camera(Fields fields) {
   Camera camera;
   camera.focus_distance_m = 0;
@@ -111,6 +134,7 @@ Camera read_camera(Fields fields) {
   splits.push_back(camera.split);  // "unknown"
   fields.choice("split", camera.split, splits);
   fields.number("alpha", camera.alpha, 0, 10);
+  if (fields.has("lens_shading")) camera.relative_light = read_lens_shading(fields.object("lens_shading"));
   fields.done();
   return camera;
 }

@@ -102,7 +102,8 @@ NoiseLevel merged_noise(const Exposure& exposure, int frames) {
           exposure.white_balance, exposure.color_matrix.value_or(kIdentity3)};
 }
 
-void add_noise(Image& rgb, const Image& blurred, const std::vector<NoisePatch>& patches, const NoiseLevel& level) {
+void add_noise(Image& rgb, const Image& blurred, const std::vector<NoisePatch>& patches, const NoiseLevel& level,
+               const Image& shading_gain) {
   const int width = rgb.width;
   tbb::parallel_for(tbb::blocked_range<int>(0, rgb.height, 32), [&](const tbb::blocked_range<int>& rows) {
     std::vector<float> noise(static_cast<std::size_t>(width) * 3);
@@ -129,7 +130,9 @@ void add_noise(Image& rgb, const Image& blurred, const std::vector<NoisePatch>& 
         const auto read = static_cast<float>(read_gain * level.read);
         for (int x = 0; x < width; ++x) {
           const float value = row[3 * x + c];
-          row[3 * x + c] = value + std::sqrt(shot * std::max(value, 0.0f) + read) * amount[x] * noise[3 * x + c];
+          const float gain = shading_gain.empty() ? 1.0f : shading_gain.at(x, y);
+          const float variance = gain * (shot * std::max(value, 0.0f) + gain * read);
+          row[3 * x + c] = value + std::sqrt(variance) * amount[x] * noise[3 * x + c];
         }
       }
     }

@@ -31,6 +31,7 @@ std::vector<NoisePatch> make_noise_patches(std::uint64_t seed, const NoiseOption
 
 /// Noise of the merged picture: variance of a channel whose normalized, white-balanced signal is v:
 ///     gain * (shot * v + gain * read)
+/// (the gain of the color's white balance, times that of lens shading)
 /// of the camera's color; of linear sRGB the sum of the three, each times its weight squared, as gray has it.
 struct NoiseLevel {
   double shot = 0;
@@ -44,7 +45,9 @@ NoiseLevel merged_noise(const Exposure& exposure, int frames);
 
 /// B_noisy = B + sigma(B) M_blur sum_i s_i N_i(x mod l_i), in place; pixels with `blurred` 0 stay as they are. s_i is 1
 /// or -1, at random for each copy of a patch: copies of one sign, as the paper has them, would correlate by a third one
-/// period apart, and noise is as good upside down.
-void add_noise(Image& rgb, const Image& blurred, const std::vector<NoisePatch>& patches, const NoiseLevel& level);
+/// period apart, and noise is as good upside down. `shading_gain`: what each pixel was multiplied by against lens
+/// shading (capture/shading.h), its noise with it; empty: by none.
+void add_noise(Image& rgb, const Image& blurred, const std::vector<NoisePatch>& patches, const NoiseLevel& level,
+               const Image& shading_gain = {});
 
 }  // namespace dualpixel::pipeline

@@ -12,6 +12,7 @@
 #include "capture/error.h"
 #include "capture/image/demosaic.h"
 #include "capture/image/resample.h"
+#include "capture/shading.h"
 #include "pipeline/burst/merge.h"
 #include "pipeline/calibration/correction.h"
 #include "pipeline/defocus/aperture.h"
@@ -43,6 +44,7 @@ struct Run {
   std::vector<Face> seeds;        ///< upright, for find_people
   std::optional<Correction> correction;
   MergedBurst burst;
+  Image shading;  ///< that the picture was multiplied by; empty: by none
   Image found_mask;
   PixelDisparity matched;
   SmoothingGuide guide;
@@ -98,7 +100,8 @@ void merge_frames(Run& run) {
   run.result.base_frame = run.burst.base_frame;
 }
 
-/// The picture that the merged burst shows; gray, from the sum of its views, where it has no mosaic.
+/// The picture that the merged burst shows, lens shading taken out where the camera states it; gray, from the sum of
+/// its views, where it has no mosaic.
 void develop(Run& run) {
   const Camera& camera = run.capture.camera;
   MergedBurst& burst = run.burst;
@@ -117,6 +120,9 @@ void develop(Run& run) {
     run.result.input = resize_bilinear(gray, camera.width_px, camera.height_px);
   }
   burst.mosaic = {};
+  if (run.options.picture) return;  // finished
+  run.shading = shading_gain(camera);
+  correct_shading(run.result.input, run.shading, static_cast<float>(run.defocus.bokeh.white));
 }
 
 /// options.find_people sees the picture upright.
@@ -260,7 +266,7 @@ void synthesize_noise(Run& run) {
   run.result.blur_radius_px = std::move(run.defocused.radius_px);
   if (run.options.synthetic_noise) {
     add_noise(run.defocused.rgb, run.defocused.blurred, make_noise_patches(run.options.seed, run.options.noise),
-              merged_noise(run.capture.exposure, static_cast<int>(run.capture.frames.size())));
+              merged_noise(run.capture.exposure, static_cast<int>(run.capture.frames.size())), run.shading);
   }
   run.result.portrait = std::move(run.defocused.rgb);
 }

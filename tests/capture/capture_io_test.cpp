@@ -37,7 +37,9 @@ Capture small_capture(bool with_truth) {
                     .focus_distance_m = 1.25,
                     .principal_point_px = {8.5, 4},
                     .split = "ramp",
-                    .alpha = 0.21};
+                    .alpha = 0.21,
+                    .relative_light = pattern<float>(3, 2, 1, 0)};
+  for (float& light : capture.camera.relative_light.data) light = 1 - light / 64;
   capture.exposure = {.time_s = 0.01,
                       .iso = 100,
                       .bits = 10,
@@ -140,6 +142,9 @@ TEST(CaptureIo, EverythingSurvivesTheRoundTrip) {
   EXPECT_EQ(back.camera.principal_point_px, written.camera.principal_point_px);
   EXPECT_EQ(back.camera.split, "ramp");
   EXPECT_EQ(back.camera.alpha, 0.21);
+  EXPECT_EQ(back.camera.relative_light.width, 3);
+  EXPECT_EQ(back.camera.relative_light.height, 2);
+  EXPECT_EQ(back.camera.relative_light.data, written.camera.relative_light.data);
   EXPECT_EQ(back.exposure.time_s, 0.01);
   EXPECT_EQ(back.exposure.iso, 100);
   EXPECT_EQ(back.exposure.bits, 10);
@@ -194,6 +199,27 @@ TEST(CaptureIo, MotionIsThereForEveryFrameButTheFirstOrForNone) {
     edit(folder / "out", [&](json& d) { d["truth"]["motion"] = wrong; });
     EXPECT_NE(capture_refusal(folder / "out"), "") << wrong;
   }
+}
+
+TEST(CaptureIo, LensShadingIsAWholeGridOfShares) {
+  const TemporaryFolder folder;
+  write_capture(small_capture(false), folder / "out");
+  const auto refusal = [&](const char* field, const json& value) {
+    const json before = read_json_file(folder / "out/capture.json");
+    edit(folder / "out", [&](json& d) { d["camera"]["lens_shading"][field] = value; });
+    const std::string message = capture_refusal(folder / "out");
+    write_bytes(folder / "out/capture.json", before.dump());
+    return message;
+  };
+  EXPECT_NE(refusal("columns", 1).find("/camera/lens_shading/columns: 1: must be"), std::string::npos);
+  EXPECT_NE(refusal("rows", 3).find("/camera/lens_shading/relative_light: 6 numbers: must be columns times rows, 9"),
+            std::string::npos);
+  EXPECT_NE(refusal("relative_light", {1, 1, 1, 1, 1, -0.5}).find("/camera/lens_shading/relative_light"),
+            std::string::npos);
+  EXPECT_NE(refusal("relative_light", {1, 1, 1, 1, 1, 11}).find("11"), std::string::npos);
+  EXPECT_NE(refusal("gain", 2).find("/camera/lens_shading/gain: unknown field"), std::string::npos);
+  edit(folder / "out", [](json& d) { d["camera"].erase("lens_shading"); });
+  EXPECT_TRUE(read_capture(folder / "out", false).camera.relative_light.empty());
 }
 
 TEST(CaptureIo, TruthIsReadOnlyWhenAskedFor) {

@@ -431,6 +431,21 @@ TEST(Noise, FollowsTheProfileWhereBlurred) {
   EXPECT_NEAR(variance[0] / (expected(2) * 0.984), 1, 0.07);
 }
 
+// A picture that was multiplied by 3 against lens shading: its noise was, too.
+TEST(Noise, GrowsWithTheGainAgainstShading) {
+  constexpr float kSignal = 0.3f, kShot = 1e-4f, kRead = 3e-5f, kGain = 3;
+  Image rgb(400, 300, 3, kSignal), gain(400, 300, 1, 1.0f);
+  for (int y = 150; y < 300; ++y) std::fill_n(gain.row(y), 400, kGain);
+  add_noise(rgb, Image(400, 300, 1, 1.0f), make_noise_patches(7), {kShot, kRead, {1, 1, 1}}, gain);
+  double variance[2] = {};
+  for (int y = 0; y < 300; ++y) {
+    for (int x = 0; x < 400; ++x) variance[y / 150] += std::pow(rgb.at(x, y, 1) - kSignal, 2) / (400 * 150);
+  }
+  // of kGain (shot noise of a signal of kSignal / kGain + read noise); tolerance as above
+  const double expected = kGain * kGain * (kShot * kSignal / kGain + kRead) / (kShot * kSignal + kRead);
+  EXPECT_NEAR(variance[1] / variance[0] / expected, 1, 0.07);
+}
+
 double mean_square(const Image& image, int x0, int x1) {
   double sum = 0;
   for (int y = 20; y < image.height - 20; ++y) {

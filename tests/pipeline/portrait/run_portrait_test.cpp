@@ -311,6 +311,42 @@ TEST(Portrait, AGivenPictureTakesTheBurstsPlace) {
   }
 }
 
+// The picture is multiplied by what the camera states, and clips where it clipped; matching sees the views as they are.
+TEST(Portrait, LensShadingIsTakenOutOfThePictureAlone) {
+  Capture capture = make_capture();
+  PortraitOptions options = test_options();
+  const PortraitResult shaded = run_portrait(capture, options);
+  Capture gray = capture;
+  for (Frame& frame : gray.frames) frame.mosaic = {};
+  const PortraitResult shaded_gray = run_portrait(gray, options);
+  Image& light = capture.camera.relative_light;
+  light = Image(2, 2);
+  light.data = {1, 0.5f, 0.75f, 0.1f};
+  gray.camera.relative_light = light;
+  const PortraitResult even = run_portrait(capture, options), even_gray = run_portrait(gray, options);
+  EXPECT_EQ(even.matched_disparity_dp_px.data, shaded.matched_disparity_dp_px.data);
+  EXPECT_EQ(even.matched_confidence.data, shaded.matched_confidence.data);
+  int clipped = 0;
+  for (int y = 0; y < kCaptureHeight; ++y) {
+    for (int x = 0; x < kCaptureWidth; ++x) {
+      const double right = x / (kCaptureWidth - 1.0), down = y / (kCaptureHeight - 1.0);
+      const double share = (1 - down) * (1 - 0.5 * right) + down * (0.75 - 0.65 * right);
+      const double gain = 1 / std::max(share, 0.125);
+      const float before = shaded.input.at(x, y, 1);
+      clipped += before * gain > 1 ? 1 : 0;
+      ASSERT_NEAR(even.input.at(x, y, 1), std::min<double>(before * gain, std::max(before, 1.0f)), 1e-5);
+      const float gray_before = shaded_gray.input.at(x, y, 1);
+      ASSERT_NEAR(even_gray.input.at(x, y, 1), std::min<double>(gray_before * gain, std::max(gray_before, 2.0f)), 1e-5);
+    }
+  }
+  EXPECT_GT(clipped, 1000);
+  // a finished picture is nobody's to correct
+  capture.frames.resize(1);
+  options.picture = shaded.input;
+  for (float& value : options.picture->data) value = std::clamp(value, 0.0f, 1.0f);
+  EXPECT_EQ(run_portrait(capture, options).input.data, options.picture->data);
+}
+
 TEST(Portrait, PeopleAreFoundWhereNoMaskIsGiven) {
   const Capture capture = make_capture();
   for (const Mode mode : {Mode::dp_seg, Mode::seg}) {
