@@ -114,8 +114,7 @@ TEST(GlassPaths, APaneShowsBothWallsWithoutNoise) {
   scene.unlit_white_nits = kReflected;
   scene.materials[0].base_color = glm::vec4(glm::vec3(kBehind / kReflected), 1);
   scene.materials[1].base_color = glm::vec4(1);
-  scene.meshes = {make_quad({-5, -5, 2}, {10, 0, 0}, {0, 10, 0}, 0),
-                  make_quad({-5, -5, -1}, {10, 0, 0}, {0, 10, 0}, 1),
+  scene.meshes = {make_quad({-5, -5, 2}, {10, 0, 0}, {0, 10, 0}, 0), make_quad({-5, -5, -1}, {10, 0, 0}, {0, 10, 0}, 1),
                   make_quad({-5, -5, 1}, {10, 0, 0}, {0, 10, 0}, 2)};
   const auto views_by = [&](int threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
