@@ -153,9 +153,9 @@ DisparityBenchmark measure_disparity(const std::vector<std::string>& scene_files
   benchmark.copy_ms = copy_ms();
   for (const std::string& file : scene_files) {
     const Capture capture = render(file);
-    const StereoPair pair{normalized(capture.frames[0].left, capture.exposure),
-                          normalized(capture.frames[0].right, capture.exposure),
-                          pipeline::view_sensor(capture.exposure)};
+    StereoPair pair{normalized(capture.frames[0].left, capture.exposure),
+                    normalized(capture.frames[0].right, capture.exposure), pipeline::view_sensor(capture.exposure)};
+    pair.sensor.pixel_height = pipeline::pixel_height(capture.camera);
     const std::vector<double> ms = times_ms(all, pair);
     DisparityBenchmark::Scene& scene = benchmark.scenes.emplace_back();
     scene.scene = file;

@@ -136,9 +136,14 @@ std::vector<Matched> expose_and_match(const Target& target, double lux, simulato
   const pipeline::MergedBurst merged = pipeline::align_and_merge(frames, exposure);
   const double remaining = pipeline::merged_view_variance(kNoiseFrames);
   std::vector<Matched> result;
+  const auto of_views = [&](double noise_left) {
+    pipeline::ViewSensor views = pipeline::view_sensor(exposure, noise_left);
+    views.pixel_height = static_cast<float>(sensor.dp_downsample_y) / static_cast<float>(sensor.dp_downsample_x);
+    return views;
+  };
   for (const Matcher& matcher : pipeline::matchers()) {
-    result.push_back({match(single.left, single.right, matcher, pipeline::view_sensor(exposure)),
-                      match(merged.left, merged.right, matcher, pipeline::view_sensor(exposure, remaining))});
+    result.push_back({match(single.left, single.right, matcher, of_views(1)),
+                      match(merged.left, merged.right, matcher, of_views(remaining))});
   }
   return result;
 }

@@ -128,7 +128,7 @@ double relative_noise(const AtlasScene& scene) {
   return std::sqrt(exposure.dp_noise.shot_dn * mean_dn + exposure.dp_noise.read_dn2) / mean_dn;
 }
 
-ViewSample take_views(const AtlasScene& scene) {
+Capture take_burst(const AtlasScene& scene) {
   const ScratchFolder folder;
   scene.glb.write(folder.path() + "/scene.glb");
   const simulator::ExposureOptions exposure = exposure_of(scene);
@@ -142,13 +142,20 @@ ViewSample take_views(const AtlasScene& scene) {
   document.merge_patch(scene.document);
   simulator::Simulation simulation = simulator::read_simulation(document, folder.path() + "/scene.json");
   simulation.with_all_in_focus = simulation.with_photograph = false;
-  const Capture capture = simulator::simulate(simulation, simulator::load_scene(simulation));
-  const std::vector<Frame>& frames = capture.frames;
+  return simulator::simulate(simulation, simulator::load_scene(simulation));
+}
+
+ViewSample merged_views(const Capture& capture, const std::vector<Frame>& frames) {
   pipeline::MergedBurst merged =
       pipeline::merge_burst(frames, 0, pipeline::align_burst(frames, 0, capture.exposure), capture.exposure);
   const double noise_left = pipeline::merged_view_variance(static_cast<int>(frames.size()));
   return view_sample(capture, std::move(merged.left), std::move(merged.right),
                      pipeline::view_sensor(capture.exposure, noise_left));
+}
+
+ViewSample take_views(const AtlasScene& scene) {
+  const Capture capture = take_burst(scene);
+  return merged_views(capture, capture.frames);
 }
 
 }  // namespace dualpixel::evaluation

@@ -64,7 +64,11 @@ simulator::ExposureOptions exposure_of(const AtlasScene& scene);
 /// Noise of a pixel of one frame's views over the mean of the picture.
 double relative_noise(const AtlasScene& scene);
 
-/// Rendered, exposed as a burst, merged onto the first frame, whose truth it is. Throws InputError.
+/// Rendered, and exposed as a burst of three where the scene does not say otherwise. Throws InputError.
+Capture take_burst(const AtlasScene& scene);
+/// `frames` of a capture, the first being its own, merged onto that one, whose truth it is.
+ViewSample merged_views(const Capture& capture, const std::vector<Frame>& frames);
+/// Both: all frames of a burst.
 ViewSample take_views(const AtlasScene& scene);
 
 }  // namespace dualpixel::evaluation

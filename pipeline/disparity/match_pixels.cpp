@@ -31,7 +31,9 @@ ViewSensor sensor_of_green_means(const ViewSensor& dense) {
 PixelDisparity match_pixels(const Capture& capture, const Image& left, const Image& right, const ViewSensor& sensor,
                             const Matcher& matcher, const MatcherOptions& options, const UpsampleOptions& upsampling) {
   if (!is_dense_mosaic(capture)) {
-    return upsample_tiles(matcher.match(left, right, sensor, options), left.width, left.height, upsampling);
+    ViewSensor own = sensor;
+    own.pixel_height = pixel_height(capture.camera);
+    return upsample_tiles(matcher.match(left, right, own, options), left.width, left.height, upsampling);
   }
   constexpr int kSide = 2;
   const std::string& cfa = capture.camera.cfa;

@@ -52,6 +52,7 @@ TileDisparity match_knowing_split(const Image& left, const Image& right, const V
                                   const MatcherOptions& options) {
   SplitMatchOptions split = options.split_match;
   split.white = sensor.white;
+  split.pixel_height = sensor.pixel_height;
   return match_by_split(left, right, split, of_sensor(options.likelihood_match, sensor));
 }
 

@@ -17,7 +17,13 @@ struct ViewNoise {
 struct ViewSensor {
   std::optional<ViewNoise> noise;  ///< of one view's pixel; empty: unknown
   float white = 1;                 ///< normalized signal at which a view clips
+  float pixel_height = 1;          ///< of a view's pixel, over its width
 };
+
+/// Of a view's pixel, over its width.
+inline float pixel_height(const Camera& camera) {
+  return static_cast<float>(camera.dp_downsample_y) / static_cast<float>(camera.dp_downsample_x);
+}
 
 /// What the capture states; {0, 0} where it is unknown.
 inline ViewNoise view_noise(const Exposure& exposure) {
@@ -26,9 +32,11 @@ inline ViewNoise view_noise(const Exposure& exposure) {
           static_cast<float>(exposure.dp_noise.read_dn2 / (range * range))};
 }
 
-/// Of views that are the mean of frames and keep `noise_left` of one frame's variance.
+/// Of views that are the mean of frames and keep `noise_left` of one frame's variance. Of their pixels nothing is known
+/// here: square.
 inline ViewSensor view_sensor(const Exposure& exposure, double noise_left = 1) {
-  ViewSensor sensor{{}, static_cast<float>(view_white(exposure))};
+  ViewSensor sensor;
+  sensor.white = static_cast<float>(view_white(exposure));
   const ViewNoise one = view_noise(exposure);
   const auto left = static_cast<float>(noise_left);
   if (one.shot > 0 || one.read > 0) sensor.noise = {left * one.shot, left * one.read};

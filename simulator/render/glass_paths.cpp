@@ -23,10 +23,11 @@ Hit hit_of(const RayPacket& rays, int i) {
 }
 
 /// Solid glass met from within.
-bool leaves_solid(const Scene& scene, const Layers& layers, const RayPacket& rays, int i) {
-  if (!layers.solid) return false;
+bool leaves_solid(const Scene& scene, const RayPacket& rays, int i) {
   const Hit hit = hit_of(rays, i);
-  return glm::dot(outward_normal(scene.meshes[hit.mesh], hit), direction_of(rays, i)) > 0;
+  const Mesh& mesh = scene.meshes[hit.mesh];
+  if (!scene.materials[mesh.material].layers->solid) return false;
+  return glm::dot(outward_normal(mesh, hit), direction_of(rays, i)) > 0;
 }
 
 /// visit(lane, surface) for all hits of `lanes`, mesh by mesh.
@@ -103,7 +104,7 @@ class GlassWalk {
     const glm::vec3 direction = direction_of(rays_, i);
     const float length = glm::length(direction), distance = rays_.far[i] * length;
     const glm::vec3 to_eye = -direction / length;
-    const bool leaves = leaves_solid(world_.scene, *s.layers, rays_, i);
+    const bool leaves = leaves_solid(world_.scene, rays_, i);
     if (leaves && !within_[i]) scale_throughput(paths_, i, absorbed(*s.layers, distance));  // it began in there
     float goes_on = 1;
     if (may_stay && !leaves) {
@@ -150,9 +151,19 @@ class GlassWalk {
 
 }  // namespace
 
+bool find_divided(const RenderScene& world, const RayPacket& rays, const Paths& paths, int lanes[kPacket]) {
+  int any = 0;
+  for (int i = 0; i < kPacket; ++i) {
+    const bool at_glass = paths.active[i] && rays.mesh[i] != kNoMesh && is_glass(world.scene, rays.mesh[i]);
+    any |= lanes[i] = at_glass && !leaves_solid(world.scene, rays, i) ? -1 : 0;
+  }
+  return any;
+}
+
 void pass_glass(const RenderScene& world, const PathOptions& options, const SampleIndices& indices, int bounces_left,
                 RayPacket& rays, Paths& paths) {
-  if (bounces_left == options.max_bounces) paths.unlit_throughput = paths.throughput;  // camera rays have none yet
+  const bool from_camera = bounces_left == options.max_bounces;
+  if (from_camera) paths.unlit_throughput = paths.throughput;  // camera rays have none yet
   GlassWalk walk(world, rays, paths);
   alignas(64) int lanes[kPacket];
   constexpr std::uint32_t kGlassStreams = 0x10000;  // beyond all others
@@ -165,8 +176,9 @@ void pass_glass(const RenderScene& world, const PathOptions& options, const Samp
     const std::uint32_t stream = kGlassStreams + 2 * (kMostPassages * (bounces_left + 1) + passage);
     path_samples(options.sampling, indices, stream, choice, unused);
     path_samples(options.sampling, indices, stream + 1, u, v);
+    const bool may_stay = bounces_left >= 0 && !(from_camera && passage == 0);
     each_surface(world.scene, lanes, rays, [&](int i, const Surface& s, float magnitude) {
-      walk.step(i, s, magnitude, bounces_left >= 0, u[i], v[i], choice[i]);
+      walk.step(i, s, magnitude, may_stay, u[i], v[i], choice[i]);
     });
     for (int i = 0; i < kPacket; ++i) lanes[i] &= paths.active[i] && rays.mesh[i] == kNoMesh ? -1 : 0;
     if (options.log) write_down(*options.log, lanes, rays, false, false);
@@ -187,7 +199,7 @@ void dim_by_glass(const RenderScene& world, const int active[kPacket], const int
     each_surface(world.scene, lanes, rays, [&](int i, const Surface& s, float magnitude) {
       const glm::vec3 direction = direction_of(rays, i);
       const float distance = rays.far[i] * glm::length(direction);
-      const bool leaves = leaves_solid(world.scene, *s.layers, rays, i);
+      const bool leaves = leaves_solid(world.scene, rays, i);
       glm::vec3 share = passing(s, std::abs(glm::dot(s.normal, direction)) / glm::length(direction), leaves);
       if (leaves) share *= absorbed(*s.layers, distance);
       light.set(i, light.at(i) * share);

@@ -7,8 +7,14 @@
 /// Paths through glass. Passing it is no reflection: whatever the most reflections are, glass shows what is behind it.
 namespace dualpixel::simulator {
 
+/// Of the active camera rays, which hold their nearest hits, those that meet glass from outside; false: none. They are
+/// followed both ways, each with its share of the light, since a way taken by chance leaves noise that both views
+/// share.
+bool find_divided(const RenderScene& world, const RayPacket& rays, const Paths& paths, int lanes[kPacket]);
+
 /// Leads the active paths, whose rays hold their nearest hits, on through glass. Those that stay for what glass
-/// reflects keep their hit, those that end in it are active no longer. `bounces_left` < 0: none stay.
+/// reflects keep their hit, those that end in it are active no longer. `bounces_left` < 0: none stay; nor do camera
+/// rays at the first glass, where what is reflected is followed beside them.
 void pass_glass(const RenderScene& world, const PathOptions& options, const SampleIndices& indices, int bounces_left,
                 RayPacket& rays, Paths& paths);
 

@@ -44,6 +44,8 @@ struct Paths {
   /// The kinds of light that light samples there were of. Soft: at points of light, for which unlit surfaces are
   /// reflections.
   LightKinds kinds = LightKinds::all;
+  /// Where glass divides camera rays: the next reflection of all is followed, however little it carries.
+  bool follow_all = false;
   alignas(64) float before_m[kPacket];  ///< through glass, from the reflection that `pdf` is of to the ray's start
   /// After glass that bends: density with which light samples, which go straight, find what lies straight ahead of the
   /// ray that `pdf` is of. Negative: not bent, so that they find what the path does.

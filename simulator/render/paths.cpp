@@ -726,7 +726,8 @@ void sample_reflections(const RenderScene& world, const int lanes[kPacket], cons
     if (!(n_l > 0) || !(glm::dot(s.geometric_normal, direction) > 0) || !(pdf > 0)) continue;
     const glm::vec3 carries = carried(s, to_eye, direction, without_diffuse) * (n_l / pdf);
     float keep = 1;
-    if (!keeps(luminance(glm::abs(carries)) / kSmall, samples.roulette().v[i], keep)) continue;
+    const float size = paths.follow_all ? 1.0f : luminance(glm::abs(carries)) / kSmall;
+    if (!keeps(size, samples.roulette().v[i], keep)) continue;
     const glm::vec3 for_unlit = carried(s, to_eye, direction, true) * (n_l / pdf);
     paths.unlit_throughput.set(i, paths.throughput.at(i) * for_unlit / keep);
     paths.throughput.set(i, paths.throughput.at(i) * carries / keep);
@@ -784,16 +785,10 @@ void find_nearest(const RenderScene& world, const PathOptions& options, RayPacke
   world.intersector.intersect(paths.active, rays, coherent);
 }
 
-/// One step of all active paths, whose rays have met what is nearest: light found there, shadow rays. Beyond the last
-/// reflection, rays look for lights alone.
-void shade(const RenderScene& world, const PathOptions& options, RayPacket& rays, Paths& paths,
-           const SampleIndices& indices, int bounce) {
+/// What all active paths find where their rays have ended, glass passed: light, shadow rays.
+void shade_met(const RenderScene& world, const PathOptions& options, RayPacket& rays, Paths& paths,
+               const SampleIndices& indices, int bounce) {
   const Scene& scene = world.scene;
-  weigh_sent(world, rays, paths);
-  if (world.intersector.has_glass()) {
-    pass_glass(world, options, indices, options.max_bounces - bounce, rays, paths);
-  }
-
   alignas(64) int waiting[kPacket];  // paths that have hit a mesh and are still to be shaded
   bool any_missed = false;
   for (int i = 0; i < kPacket; ++i) {
@@ -828,6 +823,34 @@ void shade(const RenderScene& world, const PathOptions& options, RayPacket& rays
   }
   add_unhidden(world, options, shadow, paths);
   paths.kinds = LightKinds::all;
+  paths.follow_all = false;
+}
+
+/// One step of all active paths, whose rays have met what is nearest. Beyond the last reflection, rays look for lights
+/// alone.
+void shade(const RenderScene& world, const PathOptions& options, RayPacket& rays, Paths& paths,
+           const SampleIndices& indices, int bounce) {
+  weigh_sent(world, rays, paths);
+  if (world.intersector.has_glass()) {
+    pass_glass(world, options, indices, options.max_bounces - bounce, rays, paths);
+  }
+  shade_met(world, options, rays, paths, indices, bounce);
+}
+
+/// What the first glass that camera rays meet reflects. They themselves go on through it.
+void add_reflected(const RenderScene& world, const PathOptions& options, const SampleIndices& indices,
+                   const RayPacket& rays, Paths& paths) {
+  alignas(64) int divided[kPacket];
+  if (!find_divided(world, rays, paths, divided)) return;
+  alignas(64) RayPacket reflected_rays = rays;
+  alignas(64) Paths reflected = paths;
+  std::copy_n(divided, kPacket, reflected.active);
+  reflected.follow_all = true;
+  shade_met(world, options, reflected_rays, reflected, indices, 0);
+  trace_paths(world, options, indices, 1, reflected_rays, reflected);
+  for (int i = 0; i < kPacket; ++i) {
+    if (divided[i]) paths.radiance.set(i, reflected.radiance.at(i));  // which began with all that `paths` had
+  }
 }
 
 }  // namespace
@@ -836,6 +859,7 @@ void trace_paths(const RenderScene& world, const PathOptions& options, const Sam
                  RayPacket& rays, Paths& paths) {
   for (; bounce <= options.max_bounces + 1 && first_set(paths.active) < kPacket; ++bounce) {
     find_nearest(world, options, rays, paths, bounce);
+    if (bounce == 0 && world.intersector.has_glass()) add_reflected(world, options, indices, rays, paths);
     shade(world, options, rays, paths, indices, bounce);
   }
 }

@@ -39,6 +39,7 @@ void add_bench(CLI::App& program);
 /// `experiment`, whose subcommands each measure one thing over a sweep, and write JSON and a page of charts.
 void add_experiment(CLI::App& program);
 void add_experiment_aberrations(CLI::App& experiment);
+void add_experiment_burst(CLI::App& experiment);
 void add_experiment_calibration(CLI::App& experiment);
 void add_experiment_defocus(CLI::App& experiment);
 void add_experiment_failures(CLI::App& experiment);

@@ -7,6 +7,7 @@ struct SplitMatchOptions {
   int range_px = 16;        ///< largest |disparity| that is tried, DP px; 4..64
   float alpha = 0.21f;      ///< disparity over signed blur diameter; at most 1/4, a ramp that reaches the pupil's rim
   float white = 1;          ///< normalized signal at which the views clip
+  float pixel_height = 1;   ///< of the views' pixels, over their width; above 0
   float clipped = 0.98f;    ///< pixels at or above this share of it are invalid
   float low_pass_px = 6;    ///< standard deviation of the Gaussian before matching, DP px
   float high_pass_px = 20;  ///< ... of the local mean that is taken out, DP px

@@ -71,21 +71,23 @@ SeparableFilter take_term(Quadrant& filter) {
 
 }  // namespace
 
-SplitFilters make_filters(double d_dp_px, double alpha, double sample_px, double smoothing) {
+SplitFilters make_filters(double d_dp_px, double alpha, const FilterGrid& grid) {
   constexpr double kLeastResponse = 0.05;  // frequencies that the blur leaves less of count for less
-  const double radius = d_dp_px / alpha / sample_px / 2;
+  const double smoothing = grid.smoothing;
+  const double radius = d_dp_px / alpha / grid.sample_px / 2, radius_y = radius / grid.height;
   const double k = 1 / (4 * alpha);
-  const int reach = static_cast<int>(std::ceil(radius + 6 * smoothing));
+  const auto taps = [&](double r) { return static_cast<std::size_t>(std::ceil(r + 6 * smoothing)) + 1; };
+  const int reach = static_cast<int>(std::max(taps(radius), taps(radius_y))) - 1;
   const int half = reach + 8;  // of the period
   Quadrant even(half + 1), odd(half + 1);
   for (int v = 0; v <= half; ++v) {
     for (int u = 0; u <= half; ++u) {
-      const double f = std::hypot(u, v) / (2 * half);
-      const double z = 2 * std::numbers::pi * f * radius;
-      const double gauss = std::exp(-0.5 * std::pow(2 * std::numbers::pi * f * smoothing, 2));
+      const double along_x = std::numbers::pi * u / half, along_y = std::numbers::pi * v / half;  // radians a sample
+      const double z = std::hypot(along_x * radius, along_y * radius_y);
+      const double gauss = std::exp(-0.5 * std::pow(std::hypot(along_x, along_y) * smoothing, 2));
       if (gauss < 1e-6) continue;
       const double disc = z > 1e-6 ? 2 * std::cyl_bessel_j(1.0, z) / z : 1.0;
-      const double moment = z > 1e-6 ? 2 * std::cyl_bessel_j(2.0, z) / z * (u / std::hypot(u, v)) / k : 0.0;
+      const double moment = z > 1e-6 ? 2 * std::cyl_bessel_j(2.0, z) / z * (along_x * radius / z) / k : 0.0;
       const double scale = gauss / std::sqrt(disc * disc + moment * moment + kLeastResponse * kLeastResponse);
       even.at(u, v) = disc * scale;
       odd.at(u, v) = u < half ? moment * scale : 0.0;
@@ -97,6 +99,9 @@ SplitFilters make_filters(double d_dp_px, double alpha, double sample_px, double
   for (int term = 0; term < SplitFilters::kTerms; ++term) {
     filters.difference[term] = take_term(difference);
     filters.sum[term] = take_term(sum);
+    for (SeparableFilter* filter : {&filters.difference[term], &filters.sum[term]}) {
+      filter->along_x.resize(taps(radius)), filter->along_y.resize(taps(radius_y));
+    }
   }
   return filters;
 }

@@ -14,7 +14,8 @@ namespace dualpixel::pipeline {
 ///   1. Both views under a Gaussian, at a quarter of their size; their ratio over a wide window and local means taken
 ///      out; divided by the local contrast, so that no edge outweighs its surroundings.
 ///   2. For every whole |d| up to the range, blur b = d / alpha: left through the right view's ramp kernel less right
-///      through the left's, whitened (split_filters.h). Squares are summed over a Gaussian window.
+///      through the left's, whitened (split_filters.h), both as flat as the pixels are high. Squares are summed over a
+///      Gaussian window.
 ///   3. Between hypotheses the residual is taken as linear in d, and its least square found.
 ///   4. Where that and the likelihood matcher, given `near_focus` with a range just wide enough, both lie under
 ///      near_focus_dp_px, the latter's answer: there blur is narrow, and fine texture tells more.

@@ -12,13 +12,14 @@ namespace dualpixel::pipeline::split {
 namespace {
 
 /// `to` plus a row of `image` under a separable filter, from x = margin on. `line` is as wide as the image.
-void add_filtered(const Image& image, int margin, int y, int reach, const SeparableFilter& filter, bool odd,
+void add_filtered(const Image& image, int margin, int y, const SeparableFilter& filter, bool odd,
                   std::vector<float>& line, std::vector<float>& to) {
   const int width = static_cast<int>(to.size());
+  const int reach = static_cast<int>(filter.along_x.size()) - 1, reach_y = static_cast<int>(filter.along_y.size()) - 1;
   const int first = margin - reach, last = margin + width + reach;
   const float* at = image.row(y);
   for (int x = first; x < last; ++x) line[x] = filter.along_y[0] * at[x];
-  for (int j = 1; j <= reach; ++j) {
+  for (int j = 1; j <= reach_y; ++j) {
     const float tap = filter.along_y[j];
     const float *above = image.row(y - j), *below = image.row(y + j);
     for (int x = first; x < last; ++x) line[x] += tap * (above[x] + below[x]);
@@ -68,10 +69,9 @@ Costs residual_costs(const CoarseViews& views, const std::vector<SplitFilters>& 
         std::fill(odd.begin(), odd.end(), 0.0f);
         for (int term = 0; term < SplitFilters::kTerms; ++term) {
           const SplitFilters& filter = filters[d];
-          add_filtered(views.difference, views.margin, views.margin + y, filter.reach, filter.difference[term], false,
-                       line, even);
+          add_filtered(views.difference, views.margin, views.margin + y, filter.difference[term], false, line, even);
           if (d == 0) continue;
-          add_filtered(views.sum, views.margin, views.margin + y, filter.reach, filter.sum[term], true, line, odd);
+          add_filtered(views.sum, views.margin, views.margin + y, filter.sum[term], true, line, odd);
         }
         for (int x = 0; x < width; ++x) {
           now.behind[x] = even[x] + odd[x];
@@ -148,7 +148,7 @@ CoarseTile best_disparity(const Costs& costs, std::size_t tile) {
 std::vector<CoarseTile> search_disparities(const Image& left, const Image& right, const SplitMatchOptions& options) {
   std::vector<SplitFilters> filters;
   for (int d = 0; d <= options.range_px; ++d) {
-    filters.push_back(make_filters(d, options.alpha, kSamplePx, kFilterSmoothing));
+    filters.push_back(make_filters(d, options.alpha, {kSamplePx, options.pixel_height, kFilterSmoothing}));
   }
   const CoarseViews views = make_coarse_views(left, right, options, filters.back().reach);
   Costs costs = residual_costs(views, filters);

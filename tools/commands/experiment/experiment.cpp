@@ -8,6 +8,7 @@ void add_experiment(CLI::App& program) {
   experiment->require_subcommand(1);
   experiment->footer("Example:\n  dualpixel experiment failures -o out/failures");
   add_experiment_aberrations(*experiment);
+  add_experiment_burst(*experiment);
   add_experiment_calibration(*experiment);
   add_experiment_defocus(*experiment);
   add_experiment_failures(*experiment);

@@ -1,0 +1,50 @@
+#pragma once
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture/capture.h"
+
+/// Bursts from end to end: what aligning and merging 1 to 15 frames leaves of the noise, and what it does to what is
+/// made of them, where nothing moves, where the hand shakes, an arm moves, or the light flickers. The scene: a card
+/// before a wall, both textured, on each side of the focus, through the paper's phone.
+namespace dualpixel::evaluation {
+
+/// With so many frames of a burst.
+struct BurstPoint {
+  int frames = 0;
+  double error_kept = 0;   ///< of the merged views against the clean ones: RMS, over that of the first frame
+  double ghost_share = 0;  ///< of squares of 4 x 4 DP px: their mean is off by 4 sigma and more of the first frame's
+  struct Disparity {
+    std::string matcher;
+    double error_68_dp_px = 0;  ///< what 68 % of the pixels stay under
+  };
+  std::vector<Disparity> disparity;
+  /// Of the portrait, without its synthetic noise, against that of all frames at rest: PSNR of the sRGB pictures.
+  /// None where the portrait takes another frame than the first as its base: it shows another pose.
+  std::optional<double> portrait_db;
+  double merge_cpu_s = 0;  ///< aligning and merging
+};
+
+struct BurstSweep {
+  std::string condition;  ///< "still", "shake", "arm", "flicker"
+  double lux = 0;
+  std::vector<BurstPoint> points;
+};
+
+inline constexpr int kBurstFrames[] = {1, 2, 3, 4, 6, 8, 10, 15};
+
+/// Every condition at 5 and at 100 lux; "still" is the first of each. Results but times are the same for any number of
+/// threads.
+std::vector<BurstSweep> measure_bursts(const std::function<void(double fraction)>& progress = {});
+
+/// Points of one burst; `registered`: a burst of the same scene at rest. Both hold truth.
+std::vector<BurstPoint> measure_burst(const Capture& burst, const Capture& registered, const std::vector<int>& frames);
+
+nlohmann::ordered_json to_json(const std::vector<BurstSweep>& sweeps);
+/// One self-contained HTML page with the plots.
+std::string to_page(const std::vector<BurstSweep>& sweeps);
+
+}  // namespace dualpixel::evaluation
