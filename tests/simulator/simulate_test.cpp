@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -285,6 +286,9 @@ TEST(Simulate, FindsLightOnceForPicturesOfTheSameGoal) {
   const int samples = world.light_cache->options.light_samples;
   take(coarse);
   EXPECT_LT(world.light_cache->options.light_samples, samples);  // a goal of its own
+  EXPECT_TRUE(std::any_of(world.spare_light.begin(), world.spare_light.end(), [&](const auto& spare) {
+    return spare->options.light_samples == samples && spare->table.points() > 0;
+  }));
   const std::uint64_t found = points();
   const Capture again = take(fine);
   EXPECT_EQ(points(), found);
