@@ -110,15 +110,16 @@ Json to_json(const Exposure& exposure) {
 Image read_lens_shading(Fields fields) {
   constexpr int kMostNodes = 1024;  // along each side
   constexpr double kMostLight = 10;
-  Image light;
-  fields.required("columns").integer("columns", light.width, 2, kMostNodes);
-  fields.required("rows").integer("rows", light.height, 2, kMostNodes);
-  const std::size_t nodes = static_cast<std::size_t>(light.width) * light.height;
+  int columns = 0, rows = 0;
+  fields.required("columns").integer("columns", columns, 2, kMostNodes);
+  fields.required("rows").integer("rows", rows, 2, kMostNodes);
+  const std::size_t nodes = static_cast<std::size_t>(columns) * rows;
   std::vector<double> values;
   fields.required("relative_light").list("relative_light", values, 0, kMostLight, nodes);
   if (values.size() != nodes) {
     fields.fail("relative_light", fmt::format("{} numbers: must be columns times rows, {}", values.size(), nodes));
   }
+  Image light(columns, rows);
   light.data.assign(values.begin(), values.end());
   fields.done();
   return light;
