@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "capture/error.h"
+#include "capture/views.h"
 
 namespace dualpixel {
 
@@ -24,8 +25,12 @@ void check_frame(const Frame& frame, const Capture& capture, const std::string& 
   if (!frame.mosaic.empty()) check.require_size(frame.mosaic, camera.width_px, camera.height_px, 1, field + "/mosaic");
   check.require(frame.mosaic.empty() == capture.frames.front().mosaic.empty(), field + "/mosaic",
                 "either every frame has a mosaic or none");
-  check.require_size(frame.left, camera.dp_width(), camera.dp_height(), 1, field + "/left");
-  check.require_size(frame.right, camera.dp_width(), camera.dp_height(), 1, field + "/right");
+  check.require(frame.left.empty() == capture.frames.front().left.empty(), field + "/left",
+                "either every frame has views or none");
+  if (has_views(capture) || frame.mosaic.empty()) {
+    check.require_size(frame.left, camera.dp_width(), camera.dp_height(), 1, field + "/left");
+    check.require_size(frame.right, camera.dp_width(), camera.dp_height(), 1, field + "/right");
+  }
   const int largest = (1 << capture.exposure.bits) - 1;
   for (const ImageU16* image : {&frame.mosaic, &frame.left, &frame.right}) {
     const auto high = std::max_element(image->data.begin(), image->data.end());

@@ -38,7 +38,8 @@ void read_frame(Fields fields, const std::string& pointer, Input& input, Frame& 
     });
   };
   read("mosaic", frame.mosaic);
-  fields.required("left").required("right");
+  // views come in pairs; only beside a mosaic may they be missing
+  if (fields.has("left") || fields.has("right") || !fields.has("mosaic")) fields.required("left").required("right");
   read("left", frame.left);
   read("right", frame.right);
   fields.integer("seed", frame.seed, 0, std::numeric_limits<std::uint64_t>::max());

@@ -16,6 +16,9 @@
 
 #include "capture/error.h"
 #include "capture/files.h"
+#include "capture/image/dng_tag.h"
+#include "capture/image/jpeg_fault.h"
+#include "capture/image/picture_encoding.h"
 #include "capture/image/png_fault.h"
 
 namespace dualpixel {
@@ -67,9 +70,11 @@ std::unique_ptr<ImageInput> open_picture(const std::string& path) {
   const std::string format = format_of(path);
   std::unique_ptr<ImageInput> input = ImageInput::create(format);
   if (!input) refuse(path, "this build of OpenImageIO cannot read " + format);
-  if (format == "png") {
+  if (format == "png" || format == "jpeg") {
     std::ifstream file(path, std::ios::binary);
-    if (const auto fault = fault_of_png(file)) refuse(path, "cannot be read: " + *fault);
+    if (const auto fault = format == "png" ? fault_of_png(file) : fault_of_jpeg(file)) {
+      refuse(path, "cannot be read: " + *fault);
+    }
   }
   ImageSpec as_stored, spec;
   as_stored["oiio:UnassociatedAlpha"] = 1;
@@ -226,6 +231,39 @@ PictureSize picture_size(const std::string& path) {
     const std::unique_ptr<ImageInput> input = open_picture(path);
     const ImageSpec& spec = input->spec();
     return {input->format_name(), spec.width, spec.height, spec.channelnames};
+  });
+}
+
+PictureEncoding picture_encoding(const std::string& path) {
+  return reading(path, [&] {
+    PictureEncoding encoding;
+    if (format_of(path) == "tiff") {
+      std::ifstream file(path, std::ios::binary);
+      encoding.dng = is_dng(file);
+      if (encoding.dng) return encoding;
+    }
+    const std::unique_ptr<ImageInput> input = open_picture(path);
+    const ImageSpec& spec = input->spec();
+    const int orientation = spec.get_int_attribute("Orientation", 1);
+    if (orientation >= 1 && orientation <= 8) encoding.orientation = orientation;
+    const std::string space = spec.get_string_attribute("oiio:ColorSpace").substr(0, 3);
+    encoding.linear = space == "Lin" || space == "lin";
+    encoding.profile = spec.find_attribute("ICCProfile") != nullptr;
+    return encoding;
+  });
+}
+
+Image read_dng(const std::string& path) {
+  return reading(path, [&] {
+    require_regular_file(path);
+    const std::unique_ptr<ImageInput> input = ImageInput::create("raw");
+    if (!input) refuse(path, "this build of OpenImageIO cannot read DNG");
+    ImageSpec wanted, spec;
+    wanted["raw:ColorSpace"] = "sRGB-linear";
+    if (!input->open(path, spec, wanted)) refuse(path, "cannot be read: " + one_line(input->geterror()));
+    check_size(path, spec.width, spec.height, spec.nchannels);
+    if (spec.nchannels != 3) refuse(path, fmt::format("has {} channels; a DNG in color is needed", spec.nchannels));
+    return read_channels<float>(*input, path, 0, 3, TypeDesc::FLOAT);
   });
 }
 

@@ -13,6 +13,7 @@
 #include "capture/image/median.h"
 #include "capture/image/resample.h"
 #include "capture/timing.h"
+#include "capture/views.h"
 #include "evaluation/benchmarks/opencv/smoothing_peers.h"
 #include "evaluation/experiments/edge_failures.h"
 #include "evaluation/metrics/edge_metrics.h"
@@ -139,6 +140,7 @@ Problem with_known_errors(Problem problem) {
 /// The capture's input picture, with the paper's matches.
 Problem make_problem(const std::string& path) {
   Capture capture = read_capture(path, true);
+  require_views(capture, path);
   if (!capture.truth) throw InputError(printable(path) + ": holds no truth to measure errors against");
   Problem problem;
   problem.truth = std::move(capture.truth->disparity_dp_px);

@@ -9,6 +9,7 @@
 #include "capture/capture.h"
 #include "capture/error.h"
 #include "capture/json_fields.h"
+#include "capture/views.h"
 #include "pipeline/burst/merge.h"
 #include "pipeline/calibration/correction.h"
 #include "pipeline/disparity/match_pixels.h"
@@ -53,6 +54,7 @@ CaptureMeasurements measure_captures(const std::string& folder, const std::funct
     entry.done();
     const std::string path = (std::filesystem::path(folder) / name).string();
     const Capture capture = read_capture(path, false);
+    require_views(capture, path);
     if (all.measurements.empty()) all.camera = capture.camera;
     pipeline::require_same_camera(all.camera, capture.camera, printable(path));
     all.measurements.push_back(measure_capture(capture, distance_m, path));

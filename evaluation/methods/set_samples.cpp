@@ -13,6 +13,7 @@
 #include "capture/image/map_file.h"
 #include "capture/json_fields.h"
 #include "capture/names.h"
+#include "capture/views.h"
 #include "datasets/plan/plan.h"
 #include "datasets/render/sample_folder.h"
 #include "pipeline/disparity/match_pixels.h"
@@ -74,6 +75,7 @@ ViewSample sample_of_data_set(const std::string& folder) {
 
 ViewSample sample_of_capture(const std::string& folder) {
   const Capture capture = read_capture(folder, true);
+  require_views(capture, folder);
   if (!capture.truth) throw InputError(printable(folder) + ": holds no truth to score against");
   ViewSample sample =
       view_sample(capture, normalized(capture.frames[0].left, capture.exposure),

@@ -12,6 +12,7 @@
 
 #include "capture/error.h"
 #include "capture/folder/capture_json.h"
+#include "capture/views.h"
 #include "evaluation/metrics/image_metrics.h"
 #include "evaluation/metrics/scoring.h"
 #include "evaluation/report/report_images.h"
@@ -83,7 +84,7 @@ std::string facts_of(const Capture& capture) {
   if (camera.focal_length_mm > 0 && camera.f_number > 0) {
     facts += fmt::format(", f = {:.3g} mm, f/{:.3g}", camera.focal_length_mm, camera.f_number);
   }
-  facts += fmt::format(", focused at {:.3g} m", camera.focus_distance_m);
+  if (camera.focus_distance_m > 0) facts += fmt::format(", focused at {:.3g} m", camera.focus_distance_m);
   if (capture.exposure.time_s > 0) {
     facts += fmt::format("; {:.3g} s at ISO {:.0f}", capture.exposure.time_s, capture.exposure.iso);
   }
@@ -152,6 +153,7 @@ CaptureSection make_capture_section(const Capture& capture, const std::string& p
   viewer.width = capture.camera.width_px;
   viewer.height = capture.camera.height_px;
   viewer.layers = report_layers();
+  if (!has_views(capture)) return section;
   const Frame& frame = capture.frames.front();
   const double black = capture.exposure.black_level_dn, range = capture.exposure.white_level_dn - black;
   const double white = black + range / display_gain(normalized(frame.left, capture.exposure));

@@ -279,7 +279,9 @@ void require_burst(const std::vector<Frame>& frames, const Exposure& exposure) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const Frame& frame = frames[i];
     const std::string name = "frame " + std::to_string(i) + ": ";
-    require(whole(frame.left) && whole(frame.right), name + "left and right must be whole images of one channel");
+    const bool without_views = frame.left.empty() && frame.right.empty() && !frame.mosaic.empty();
+    require(without_views || (whole(frame.left) && whole(frame.right)),
+            name + "left and right must be whole images of one channel");
     require(frame.left.same_size(first.left) && frame.right.same_size(first.left),
             name + "left and right must have the size of the first frame's left");
     require(frame.mosaic.empty() == first.mosaic.empty(), name + "either every frame has a mosaic or none");

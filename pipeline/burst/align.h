@@ -28,9 +28,10 @@ PlaneSize plane_size(const Frame& frame);
 /// what the base shows at p, the frame shows at p + motion. It holds for all planes and both DP views alike.
 using MotionField = Image;
 
-/// Throws InputError, with one line that names frame and field, where there is no frame, mosaics or views
-/// are not of one size (or only some frames have a mosaic), a mosaic's sides are odd, a view is empty, the white level
-/// is not above the black level, or a noise profile is negative or not finite.
+/// Throws InputError, with one line that names frame and field, where there is no frame, mosaics or views are not of
+/// one size (or only some frames have a mosaic, or views), a mosaic's sides are odd, a view is empty that another one
+/// or the lack of a mosaic makes necessary, the white level is not above the black level, or a noise profile is
+/// negative or not finite.
 void require_burst(const std::vector<Frame>& frames, const Exposure& exposure);
 
 /// The frame that the others are aligned to: the sharpest of the first three, near to the press of the shutter.
@@ -41,6 +42,10 @@ void require_burst(const std::vector<Frame>& frames, const Exposure& exposure);
 int sharpest_frame(const std::vector<Frame>& frames, const Exposure& exposure);
 
 /// The motion of every frame against frame `base`, whose own field is 0.
+///
+/// The paper (Wadhwa et al. 2018, section 4.1) aligns all six channels of a frame, four of color and two views. The
+/// views are green light of the same photosites at half the width and a quarter of the height: they add noise to what
+/// the planes show already, and their difference is disparity, not motion.
 ///
 /// Gray is the mean of the four Bayer planes (of a capture without mosaic: the sum of the views, enlarged to
 /// plane_size()). Its pyramid shrinks by 2, 4, 4; from the coarsest level up, tiles of 8, 16, 16, 16 px, overlapping by

@@ -386,6 +386,7 @@ MergedBurst merge_burst(const std::vector<Frame>& frames, int base, const std::v
       merge_pair<2, false>(pairs, base, motions, shape, {row, row + 1, stride});
     }
   }
+  if (first.left.empty()) return merged;
   merged.left = Image(first.left.width, first.left.height);
   merged.right = merged.left;
   shape.width = first.left.width;

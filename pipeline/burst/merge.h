@@ -12,7 +12,7 @@ namespace dualpixel::pipeline {
 /// Signals are (DN - black) / (white - black): 0 is black, 1 is clipped; noise may go below 0.
 struct MergedBurst {
   Image mosaic;  ///< full sensor size; empty where the frames hold no mosaic
-  Image left;    ///< DP size
+  Image left;    ///< DP size; both views are empty where the frames hold none
   Image right;
   int base_frame = 0;  ///< the frame whose scene and camera pose the merged picture shows
 };

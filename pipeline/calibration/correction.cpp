@@ -99,6 +99,21 @@ Correction make_correction(const Calibration& calibration, const Camera& camera)
   return correction;
 }
 
+Correction of_part(const Correction& whole, double x, double y, double width, double height) {
+  Correction part = whole;
+  for (int row = 0; row < kCalibrationRows; ++row) {
+    for (int column = 0; column < kCalibrationColumns; ++column) {
+      const double u = x + width * column / (kCalibrationColumns - 1), v = y + height * row / (kCalibrationRows - 1);
+      part.gain.at(column, row) = static_cast<float>(bicubic(whole.gain, u, v));
+      part.offset_dp_px.at(column, row) = static_cast<float>(bicubic(whole.offset_dp_px, u, v));
+      const int i = node_interval(u, kCalibrationColumns).first, j = node_interval(v, kCalibrationRows).first;
+      part.usable.at(column, row) =
+          whole.usable.at(i, j) * whole.usable.at(i + 1, j) * whole.usable.at(i, j + 1) * whole.usable.at(i + 1, j + 1);
+    }
+  }
+  return part;
+}
+
 void correct_disparity(const Correction& correction, Image& disparity_dp_px, Image& confidence, Image* sigma_dp_px) {
   const int width = disparity_dp_px.width, height = disparity_dp_px.height;
   // first pixel of each interval of columns

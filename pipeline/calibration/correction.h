@@ -31,6 +31,9 @@ void require_same_camera(const Camera& own, const Camera& camera, const std::str
 /// change with depth at that focus distance.
 Correction make_correction(const Calibration& calibration, const Camera& camera);
 
+/// Of a part of the picture: from (x, y), `width` wide and `height` high, fractions of it.
+Correction of_part(const Correction& whole, double x, double y, double width, double height);
+
 /// In place, at any resolution of the same picture. Confidence is scaled by the correction's, and 0 where that is not
 /// usable at one of the four nodes around; disparity is finite everywhere. `sigma_dp_px`, where there is one, is
 /// scaled as the disparity is, and infinite where the correction is not usable.

@@ -12,7 +12,8 @@ struct FlowOptions {
   /// % too much disparity), and averaging reduces noise.
   int block_width_px = 4;
   int block_height_px = 2;
-  int window_blocks = 33;    ///< normalization window, blocks a side, odd
+  int window_blocks = 33;  ///< normalization window, blocks a side, odd; the paper's 9 px are those of its matcher, and
+                           ///< on blocks so coarse nine would take out the very texture that kernels agree on
   float charbonnier = 0.1f;  ///< difference at which the data term turns from square to linear, in local deviations
   float smooth_blocks = 8;   ///< distance over which the flow is smoothed where texture is average, blocks
   int warps = 4;             ///< linearizations a level

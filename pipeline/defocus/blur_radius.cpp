@@ -36,15 +36,20 @@ double BlurMapping::front_dp_px(double radius_px) const {
 
 double BlurMapping::back_dp_px(double radius_px) const { return focus_dp_px + sharp_dp_px + radius_px / kappa; }
 
+double reference_dp_px(int image_width_px, double px_per_dp_px, const BlurRadiusOptions& options) {
+  return px_per_dp_px / 2 * options.reference_width_px / image_width_px;
+}
+
 BlurMapping make_blur_mapping(double focus_distance_m, double focus_dp_px, int image_width_px, bool person,
-                              const BlurRadiusOptions& options) {
+                              const BlurRadiusOptions& options, double px_per_dp_px) {
   BlurMapping mapping;
-  const double s = options.scale_px_per_dp_px * image_width_px / options.reference_width_px;
-  mapping.kappa = s * kappa_1(focus_distance_m) * kappa_2(focus_dp_px);
+  const double own_px = image_width_px / options.reference_width_px;  // for one of the reference
+  const double focus = focus_dp_px * reference_dp_px(image_width_px, px_per_dp_px, options);
+  mapping.kappa = options.scale_px_per_dp_px * (px_per_dp_px / 2) * kappa_1(focus_distance_m) * kappa_2(focus);
   mapping.focus_dp_px = focus_dp_px;
-  mapping.sharp_dp_px = (person ? options.sharp_person_px : options.sharp_px) / mapping.kappa;
+  mapping.sharp_dp_px = own_px * (person ? options.sharp_person_px : options.sharp_px) / mapping.kappa;
   mapping.frontal_factor = options.frontal_factor;
-  mapping.r_max_px = options.r_max_px;
+  mapping.r_max_px = own_px * options.r_max_px;
   return mapping;
 }
 

@@ -6,13 +6,15 @@
 /// signs are turned: here frontal means d - d_focus < 0.
 namespace dualpixel::pipeline {
 
+/// The paper's constants are those of its pictures, 2688 px wide with DP pixels two px wide. A picture of another size
+/// or with other DP pixels is blurred as if it had been scaled to that: disparities count in DP pixels of 2 / 2688 of
+/// the width, radii in px of 1 / 2688. So how strong a blur looks doesn't depend on the number of pixels.
 struct BlurRadiusOptions {
-  /// s: full-resolution px of radius for one DP px of disparity, in a picture `reference_width_px` wide; it grows in
-  /// proportion to the width. The paper gives no value. A lens whose pupil is k times as wide blurs by a radius of
-  /// k / alpha px (2 photosites a DP pixel): 24 is a pupil five times as wide with alpha = 0.21.
+  /// s: px of radius for one DP px of disparity. The paper gives no value. A lens whose pupil is k times as wide blurs
+  /// by a radius of k / alpha px: 24 is a pupil five times as wide with alpha = 0.21.
   double scale_px_per_dp_px = 24;
   double reference_width_px = 2688;
-  double r_max_px = 30;           ///< largest radius, full-resolution px (section 5.1)
+  double r_max_px = 30;           ///< largest radius (section 5.1)
   double frontal_factor = 0.6;    ///< on kappa in front of the focus (supplement)
   double sharp_px = 0.56;         ///< d_0 = sharp_px / kappa stays sharp on either side (supplement)
   double sharp_person_px = 0.19;  ///< the same where a mask has flattened a person (supplement)
@@ -37,12 +39,17 @@ struct BlurMapping {
 
 /// kappa_1(z) = clamp(0.33 z + 0.17, 1, 3.5), z in meters, may be infinite (supplement).
 double kappa_1(double focus_distance_m);
-/// kappa_2(d_focus) = clamp(1 / (1 - d_focus / 2), 0.5, 2): 2 as well where the denominator is 0 or less.
+/// kappa_2(d_focus) = clamp(1 / (1 - d_focus / 2), 0.5, 2). Past the pole, where the denominator is 0 or less, the
+/// formula would turn negative and clamp to 0.5: blur would fall to a quarter where the focus moves by a hair. Ours
+/// departs from it there and stays at 2, which it has from d_focus = 1 on.
 double kappa_2(double focus_dp_px);
 
-/// `person` says that a mask has flattened the subject's disparities.
+/// DP pixels of the reference for one of a picture `image_width_px` wide whose DP pixels are `px_per_dp_px` px wide.
+double reference_dp_px(int image_width_px, double px_per_dp_px, const BlurRadiusOptions& options = {});
+
+/// In the picture's own units. `person` says that a mask has flattened the subject's disparities.
 BlurMapping make_blur_mapping(double focus_distance_m, double focus_dp_px, int image_width_px, bool person,
-                              const BlurRadiusOptions& options = {});
+                              const BlurRadiusOptions& options = {}, double px_per_dp_px = 2);
 
 /// r(x), full-resolution px.
 Image blur_radii(const Image& disparity_dp_px, const BlurMapping& mapping);

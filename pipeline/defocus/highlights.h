@@ -22,9 +22,15 @@ OptionFields fields(HighlightOptions& options);
 ///     1 + (1 - most^(1 - a)) / (a - 1).
 double highlight_gain(const Image& rgb, double white, const HighlightOptions& options = {});
 
-/// Multiplies the clipped pixels of linear `rgb` by that factor where `radius_px`, of the picture's size, is
-/// `full_blur_px` or more. The effect falls linearly to none at half that radius: a lamp nearly in focus is white with
-/// or without the factor, while noise that reaches white on a bright face would be amplified.
+/// How much the patch of clipped pixels that a pixel belongs to looks like a lamp, 0 to 1; 0 where nothing clips. Light
+/// falls off steeply beside a lamp, whose own light is unknown. Beside what is just clipped, as skin in the sun, it
+/// falls as gently as the surface turns away, and the light of the patch is hardly more than white: the factor would
+/// burn blotches into it.
+Image lamp_shares(const Image& rgb, double white, const HighlightOptions& options = {});
+
+/// Multiplies the clipped pixels of linear `rgb` by that factor, less where they are no lamps, where `radius_px`, of
+/// the picture's size, is `full_blur_px` or more. The effect falls linearly to none at half that radius: a lamp nearly
+/// in focus is white with or without the factor, while noise that reaches white on a bright face would be amplified.
 Image recover_highlights(Image rgb, const Image& radius_px, double white, const HighlightOptions& options = {});
 
 }  // namespace dualpixel::pipeline

@@ -23,7 +23,9 @@ struct Band {
 
 /// The bands from the farthest to the nearest. The in-focus one spans the disparities whose radius is below r_brute;
 /// the others share what the picture's disparities [low, high] have beyond it: as many on either side as its length
-/// deserves, at least one where there is anything, all of one side equally wide. Fewer bands where nothing is left.
+/// deserves, at least one where there is anything, all of one side equally wide. Fewer bands where nothing is left. The
+/// paper divides the whole range evenly; a band that reached across the focus would blur what is in front of it
+/// together with what is behind.
 std::vector<Band> make_bands(double low_dp_px, double high_dp_px, const BlurMapping& mapping,
                              const LayerOptions& options = {});
 

@@ -8,6 +8,11 @@
 #include "pipeline/option_field.h"
 
 /// Synthetic noise for what the blur has smoothed (Wadhwa et al. 2018, section 5.3 and supplement, "Noise generation").
+///
+/// It departs from the paper in two ways. Noise is added in linear light, before the gamma curve: there its variance is
+/// known, shot * v + read, and the curve then shapes it as it shapes the sharp part's own. And its level is that of the
+/// capture's noise profile at the blurred picture's value, where the paper measures the input's around each pixel:
+/// texture would count as noise there.
 namespace dualpixel::pipeline {
 
 struct NoiseOptions {

@@ -24,6 +24,9 @@ struct HighlightOptions {
   /// Blur radius, full-resolution px, from which the whole factor applies. Where brute force ends (layers.h).
   double full_blur_px = 5.5;
   double most = 16;  ///< brightest light that the estimate allows for, over the white level
+  /// A clipped patch is a lamp where its surroundings, this share of the picture's width away from it, are darker than
+  /// `lamp` of white on the mean, and a surface that just clips from `surface` on.
+  double surroundings = 0.002, lamp = 0.5, surface = 0.75;
 };
 
 /// The look of blurred areas apart from their radius: aperture shape and clipped highlights.

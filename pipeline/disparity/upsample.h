@@ -2,8 +2,10 @@
 #include "capture/image/image.h"
 #include "pipeline/option_field.h"
 
-/// From one disparity a tile to one a pixel. Anderson et al. 2016, "Jump: Virtual Reality Video", section 4, let each
-/// pixel weigh the flows of the tiles around it; this is the simplest form of that.
+/// From one disparity a tile to one a pixel. The paper refers to Anderson et al. 2016, "Jump: Virtual Reality Video",
+/// section 4, where each pixel weighs the flows of the tiles around it by how well the reference picture's structure
+/// agrees. Here the weights are bilinear and know nothing of the picture: at edges they leave low confidence to the
+/// solver of section 4.4, which follows the picture's edges with all tiles in view.
 namespace dualpixel::pipeline {
 
 struct TileDisparity;

@@ -13,6 +13,8 @@ struct FilterMaskOptions {
   /// At half resolution; the paper gives none. Cells of 16 px bridge what erosion opens: on the portrait scene the
   /// mask's boundary F-score at 2 px rises from 0.57 to 0.63 over those of 8, from 0.49 to 0.63 for a mask that is 24
   /// px off, for two thirds of the time (`dualpixel bench edges CAPTURE`).
+  /// They are not scaled with the picture: on the default person at 672 px, whose found mask has an IoU of .961, cells
+  /// of 4, 8, 16 and 32 px filter it to .965, .980, .982 and .877; at 2688 px, from .973, to .964, .982, .984 and .984.
   BilateralGridOptions grid{16, 8, 8};
   BilateralSolverOptions solver;
   JointUpsampleOptions upsample;
@@ -20,10 +22,11 @@ struct FilterMaskOptions {
 
 OptionFields fields(FilterMaskOptions& options);
 
-/// `mask` (one channel, 0..1, any size: enlarged bilinearly) filtered along the edges of `guide` (RGB, 0..255,
-/// guide.h). Returns a mask of the guide's size. Confidence is ((mask - 1/2) / (1/2))^2, eroded; the solver runs at
-/// half the guide's resolution, its result goes through a sigmoid and a Gaussian, and is upsampled jointly with the
-/// guide.
+/// `mask` (one channel, 0..1, any size) filtered along the edges of `guide` (RGB, 0..255, guide.h). Returns a mask of
+/// the guide's size. The solver runs at half the guide's resolution (section 3.4), so the mask is brought to that size
+/// at once: enlarged bilinearly, or reduced where it is larger. Confidence is ((mask - 1/2) / (1/2))^2 (Eq. 1), eroded
+/// there by the same square, as a share of the picture, as at full size. The result goes through a sigmoid (Eq. 2) and
+/// a Gaussian, and is upsampled jointly with the guide.
 Image filter_mask(const Image& mask, const Image& guide, const FilterMaskOptions& options = {});
 
 /// The least value in the side x side window around each pixel, one channel; windows end at the picture's border.

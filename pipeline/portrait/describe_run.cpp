@@ -26,6 +26,8 @@ nlohmann::ordered_json describe_run(const Capture& capture, const PortraitOption
                                     const PortraitResult& result) {
   nlohmann::ordered_json provenance = {{"mode", name_of(kModes, result.mode)}};
   if (result.mode != options.mode) provenance["requested_mode"] = name_of(kModes, options.mode);
+  if (!result.mode_reason.empty()) provenance["mode_reason"] = result.mode_reason;
+  if (result.window_px) provenance["window_px"] = *result.window_px;
   provenance["seed"] = options.seed;
   const Aperture& aperture = options.defocus.bokeh.aperture;
   if (aperture.blades > 0) provenance["blades"] = aperture.blades;

@@ -26,9 +26,10 @@
 
 namespace dualpixel::pipeline {
 
-enum class Mode { dp, dp_seg, seg };
+enum class Mode { automatic, dp, dp_seg, seg };
 
 inline constexpr Named<Mode> kModes[] = {
+    {"auto", Mode::automatic, "views and people: dp+seg; views without people: dp; people without views: seg"},
     {"dp", Mode::dp, "disparity alone"},
     {"dp+seg", Mode::dp_seg, "disparity flattened inside the person mask (section 4.3)"},
     {"seg", Mode::seg, "person mask alone: a blurred background behind a sharp person"},
@@ -53,8 +54,11 @@ struct PortraitOptions {
   std::optional<Image> picture;
   std::optional<GivenDisparity> disparity;  ///< in place of a matcher's; not in mode seg
   std::optional<Calibration> calibration;   ///< of the capture's camera; disparity is corrected by it
+  /// The middle of the picture alone, as by a sensor 1.5 times as small on either side (zoom.h). Faces, tap, mask and
+  /// disparity that are given are those of the whole picture.
+  bool zoom = false;
   /// Finds the people of an upright linear RGB picture where a mode needs a mask and none is given; usually
-  /// pipeline::find_people. `seeds` are the faces given; empty: detect them.
+  /// pipeline::find_people. `seeds` are the faces given; empty: detect them. Mode automatic without it finds nobody.
   std::function<FoundPeople(const Image& linear_rgb, const std::vector<Face>& seeds)> find_people;
 
   // The stages, in their order.
@@ -66,8 +70,8 @@ struct PortraitOptions {
   MergeMaskOptions merge_mask;
   SmoothOptions smooth;
   FilterMaskOptions filter_mask;
-  /// A face counts as well focused, and its median disparity as d_focus, up to this |disparity| in DP px. The paper
-  /// asks for "close to zero" (section 5.1) and gives no value.
+  /// A face counts as well focused, and its median disparity as d_focus, up to this |disparity| in DP px of a picture
+  /// as wide as blur_radius's reference. The paper asks for "close to zero" (section 5.1) and gives no value.
   double face_in_focus_dp_px = 0.5;
   BlurRadiusOptions blur_radius;
   /// Set: the blur of a lens with this entrance pupil in place of Eq. 5's (match_lens.h); not in mode seg.

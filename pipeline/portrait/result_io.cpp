@@ -164,6 +164,11 @@ StoredResult read_result(const std::string& path) {
 void require_own_capture(const StoredResult& stored, const std::string& capture_path, const std::string& result_path) {
   const nlohmann::json provenance = stored.json["provenance"];
   const nlohmann::json hash = provenance.value("capture_hash", nlohmann::json());
+  if (provenance.contains("picture_hash")) {
+    throw InputError(fmt::format("{}: is a result of the photograph {}, not of {}", printable(result_path),
+                                 printable(provenance.value("picture", nlohmann::json("unnamed")).dump()),
+                                 printable(capture_path)));
+  }
   const auto of_pair = provenance.find("left_hash");
   if (hash.is_null() && of_pair != provenance.end()) {
     const std::string left = capture_path + "/frames/000_left.png", right = capture_path + "/frames/000_right.png";

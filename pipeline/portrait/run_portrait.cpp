@@ -13,6 +13,7 @@
 #include "capture/image/demosaic.h"
 #include "capture/image/resample.h"
 #include "capture/shading.h"
+#include "capture/views.h"
 #include "pipeline/burst/merge.h"
 #include "pipeline/calibration/correction.h"
 #include "pipeline/defocus/aperture.h"
@@ -25,6 +26,7 @@
 #include "pipeline/portrait/focus.h"
 #include "pipeline/portrait/plain_pair.h"
 #include "pipeline/portrait/subject.h"
+#include "pipeline/portrait/zoom.h"
 
 namespace dualpixel::pipeline {
 namespace {
@@ -42,6 +44,8 @@ struct Run {
   DefocusOptions defocus;         ///< the options', with the capture's white level and the face's radius
   PortraitResult result;          ///< filled step by step
   std::vector<Face> seeds;        ///< upright, for find_people
+  const Camera* whole = nullptr;  ///< of which `window` is a part; null: the picture is whole
+  Window window;
   std::optional<Correction> correction;
   MergedBurst burst;
   Image shading;  ///< that the picture was multiplied by; empty: by none
@@ -53,6 +57,9 @@ struct Run {
   Image smooth;                        ///< of the guide's size
   Defocused defocused;
 };
+
+/// Where there are none, there is but a picture that somebody else developed.
+bool holds_photosites(const Capture& capture) { return has_views(capture) || !capture.frames[0].mosaic.empty(); }
 
 void require_picture(const Image& picture, const Capture& capture) {
   if (capture.frames.size() != 1) {
@@ -80,7 +87,12 @@ Image stretched(const Image& mask, int width, int height) {
 /// Section 4.2: the calibration at the capture's focus distance, for a mode that needs disparity.
 void prepare_correction(Run& run) {
   if (!run.options.calibration) return;
-  run.correction = make_correction(*run.options.calibration, run.capture.camera);
+  run.correction = make_correction(*run.options.calibration, run.whole ? *run.whole : run.capture.camera);
+  if (run.whole) {
+    const double width = run.whole->width_px, height = run.whole->height_px;
+    run.correction = of_part(*run.correction, run.window.x / width, run.window.y / height, run.window.width / width,
+                             run.window.height / height);
+  }
   std::vector<std::string>& warnings = run.result.warnings;
   const std::vector<std::string>& sweep = run.options.calibration->warnings;
   warnings.insert(warnings.end(), sweep.begin(), sweep.end());
@@ -121,7 +133,7 @@ void develop(Run& run) {
   }
   burst.mosaic = {};
   if (run.options.picture) return;  // finished
-  run.shading = shading_gain(camera);
+  run.shading = run.whole ? cut(shading_gain(*run.whole), run.window, *run.whole) : shading_gain(camera);
   correct_shading(run.result.input, run.shading, static_cast<float>(run.defocus.bokeh.white));
 }
 
@@ -138,14 +150,24 @@ FoundPeople people_in(const Run& run) {
 
 /// Where no people are found, the mask that the mode needs is missing, and the run goes on in mode dp.
 void fall_back_to_disparity(Run& run, const FoundPeople& found) {
-  if (run.result.mode == Mode::seg) prepare_correction(run);
-  run.result.mode = Mode::dp;
   const std::string_view why = found.detected.empty() && run.options.tap
                                    ? "no person found at the tap (--face says where a face is)"
                                : found.detected.empty() ? "no face found"
                                : found.faces.empty()    ? "no face is large enough to be the subject's"
                                                         : "the network finds no person there";
-  run.result.warnings.push_back(fmt::format("{}: blurred in mode dp, by disparity alone", why));
+  if (!has_views(run.capture)) {
+    throw InputError(
+        fmt::format("{}, and there are no dual-pixel views: nothing says what to blur; give --face or "
+                    "--mask",
+                    why));
+  }
+  if (run.result.mode == Mode::seg) prepare_correction(run);
+  run.result.mode = Mode::dp;
+  if (run.options.mode == Mode::automatic) {
+    run.result.mode_reason = fmt::format("dual-pixel views, {}", why);
+  } else {
+    run.result.warnings.push_back(fmt::format("{}: blurred in mode dp, by disparity alone", why));
+  }
 }
 
 /// Section 3.3: faces, and the mask of the people they belong to.
@@ -219,7 +241,7 @@ void upsample(Run& run) {
   run.result.confidence = resize_bilinear(run.reduced.confidence, run.width, run.height);
 }
 
-/// Blur shrinks with the square of the picture's width: of a small picture nothing may be left of it.
+/// Where nothing is far from the focus, or the picture is small, nothing may be left of the blur.
 void warn_of_sharp_picture(Run& run) {
   constexpr float kSeen_px = 0.5f;
   const std::vector<float>& radii = run.defocused.radius_px.data;
@@ -235,14 +257,16 @@ void warn_of_sharp_picture(Run& run) {
 void blur_by_disparity(Run& run) {
   const PortraitOptions& options = run.options;
   PortraitResult& result = run.result;
-  result.focus_disparity_dp_px =
-      focus_disparity(run.smooth, run.faces, run.tap, options.face_in_focus_dp_px, run.width, run.height)
-          .value_or(run.person_dp_px.value_or(0));
   const Camera& camera = run.capture.camera;
-  const BlurMapping mapping = options.match_pupil_mm
-                                  ? match_lens(camera, *options.match_pupil_mm, result.focus_disparity_dp_px)
-                                  : make_blur_mapping(camera.focus_distance_m, result.focus_disparity_dp_px, run.width,
-                                                      result.mode == Mode::dp_seg, options.blur_radius);
+  const double in_focus_dp_px =
+      options.face_in_focus_dp_px / reference_dp_px(run.width, camera.dp_downsample_x, options.blur_radius);
+  result.focus_disparity_dp_px = focus_disparity(run.smooth, run.faces, run.tap, in_focus_dp_px, run.width, run.height)
+                                     .value_or(run.person_dp_px.value_or(0));
+  const BlurMapping mapping =
+      options.match_pupil_mm
+          ? match_lens(camera, *options.match_pupil_mm, result.focus_disparity_dp_px)
+          : make_blur_mapping(camera.focus_distance_m, result.focus_disparity_dp_px, run.width,
+                              result.mode == Mode::dp_seg, options.blur_radius, camera.dp_downsample_x);
   run.defocused =
       defocus_method_named("layers").render({result.input, result.disparity_dp_px, {}, mapping}, run.defocus);
   warn_of_sharp_picture(run);
@@ -274,6 +298,7 @@ void synthesize_noise(Run& run) {
 void encode(Run& run) { run.result.portrait_srgb = encode_for_display(run.result.portrait, run.options.display); }
 
 bool always(const Run&) { return true; }
+bool holds_frames(const Run& run) { return holds_photosites(run.capture); }
 bool seeks_people(const Run& run) { return run.looks_for_people; }
 bool needs_disparity(const Run& run) { return run.result.mode != Mode::seg; }
 bool needs_matching(const Run& run) { return needs_disparity(run) && !run.options.disparity; }
@@ -288,7 +313,7 @@ struct Step {
 };
 
 constexpr Step kSteps[] = {
-    {"merge", merge_frames, always},
+    {"merge", merge_frames, holds_frames},
     {"demosaic", develop, always},
     {"people", find_people, seeks_people},
     {"disparity", match_views, needs_matching},
@@ -332,17 +357,35 @@ void take_disparity(Run& run) {
   }
 }
 
+/// The mode, as far as it is known before people are looked for: dp_seg and seg may become dp.
+void choose_mode(Run& run, bool mask_given) {
+  const PortraitOptions& options = run.options;
+  const bool views = has_views(run.capture);
+  PortraitResult& result = run.result;
+  result.mode = options.mode;
+  if (options.mode == Mode::automatic) {
+    const bool people = mask_given || options.find_people;
+    result.mode = !views ? Mode::seg : people ? Mode::dp_seg : Mode::dp;
+    result.mode_reason = !people ? "dual-pixel views, people not looked for"
+                                 : fmt::format("{}, {}", views ? "dual-pixel views" : "no dual-pixel views",
+                                               mask_given ? "a person mask is given" : "people found");
+  } else if (!views && options.mode != Mode::seg) {
+    throw InputError(fmt::format("mode {}: there are no dual-pixel views; choose seg", name_of(kModes, options.mode)));
+  }
+  run.looks_for_people = result.mode != Mode::dp && !mask_given;
+  if (run.looks_for_people && !options.find_people) {
+    throw InputError("person mask: missing; modes dp+seg and seg need one");
+  }
+}
+
 /// Checks all input before any work, and prepares the run. `person_mask` has the capture's orientation.
 void prepare(Run& run, const std::optional<Image>& person_mask) {
   const PortraitOptions& options = run.options;
   check(options);
-  run.result.mode = options.mode;
-  run.looks_for_people = options.mode != Mode::dp && !person_mask;
-  if (run.looks_for_people && !options.find_people) {
-    throw InputError("person mask: missing; modes dp+seg and seg need one");
-  }
+  choose_mode(run, person_mask.has_value());
   if (options.picture) require_picture(*options.picture, run.capture);
-  if (options.match_pupil_mm && options.mode != Mode::seg) match_lens(run.capture.camera, *options.match_pupil_mm, 0);
+  if (options.match_pupil_mm && run.result.mode != Mode::seg)
+    match_lens(run.capture.camera, *options.match_pupil_mm, 0);
   KnownSubject known = known_subject(run.capture, options);
   run.seeds = known.faces;
   run.faces = std::move(known.faces);
@@ -358,9 +401,9 @@ void prepare(Run& run, const std::optional<Image>& person_mask) {
                                 ? 2 * view_white(run.capture.exposure)
                                 : mosaic_white(run.capture.exposure) * *std::min_element(gains.begin(), gains.end());
   run.result.warnings = std::move(known.warnings);
-  if (options.mode != Mode::seg) prepare_correction(run);
+  if (run.result.mode != Mode::seg) prepare_correction(run);
   if (options.disparity) take_disparity(run);
-  if (options.mode != Mode::dp && person_mask) {
+  if (run.result.mode != Mode::dp && person_mask) {
     require_mask(*person_mask);
     run.person = &*person_mask;
     warn_of_empty_mask(run);
@@ -377,23 +420,52 @@ void turn_upright(PortraitResult& result) {
   for (Face& face : result.faces) face = transposed(face);
 }
 
-}  // namespace
-
-PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options,
-                            const std::optional<Image>& person_mask, const PortraitProgress& progress) {
+/// Of the whole capture, or, where it is but a window of it, with the whole one's camera.
+PortraitResult run_whole(const Capture& capture, const PortraitOptions& options,
+                         const std::optional<Image>& person_mask, const PortraitProgress& progress, const Camera* whole,
+                         const Window& window) {
   std::optional<Image> turned_mask;
   if (options.transposed && person_mask) turned_mask = transposed(*person_mask);
   Run run{.capture = capture,
           .options = options,
           .width = capture.camera.width_px,
           .height = capture.camera.height_px,
-          .defocus = options.defocus};
+          .defocus = options.defocus,
+          .whole = whole,
+          .window = window};
   prepare(run, options.transposed ? turned_mask : person_mask);
   for (const Step& step : kSteps) {
     if (step.needed(run)) run_step(step, run, progress);
   }
   if (options.transposed) turn_upright(run.result);
   return std::move(run.result);
+}
+
+}  // namespace
+
+PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options,
+                            const std::optional<Image>& person_mask, const PortraitProgress& progress) {
+  if (capture.frames.empty()) throw InputError("burst: no frames");
+  if (!options.zoom) return run_whole(capture, options, person_mask, progress, nullptr, {});
+  check(options);
+  known_subject(capture, options);
+  const Camera& camera = capture.camera;
+  const Window window = zoom_window(camera, holds_photosites(capture));
+  const Window upright = options.transposed ? Window{window.y, window.x, window.height, window.width} : window;
+  std::optional<Image> mask;
+  if (person_mask) {
+    Camera seen = camera;
+    if (options.transposed) std::swap(seen.width_px, seen.height_px);
+    mask = cut(*person_mask, upright, seen);
+  }
+  PortraitResult result =
+      run_whole(zoomed(capture, window), zoomed(options, window, camera), mask, progress, &camera, window);
+  result.window_px = {upright.x, upright.y, upright.width, upright.height};
+  for (Face& face : result.faces) {
+    face.x += upright.x;
+    face.y += upright.y;
+  }
+  return result;
 }
 
 }  // namespace dualpixel::pipeline

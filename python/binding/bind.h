@@ -2,8 +2,10 @@
 #include <pybind11/pybind11.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "capture/capture.h"
 
@@ -19,7 +21,9 @@ struct HeldCapture {
 
   Capture capture;
   Image left, right;
-  std::string folder, hash;  ///< where it was read or written, and of capture.json there; empty: nowhere yet
+  std::optional<Image> photograph;  ///< the picture, where it was no capture's; `folder` and `hash` are then the file's
+  std::vector<std::string> assumed;  ///< of the photograph
+  std::string folder, hash;          ///< where it was read or written, and of capture.json there; empty: nowhere yet
 
   void lies_in(const std::string& path);
 };

@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "capture/error.h"
 #include "capture/files.h"
 #include "capture/folder/capture_json.h"
+#include "pipeline/portrait/photograph.h"
 #include "python/binding/arrays.h"
 #include "python/binding/bind.h"
 
@@ -73,6 +75,15 @@ void bind_captures(py::module_& module) {
   py::class_<HeldCapture, Holder> capture(module, "Capture");
   capture.def(py::init([](const std::filesystem::path& path, bool truth) {
                 const py::gil_scoped_release released;
+                if (std::filesystem::is_regular_file(path)) {
+                  pipeline::Photograph photograph = pipeline::read_photograph(path.string());
+                  auto held = std::make_shared<HeldCapture>(std::move(photograph.capture));
+                  held->photograph = std::move(photograph.picture);
+                  held->assumed = std::move(photograph.assumed);
+                  held->folder = std::filesystem::absolute(path).lexically_normal().string();
+                  held->hash = file_hash(held->folder);
+                  return held;
+                }
                 auto held = std::make_shared<HeldCapture>(read_capture(path.string(), truth));
                 held->lies_in(path.string());
                 return held;
@@ -97,6 +108,7 @@ void bind_captures(py::module_& module) {
   capture.def(
       "write",
       [](HeldCapture& self, const std::filesystem::path& path) {
+        if (self.photograph) throw InputError(printable(self.folder) + ": is a photograph, no capture to be written");
         write_capture(self.capture, path.string());
         self.lies_in(path.string());
       },

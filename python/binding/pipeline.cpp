@@ -7,6 +7,7 @@
 
 #include "capture/error.h"
 #include "capture/image/read_mask.h"
+#include "capture/views.h"
 #include "pipeline/burst/merge.h"
 #include "pipeline/disparity/match_pixels.h"
 #include "pipeline/disparity/matchers.h"
@@ -15,6 +16,7 @@
 #include "pipeline/portrait/describe_run.h"
 #include "pipeline/portrait/result_io.h"
 #include "pipeline/portrait/run_portrait.h"
+#include "pipeline/portrait/subject.h"
 #include "pipeline/segmentation/network.h"
 #include "python/binding/arrays.h"
 #include "python/binding/bind.h"
@@ -65,6 +67,7 @@ py::tuple match_capture(const HeldCapture& held, const std::string& matcher, con
   {
     const py::gil_scoped_release released;
     const Capture& capture = held.capture;
+    require_views(capture, held.folder.empty() ? "capture" : held.folder);
     const pipeline::MergedBurst burst = pipeline::align_and_merge(capture.frames, capture.exposure);
     const double noise_left = pipeline::merged_view_variance(static_cast<int>(capture.frames.size()));
     found =
@@ -86,21 +89,30 @@ void require_mask_fits(const Image& mask, pipeline::Mode mode, const Camera& cam
 nlohmann::ordered_json provenance_of(const HeldCapture& held, const PortraitOptions& options,
                                      const std::string& matcher, bool mask_given, const PortraitResult& result) {
   nlohmann::ordered_json provenance = {{"program", "dualpixel " DUALPIXEL_VERSION}};
-  if (!held.folder.empty()) provenance["capture"] = held.folder, provenance["capture_hash"] = held.hash;
+  const std::string source = held.photograph ? "picture" : "capture";
+  if (!held.folder.empty()) provenance[source] = held.folder, provenance[source + "_hash"] = held.hash;
   if (options.disparity) {
     provenance["disparity"] = "array";
-  } else {
+  } else if (!held.photograph) {
     provenance["matcher"] = matcher;
   }
   provenance.update(describe_run(held.capture, options, result));
   if (mask_given) provenance["mask"] = "array";
+  if (!held.assumed.empty()) provenance["assumed"] = held.assumed;
   return provenance;
+}
+
+/// Mode automatic goes without people where this build cannot find them, as the program does.
+bool seeks_people(const HeldCapture& held, const PortraitOptions& options) {
+  if (options.mode != pipeline::Mode::automatic || held.photograph) return options.mode != pipeline::Mode::dp;
+  const bool has_faces = pipeline::has_face_detector() || !pipeline::known_subject(held.capture, options).faces.empty();
+  return pipeline::has_person_network() && has_faces;
 }
 
 std::shared_ptr<HeldResult> make_portrait(const HeldCapture& held, const std::string& mode, const std::string& matcher,
                                           const Assignments& assignments, const py::object& mask,
-                                          const std::vector<std::array<double, 4>>& faces, std::uint64_t seed,
-                                          const py::object& disparity, const py::object& confidence,
+                                          const std::vector<std::array<double, 4>>& faces, bool zoom,
+                                          std::uint64_t seed, const py::object& disparity, const py::object& confidence,
                                           const py::object& sigma) {
   std::optional<Image> person;
   if (!mask.is_none()) person = image_of(mask, "mask");
@@ -113,11 +125,13 @@ std::shared_ptr<HeldResult> make_portrait(const HeldCapture& held, const std::st
   for (const std::string& assignment : assignments) set_field(pipeline::fields(options), assignment);
   options.mode = value_named(pipeline::kModes, mode, "mode");
   options.seed = seed;
+  options.zoom = zoom;
   if (person) require_mask_fits(*person, options.mode, held.capture.camera);
   for (const auto& [x, y, width, height] : faces) options.faces.push_back({x, y, width, height});
   options.disparity = std::move(found);
+  options.picture = held.photograph;
   std::optional<pipeline::PersonNetwork> network;
-  if (options.mode != pipeline::Mode::dp && !person) {
+  if (!person && seeks_people(held, options)) {
     network.emplace(pipeline::built_in_weights());
     options.find_people = [&](const Image& picture, const std::vector<pipeline::Face>& seeds) {
       return pipeline::find_people(picture, seeds, *network, options.seed_faces);
@@ -169,8 +183,8 @@ void bind_pipeline(py::module_& module) {
              py::arg("noise"), py::arg("white"));
   module.def("match_capture", match_capture, py::arg("capture"), py::arg("matcher"), py::arg("options"));
   module.def("portrait", make_portrait, py::arg("capture"), py::arg("mode"), py::arg("matcher"), py::arg("options"),
-             py::arg("mask"), py::arg("faces"), py::arg("seed"), py::arg("disparity"), py::arg("confidence"),
-             py::arg("sigma"));
+             py::arg("mask"), py::arg("faces"), py::arg("zoom"), py::arg("seed"), py::arg("disparity"),
+             py::arg("confidence"), py::arg("sigma"));
 }
 
 }  // namespace dualpixel::python

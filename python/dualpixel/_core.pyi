@@ -20,9 +20,10 @@ class Frame:
     def mosaic(self) -> Optional[_Raw]:
         """Bayer mosaic of the sensor's size; None in a capture of views alone."""
     @property
-    def left(self) -> _Raw: ...
+    def left(self) -> Optional[_Raw]:
+        """None where the camera has no dual pixels."""
     @property
-    def right(self) -> _Raw: ...
+    def right(self) -> Optional[_Raw]: ...
     @property
     def seed(self) -> int: ...
     @property
@@ -73,12 +74,12 @@ class Capture:
     """A capture in memory. Its arrays are read-only views of that memory, which they keep alive."""
 
     def __init__(self, path: Path, truth: bool = True) -> None:
-        """Reads and verifies a capture's folder. Raises InputError."""
+        """Reads and verifies a capture's folder, or reads a photograph for `portrait`. Raises InputError."""
     @property
-    def left(self) -> _Floats:
-        """The first frame's left view, (height, width) in DP pixels: 0 black, 1 white."""
+    def left(self) -> Optional[_Floats]:
+        """The first frame's left view, (height, width) in DP pixels: 0 black, 1 white; None where there are none."""
     @property
-    def right(self) -> _Floats: ...
+    def right(self) -> Optional[_Floats]: ...
     @property
     def frames(self) -> list[Frame]: ...
     @property
@@ -170,6 +171,7 @@ def portrait(
     options: Sequence[str],
     mask: Optional[npt.ArrayLike],
     faces: Sequence[tuple[float, float, float, float]],
+    zoom: bool,
     seed: int,
     disparity: Optional[npt.ArrayLike],
     confidence: Optional[npt.ArrayLike],

@@ -129,11 +129,12 @@ def match(
 def portrait(
     capture: Union[_core.Capture, Path],
     *,
-    mode: str = "dp",
+    mode: str = "auto",
     matcher: str = "paper",
     options: Overrides = (),
     mask: Optional[npt.ArrayLike] = None,
     faces: Iterable[tuple[float, float, float, float]] = (),
+    zoom: bool = False,
     seed: int = 1,
     disparity: Optional[npt.ArrayLike] = None,
     confidence: Optional[npt.ArrayLike] = None,
@@ -141,10 +142,14 @@ def portrait(
 ) -> _core.PortraitResult:
     """The portrait mode, all stages: burst, disparity, mask, smoothing, blur, noise. Truth is never used.
 
-    mode     "dp" (disparity alone), "dp+seg" (with a person mask) or "seg" (mask alone)
+    capture  or the path of a photograph of people: JPEG, PNG, TIFF or DNG
+
+    mode     "auto": "dp+seg" (disparity with a person mask) where there are views and people, "dp" (disparity alone)
+             without people, "seg" (mask alone) without views
     options  e.g. {"layers.bands": 8}: what `dualpixel portrait --options` lists
     mask     of the person, 0 to 1, of any size; None: people are found where the mode needs them
     faces    x, y, width, height in photosites of people to keep sharp
+    zoom     the middle of the picture alone, magnified 1.5 times; mask, faces and disparity are the whole picture's
 
     disparity, confidence, sigma  of any method, in place of the matcher's: of the views' size, as those of `score`
     """
@@ -153,7 +158,7 @@ def portrait(
     people = [tuple(face) for face in faces]
     loaded = _loaded(capture, truth=False)
     return _core.portrait(
-        loaded, mode, matcher, _assignments(options), mask, people, seed, disparity, confidence, sigma
+        loaded, mode, matcher, _assignments(options), mask, people, zoom, seed, disparity, confidence, sigma
     )
 
 

@@ -100,16 +100,17 @@ class Frame:
 
     def __init__(self, files: _Files, entry: Fields):
         self._files = files
-        self._names = {
-            "mosaic": entry.path("mosaic", None),
-            "left": entry.path("left"),
-            "right": entry.path("right"),
-        }
+        mosaic = entry.path("mosaic", None)
+        # views come in pairs; only beside a mosaic may they be missing
+        views_missing = mosaic is not None and not {"left", "right"} & entry.document.keys()
+        views = {side: None if views_missing else entry.path(side) for side in ("left", "right")}
+        self._names = {"mosaic": mosaic, **views}
         self.seed = entry.integer("seed", 0, 2**64 - 1, 0)
         self.camera_from_world = np.array(entry.numbers("camera_from_world", 16, np.eye(4).ravel().tolist())).reshape(4, 4)
 
-    def _view(self, side: str) -> np.ndarray:
-        return self._files.png(self._names[side], self._files.views)
+    def _view(self, side: str) -> Optional[np.ndarray]:
+        name = self._names[side]
+        return None if name is None else self._files.png(name, self._files.views)
 
     @cached_property
     def mosaic(self) -> Optional[np.ndarray]:
@@ -186,7 +187,9 @@ class Capture:
         self.frames = [Frame(files, entry) for entry in document.objects("frames", _MOST_FRAMES)]
         self.truth = Truth(files, document.object("truth")) if "truth" in document.document else None
 
-    def _normalized(self, raw: np.ndarray) -> np.ndarray:
+    def _normalized(self, raw: Optional[np.ndarray]) -> Optional[np.ndarray]:
+        if raw is None:
+            return None
         black, white = self.exposure["black_level_dn"], self.exposure["white_level_dn"]
         return ((raw.astype(np.float64) - black) / (white - black)).astype(np.float32)
 

@@ -15,6 +15,7 @@
 #include "capture/folder/capture_json.h"
 #include "capture/image/image_io.h"
 #include "capture/image/npy.h"
+#include "capture/views.h"
 #include "datasets/pictures/developed.h"
 #include "datasets/pictures/google.h"
 #include "tools/commands/commands.h"
@@ -163,6 +164,7 @@ const std::map<std::string, Format> kFormats = {
 void run(const ExportOptions& options) {
   NewFolder folder(options.output, "export.json");
   const Capture capture = read_capture(options.capture, true);
+  require_views(capture, options.capture);
   const fs::path source = fs::absolute(options.capture).lexically_normal();
   const std::string name = (source.has_filename() ? source : source.parent_path()).filename().string();
   const Format& format = kFormats.at(options.format);

@@ -14,6 +14,7 @@
 #include "evaluation/report/calibration_page.h"
 #include "pipeline/defocus/match_lens.h"
 #include "pipeline/portrait/describe_run.h"
+#include "pipeline/portrait/photograph.h"
 #include "pipeline/portrait/plain_pair.h"
 #include "pipeline/portrait/result_io.h"
 #include "pipeline/portrait/run_portrait.h"
@@ -59,7 +60,7 @@ struct PortraitCommand {
   std::string capture;
   pipeline::PlainPair pair;
   std::string output;
-  std::string mode = "dp";
+  std::string mode = "auto";
   std::string matcher = "paper";
   MapFiles maps;
   std::string mask;
@@ -72,12 +73,30 @@ struct PortraitCommand {
   pipeline::Aperture aperture;
   bool recover_highlights = false;
   bool no_noise = false;
+  bool zoom = false;
   std::uint64_t seed = PortraitOptions().seed;
   std::vector<std::string> assignments;  ///< of --set
 
   bool plain() const { return !pair.left.empty(); }
+  bool photograph() const { return !plain() && std::filesystem::is_regular_file(capture); }
   bool mask_given() const { return true_mask || !mask.empty(); }
 };
+
+/// What needs views, or a capture's folder.
+void require_usable_by_a_photograph(const PortraitCommand& command) {
+  if (!command.photograph()) return;
+  const std::string name = printable(command.capture);
+  if (command.mode == "dp" || command.mode == "dp+seg") {
+    throw InputError(
+        fmt::format("--mode {}: {}: a photograph has no dual-pixel views; choose auto or seg", command.mode, name));
+  }
+  for (const auto& [option, given] : {std::pair{"--match-lens", !command.match_lens.empty()},
+                                      {"--disparity", command.maps.any()},
+                                      {"--calibration", !command.calibration.empty()},
+                                      {"--true-mask", command.true_mask}}) {
+    if (given) throw InputError(fmt::format("{}: {}: cannot be used with a photograph; leave it out", option, name));
+  }
+}
 
 /// What the command line says by itself, before any file is read.
 PortraitOptions options_of(const PortraitCommand& command) {
@@ -87,6 +106,7 @@ PortraitOptions options_of(const PortraitCommand& command) {
   options.seed = command.seed;
   options.synthetic_noise = !command.no_noise;
   options.transposed = command.pair.vertical_split;
+  options.zoom = command.zoom;
   options.defocus.bokeh.aperture = command.aperture;
   options.defocus.bokeh.recover_highlights = command.recover_highlights;
   for (const NumberList<4>& face : command.faces) {
@@ -104,8 +124,9 @@ PortraitOptions options_of(const PortraitCommand& command) {
     throw InputError("--mode dp: uses no person mask; leave out --mask and --true-mask, or choose dp+seg or seg");
   }
   if (command.plain() == !command.capture.empty()) {
-    throw InputError("portrait: give a capture folder, or the two views by --left FILE --right FILE");
+    throw InputError("portrait: give a capture folder, a photograph, or the two views by --left FILE --right FILE");
   }
+  require_usable_by_a_photograph(command);
   check(options);
   return options;
 }
@@ -139,14 +160,20 @@ void require_lens(const pipeline::PlainPair& pair, const Camera& camera) {
                    "pixels of the pair, and the lens that took it");
 }
 
-/// The capture, whose picture goes to the options where it is given apart.
-Capture read_input(const PortraitCommand& command, PortraitOptions& options) {
+/// The capture, whose picture goes to the options where it is given apart. `assumed`: what a photograph does not say.
+Capture read_input(const PortraitCommand& command, PortraitOptions& options, std::vector<std::string>& assumed) {
   if (command.plain()) {
     pipeline::PlainPairCapture pair = pipeline::read_plain_pair(command.pair);
     if (options.match_pupil_mm) require_lens(command.pair, pair.capture.camera);
     options.picture = std::move(pair.picture);
     if (options.disparity) make_even(*options.disparity, pair);
     return std::move(pair.capture);
+  }
+  if (command.photograph()) {
+    pipeline::Photograph photograph = pipeline::read_photograph(command.capture);
+    options.picture = std::move(photograph.picture);
+    assumed = std::move(photograph.assumed);
+    return std::move(photograph.capture);
   }
   return read_capture(command.capture, command.true_mask);
 }
@@ -180,11 +207,14 @@ nlohmann::ordered_json provenance_of(const PortraitCommand& command, const Captu
     provenance["right_hash"] = file_hash(command.pair.right);
     provenance["split"] = command.pair.vertical_split ? "vertical" : "horizontal";
     if (!command.pair.metadata.empty()) provenance["metadata"] = absolute(command.pair.metadata);
+  } else if (command.photograph()) {
+    provenance["picture"] = absolute(command.capture);
+    provenance["picture_hash"] = file_hash(command.capture);
   } else {
     provenance["capture"] = absolute(command.capture);
     provenance["capture_hash"] = file_hash(command.capture + "/capture.json");
   }
-  if (!command.maps.any()) provenance["matcher"] = command.matcher;
+  if (!command.maps.any() && !command.photograph()) provenance["matcher"] = command.matcher;
   for (const auto& [name, file] : {std::pair{"disparity", &command.maps.disparity},
                                    {"confidence", &command.maps.confidence},
                                    {"sigma", &command.maps.sigma}}) {
@@ -201,13 +231,32 @@ nlohmann::ordered_json provenance_of(const PortraitCommand& command, const Captu
   return provenance;
 }
 
+/// The region that --tap means.
+pipeline::Face tapped(const NumberList<2>& tap, const Camera& camera, bool transposed) {
+  const double x = tap.values[0], y = tap.values[1];
+  const auto [width, height] =
+      transposed ? std::pair{camera.height_px, camera.width_px} : std::pair{camera.width_px, camera.height_px};
+  if (!(x >= 0 && x <= width && y >= 0 && y <= height)) {
+    throw InputError(fmt::format("--tap {:g},{:g}: must lie in the picture of {} x {}", x, y, width, height));
+  }
+  return pipeline::tapped_region(x, y, camera);
+}
+
+/// What a mode that the user chose needs is required; mode auto goes without where this build cannot.
+bool can_find_people(const PortraitCommand& command, bool faces_known) {
+  if (faces_known || pipeline::has_face_detector()) return true;
+  if (command.mode == "auto" && !command.photograph()) return false;
+  throw InputError(
+      fmt::format("--mode {}: this build has no face detector (dlib): give --face or --mask", command.mode));
+}
+
 void run(const PortraitCommand& command) {
   PortraitOptions options = options_of(command);
   if (!command.calibration.empty()) options.calibration = evaluation::read_calibration_folder(command.calibration);
   options.disparity = given_disparity(command.maps);
   const bool looks_for_people = options.mode != pipeline::Mode::dp && !command.mask_given();
   std::optional<pipeline::PersonNetwork> network;
-  if (looks_for_people) {
+  if (looks_for_people && (command.mode != "auto" || command.photograph() || pipeline::has_person_network())) {
     network.emplace(pipeline::built_in_weights(), 1,
                     command.bf16 ? pipeline::Precision::bf16 : pipeline::Precision::f32);
   } else if (command.bf16) {
@@ -215,22 +264,11 @@ void run(const PortraitCommand& command) {
   }
   { const NewFolder writable(command.output, "result.json"); }  // before the work, not after it
 
-  Capture capture = read_input(command, options);
-  if (command.tap) {
-    const double x = command.tap->values[0], y = command.tap->values[1];
-    int width = capture.camera.width_px, height = capture.camera.height_px;
-    if (options.transposed) std::swap(width, height);
-    if (!(x >= 0 && x <= width && y >= 0 && y <= height)) {
-      throw InputError(fmt::format("--tap {:g},{:g}: must lie in the picture of {} x {}", x, y, width, height));
-    }
-    options.tap = pipeline::tapped_region(x, y, capture.camera);
-  }
+  std::vector<std::string> assumed;
+  Capture capture = read_input(command, options, assumed);
+  if (command.tap) options.tap = tapped(*command.tap, capture.camera, options.transposed);
   const pipeline::KnownSubject known = known_subject(capture, options);
-  if (looks_for_people) {
-    if (known.faces.empty() && !pipeline::has_face_detector()) {
-      throw InputError(
-          fmt::format("--mode {}: this build has no face detector (dlib): give --face or --mask", command.mode));
-    }
+  if (network && can_find_people(command, !known.faces.empty())) {
     options.find_people = [&](const Image& picture, const std::vector<pipeline::Face>& seeds) {
       return options.tap && seeds.empty() ? pipeline::find_people_at(picture, *options.tap, *network)
                                           : pipeline::find_people(picture, seeds, *network, options.seed_faces);
@@ -242,7 +280,12 @@ void run(const PortraitCommand& command) {
   const PortraitResult result =
       pipeline::run_portrait(capture, options, mask, [&](const std::string&, double fraction) { bar(fraction); });
   print_warnings(result.warnings);
-  pipeline::write_result(result, provenance_of(command, capture, options, result), command.output);
+  nlohmann::ordered_json provenance = provenance_of(command, capture, options, result);
+  if (!assumed.empty()) {
+    provenance["assumed"] = assumed;
+    std::cerr << fmt::format("{}: assumed: {}\n", printable(command.capture), fmt::join(assumed, "; "));
+  }
+  pipeline::write_result(result, provenance, command.output);
 }
 
 /// --left, --right and what goes with them. Returns --left.
@@ -276,14 +319,18 @@ CLI::Option* add_pair_options(CLI::App& command, pipeline::PlainPair& pair, CLI:
 
 void add_portrait(CLI::App& program) {
   auto command = std::make_shared<PortraitCommand>();
-  CLI::App* sub =
-      program.add_subcommand("portrait", "Turn a dual-pixel capture into a portrait with shallow depth of field");
-  CLI::Option* capture = sub->add_option("capture", command->capture, "Capture folder")->type_name("CAPTURE_DIR");
+  CLI::App* sub = program.add_subcommand(
+      "portrait",
+      "Turn a dual-pixel capture, or any photograph of people, into a portrait with shallow depth of field");
+  CLI::Option* capture =
+      sub->add_option("capture", command->capture, "Capture folder, or a photograph: JPEG, PNG, TIFF or DNG")
+          ->type_name("CAPTURE");
   CLI::Option* left = add_pair_options(*sub, command->pair, capture);
   sub->add_option("-o,--output", command->output, "Result folder to write")->required()->type_name("DIR");
   sub->add_option("--mode", command->mode,
-                  "dp: disparity alone; dp+seg: with a person mask; seg: mask alone. Without a mask, people are "
-                  "detected; where none are found, the mode becomes dp")
+                  "auto: dp+seg where there are views and people, dp without people, seg without views; dp: disparity "
+                  "alone; dp+seg: with a person mask; seg: mask alone. Without a mask, people are detected; where none "
+                  "are found, the mode becomes dp")
       ->check(CLI::IsMember(names_of(pipeline::kModes)))
       ->capture_default_str();
   std::string matchers = "How to match the views";
@@ -334,6 +381,7 @@ void add_portrait(CLI::App& program) {
                   "Cat's-eye blur towards the corners: share of the radius that is cut off there on either side")
       ->check(CLI::Range(0.0, 0.9))
       ->type_name("SHARE");
+  sub->add_flag("--zoom", command->zoom, "The middle of the picture alone, magnified 1.5 times, as the paper has it");
   sub->add_flag("--recover-highlights", command->recover_highlights,
                 "Estimate the true brightness of clipped highlights before the blur");
   sub->add_flag("--no-noise", command->no_noise, "Leave out the synthetic noise on what the blur has smoothed");
@@ -356,7 +404,8 @@ void add_portrait(CLI::App& program) {
       "List what --set can change, with the matcher's default, range, unit and source, and exit");
   add_threads_option(*sub);
   sub->footer(
-      "Example:\n  dualpixel portrait out/capture -o out/portrait --mode dp+seg\n"
+      "Example:\n  dualpixel portrait out/capture -o out/portrait\n"
+      "  dualpixel portrait photo.jpg -o out/portrait\n"
       "  dualpixel portrait --left l.png --right r.png -o out/portrait --matcher likelihood\n"
       "  dualpixel portrait out/capture -o out/portrait --disparity d.npy --sigma s.npy");
   sub->callback([command] { run(*command); });

@@ -11,8 +11,10 @@
 #include "capture/files.h"
 #include "capture/folder/capture_json.h"
 #include "evaluation/report/report_sections.h"
+#include "pipeline/portrait/photograph.h"
 #include "pipeline/portrait/plain_pair.h"
 #include "pipeline/portrait/result_io.h"
+#include "pipeline/portrait/zoom.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
@@ -24,10 +26,14 @@ struct ReportOptions {
   std::string capture;
 };
 
-/// What a result was made from: a capture's folder, or a plain pair.
+/// What a result was made from: a capture's folder, a plain pair, or a photograph; and of which part of it.
 struct Source {
   std::string name;  ///< a path
   std::optional<pipeline::PlainPair> pair;
+  bool photograph = false;
+  std::optional<pipeline::Window> window;
+
+  bool folder() const { return !pair && !photograph; }
 };
 
 /// The text of a field of the result's provenance, if it is one.
@@ -45,7 +51,8 @@ void require_own_picture(const pipeline::StoredResult& stored, const std::string
 }
 
 /// What the result says that it was made from, or `capture` where one is given.
-Source source_of(const pipeline::StoredResult& stored, const std::string& capture, const std::string& result_path) {
+Source whole_source_of(const pipeline::StoredResult& stored, const std::string& capture,
+                       const std::string& result_path) {
   if (!capture.empty()) return {capture, {}};
   const auto refuse = [&](const std::string& what) {
     throw InputError(printable(result_path) + "/result.json: /provenance/" + what);
@@ -53,6 +60,11 @@ Source source_of(const pipeline::StoredResult& stored, const std::string& captur
   if (auto path = provenance_text(stored, "capture")) {
     if (!std::filesystem::exists(*path)) refuse("capture: " + printable(*path) + ": no such folder; give --capture");
     return {*path, {}};
+  }
+  if (auto path = provenance_text(stored, "picture")) {
+    if (!std::filesystem::exists(*path)) refuse("picture: " + printable(*path) + ": no such file");
+    require_own_picture(stored, *path, "picture_hash", result_path);
+    return {*path, {}, true};
   }
   const auto left = provenance_text(stored, "left"), right = provenance_text(stored, "right");
   if (!left || !right) {
@@ -68,9 +80,21 @@ Source source_of(const pipeline::StoredResult& stored, const std::string& captur
   return {*left + " + " + std::filesystem::path(*right).filename().string(), pair};
 }
 
-Capture read_source(const Source& source) {
-  if (!source.pair) return read_capture(source.name, true);
+Source source_of(const pipeline::StoredResult& stored, const std::string& capture, const std::string& result_path) {
+  Source source = whole_source_of(stored, capture, result_path);
+  source.window = pipeline::window_of(stored, result_path);
+  return source;
+}
+
+Capture read_whole(const Source& source) {
+  if (source.photograph) return pipeline::read_photograph(source.name).capture;
+  if (source.folder()) return read_capture(source.name, true);
   return pipeline::upright(pipeline::read_plain_pair(*source.pair), source.pair->vertical_split);
+}
+
+Capture read_source(const Source& source, const std::string& result_path) {
+  Capture capture = read_whole(source);
+  return source.window ? pipeline::zoomed(capture, *source.window, result_path) : capture;
 }
 
 void run(const ReportOptions& options) {
@@ -81,11 +105,12 @@ void run(const ReportOptions& options) {
   for (const std::string& path : options.results) {
     const pipeline::StoredResult stored = pipeline::read_result(path);
     const Source source = source_of(stored, options.capture, path);
-    if (!source.pair) pipeline::require_own_capture(stored, source.name, path);
-    if (sections.empty() || latest != source.name) {
-      capture = read_source(source);
+    if (source.folder()) pipeline::require_own_capture(stored, source.name, path);
+    const std::string shown = source.name + (source.window ? " (zoomed)" : "");
+    if (sections.empty() || latest != shown) {
+      capture = read_source(source, path);
       sections.push_back(evaluation::make_capture_section(capture, source.name, page_folder));
-      latest = source.name;
+      latest = shown;
     }
     if (stored.result.input.width != capture.camera.width_px ||
         stored.result.input.height != capture.camera.height_px) {

@@ -12,6 +12,7 @@
 #include "capture/files.h"
 #include "capture/image/image_io.h"
 #include "evaluation/metrics/scoring.h"
+#include "pipeline/portrait/zoom.h"
 #include "tools/cli/map_options.h"
 #include "tools/commands/commands.h"
 
@@ -52,8 +53,11 @@ void score_result_folder(const ScoreOptions& options) {
                                  printable(options.capture)));
   }
   const pipeline::StoredResult stored = pipeline::read_result(options.result);
-  const Capture capture = read_capture(options.capture, true);
+  Capture capture = read_capture(options.capture, true);
   pipeline::require_own_capture(stored, options.capture, options.result);
+  if (const auto window = pipeline::window_of(stored, options.result)) {
+    capture = pipeline::zoomed(capture, *window, options.result);
+  }
   const evaluation::Score score = evaluation::score_result(capture, options.capture, stored, options.result);
   const std::string json = json_text(score);
   replace_file(options.result + "/score.json", json);

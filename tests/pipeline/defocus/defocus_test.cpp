@@ -31,9 +31,25 @@ TEST(BlurRadius, ConstantsAreTheSupplements) {
   EXPECT_DOUBLE_EQ(kappa_2(1.5), 2);
   EXPECT_DOUBLE_EQ(kappa_2(3), 2);
   EXPECT_DOUBLE_EQ(make_blur_mapping(1, 0, 2688, false).kappa, 24);
-  EXPECT_DOUBLE_EQ(make_blur_mapping(5, 0, 1344, false).kappa, 12 * 1.82);
+  EXPECT_DOUBLE_EQ(make_blur_mapping(5, 0, 2688, false).kappa, 24 * 1.82);
   EXPECT_DOUBLE_EQ(make_blur_mapping(1, 0, 2688, false).sharp_dp_px, 0.56 / 24);
   EXPECT_DOUBLE_EQ(make_blur_mapping(1, 0, 2688, true).sharp_dp_px, 0.19 / 24);
+}
+
+// The same picture with other numbers of pixels, and of DP pixels, has the same radius as a share of its width.
+TEST(BlurRadius, DoesNotDependOnTheNumberOfPixels) {
+  for (const double offset : {-0.9, -0.03, 0.01, 0.05, 0.4, 3.0}) {
+    for (const double focus : {-0.4, 0.0, 0.3, 2.5}) {
+      const double expected = make_blur_mapping(3, focus, 2688, true).radius_px(static_cast<float>(focus + offset));
+      for (const auto& [width, px_per_dp_px] :
+           {std::pair{1344, 2.0}, {672, 2.0}, {4032, 2.0}, {1344, 1.0}, {672, 4.0}}) {
+        const double own = 2 / px_per_dp_px * width / 2688;  // DP px for one of the reference
+        const BlurMapping mapping = make_blur_mapping(3, own * focus, width, true, {}, px_per_dp_px);
+        EXPECT_NEAR(mapping.radius_px(static_cast<float>(own * (focus + offset))) * 2688 / width, expected, 2e-4)
+            << offset << " " << focus << " " << width;
+      }
+    }
+  }
 }
 
 TEST(BlurRadius, FrontIsNegativeAndWeaker) {

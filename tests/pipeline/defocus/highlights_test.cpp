@@ -60,21 +60,52 @@ TEST(Highlights, GainIsTheMeanOfWhatWasClipped) {
 }
 
 TEST(Highlights, OnlyClippedPixelsAreRaisedAndKeepTheirHue) {
-  Image rgb(5, 1, 3, 0.4f), radius(5, 1, 1, 9.0f);
-  for (const int x : {1, 3, 4}) rgb.at(x, 0, 0) = 1.25f;  // red clips alone
-  rgb.at(2, 0, 1) = 1.2f;                                 // nearly
-  radius.at(3, 0) = 2.7f;                                 // nearly in focus
-  radius.at(4, 0) = 4.125f;                               // half the way
+  constexpr int kApart = 20;  // what is clipped is a lamp in the dark
+  Image rgb(5 * kApart, 1, 3, 0.4f), radius(5 * kApart, 1, 1, 9.0f);
+  for (const int x : {1, 3, 4}) rgb.at(kApart * x, 0, 0) = 1.25f;  // red clips alone
+  rgb.at(2 * kApart, 0, 1) = 1.2f;                                 // nearly
+  radius.at(3 * kApart, 0) = 2.7f;                                 // nearly in focus
+  radius.at(4 * kApart, 0) = 4.125f;                               // half the way
   const auto gain = static_cast<float>(highlight_gain(rgb, 1.25));
   EXPECT_GT(gain, 1.5f);
   const Image raised = recover_highlights(rgb, radius, 1.25);
   for (int c = 0; c < 3; ++c) {
     EXPECT_EQ(raised.at(0, 0, c), rgb.at(0, 0, c));
-    EXPECT_EQ(raised.at(1, 0, c), gain * rgb.at(1, 0, c));
-    EXPECT_EQ(raised.at(2, 0, c), rgb.at(2, 0, c));
-    EXPECT_EQ(raised.at(3, 0, c), rgb.at(3, 0, c));
-    EXPECT_FLOAT_EQ(raised.at(4, 0, c), (1 + gain) / 2 * rgb.at(4, 0, c));
+    EXPECT_EQ(raised.at(kApart, 0, c), gain * rgb.at(kApart, 0, c));
+    EXPECT_EQ(raised.at(2 * kApart, 0, c), rgb.at(2 * kApart, 0, c));
+    EXPECT_EQ(raised.at(3 * kApart, 0, c), rgb.at(3 * kApart, 0, c));
+    EXPECT_FLOAT_EQ(raised.at(4 * kApart, 0, c), (1 + gain) / 2 * rgb.at(4 * kApart, 0, c));
   }
+}
+
+// Skin in the sun: a bright patch whose light falls off gently, cut at white, against a lamp of the same size that
+// light falls from within a few pixels, as a lens blurs it.
+TEST(Highlights, SkinThatJustClipsIsNoLamp) {
+  constexpr int kSide = 200;
+  const auto bump = [](double x, double y, double radius) {
+    return std::exp(-(x * x + y * y) / (2 * radius * radius));
+  };
+  Image rgb(kSide, kSide, 3);
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const double skin = 1.1 * bump(x - 50, y - 100, 40), lamp = 8 * bump(x - 160, y - 100, 3);
+      rgb.at(x, y, 0) = static_cast<float>(std::min(skin + lamp, 1.0));
+      rgb.at(x, y, 1) = static_cast<float>(std::min(0.8 * skin + lamp, 1.0));
+      rgb.at(x, y, 2) = static_cast<float>(std::min(0.6 * skin + lamp, 1.0));
+    }
+  }
+  const Image shares = lamp_shares(rgb, 1);
+  EXPECT_EQ(shares.at(50, 100), 0);
+  EXPECT_EQ(shares.at(160, 100), 1);
+  EXPECT_EQ(shares.at(110, 100), 0);  // not clipped
+  const Image radius(kSide, kSide, 1, 12.0f);
+  const Image raised = recover_highlights(rgb, radius, 1);
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < 110; ++x) ASSERT_EQ(raised.at(x, y, 0), rgb.at(x, y, 0)) << x << " " << y;
+  }
+  EXPECT_FLOAT_EQ(raised.at(160, 100, 1), static_cast<float>(highlight_gain(rgb, 1)));
+  // a patch that fills the picture has no surroundings to tell by
+  EXPECT_EQ(lamp_shares(Image(9, 9, 3, 1.0f), 1).at(4, 4), 0);
 }
 
 TEST(Highlights, BlackAndWhitePicturesHaveFiniteGains) {
