@@ -59,7 +59,7 @@ struct Extent {
   bool valid = true;  ///< disparities are finite, radii lie in [0, r_max]
 };
 
-Extent extent_of(const Image& disparity_dp_px, const Image& radius_px, double r_max_px) {
+Extent extent_of(const Image& disparity_dp_px, const Image& radius_px, float r_max_px) {
   return tbb::parallel_reduce(
       tbb::blocked_range<int>(0, radius_px.height, 64), Extent(),
       [&](const tbb::blocked_range<int>& rows, Extent extent) {
@@ -104,7 +104,7 @@ Defocused render_defocus(const Image& rgb, const Image& disparity_dp_px, const I
   require_size(disparity_dp_px, rgb, "disparity");
   require_size(radius_px, rgb, "radius");
   const int width = rgb.width, height = rgb.height;
-  const Extent extent = extent_of(disparity_dp_px, radius_px, mapping.r_max_px);
+  const Extent extent = extent_of(disparity_dp_px, radius_px, static_cast<float>(mapping.r_max_px));
   if (!extent.valid) return render_mended(rgb, disparity_dp_px, radius_px, mapping, options, bokeh);
   if (extent.largest_px == 0) return {rgb, Image(width, height), {}};
   const std::vector<Band> bands = make_bands(extent.low_dp_px, extent.high_dp_px, mapping, options);

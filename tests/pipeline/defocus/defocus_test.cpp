@@ -323,6 +323,15 @@ TEST(Render, SmallestPicturesAreFinite) {
   }
 }
 
+// A largest radius that no float is: as a float it may exceed itself, and such radii are valid.
+TEST(Render, AnyLargestRadiusWillDo) {
+  BlurMapping mapping = make_blur_mapping(1, 0, 2688, false);
+  mapping.r_max_px = 30.0 * 128 / 2688;
+  const Image disparity(32, 32, 1, 1.0f);
+  const Defocused out = render_defocus(Image(32, 32, 3, 0.5f), disparity, blur_radii(disparity, mapping), mapping);
+  EXPECT_NEAR(out.rgb.at(16, 16, 0), 0.5f, 1e-5);
+}
+
 TEST(Render, NoKappaNoBlur) {
   BlurRadiusOptions none;
   none.scale_px_per_dp_px = 0;
