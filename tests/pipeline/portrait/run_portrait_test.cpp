@@ -10,6 +10,7 @@
 #include "pipeline/portrait/plain_pair.h"
 #include "pipeline/portrait/run_portrait.h"
 #include "tests/pipeline/texture.h"
+#include "tests/temporary_folder.h"
 
 namespace dualpixel::pipeline {
 namespace {
