@@ -153,8 +153,11 @@ TEST(PortraitZoom, ShowsTheMiddleOfThePicture) {
   ASSERT_TRUE(part.window_px);
   EXPECT_EQ(*part.window_px, (std::array<int, 4>{32, 24, 128, 96}));
   ASSERT_EQ(part.input.width, 128);
-  for (int y = 8; y < 88; ++y) {  // away from the border, which demosaicking mirrors
-    for (int x = 8; x < 120; ++x) ASSERT_EQ(part.input.at(x, y, 1), whole.input.at(x + 32, y + 24, 1)) << x << " " << y;
+  // away from the border, which demosaicking mirrors; merging's tiles lie elsewhere, and round otherwise
+  for (int y = 8; y < 88; ++y) {
+    for (int x = 8; x < 120; ++x) {
+      ASSERT_NEAR(part.input.at(x, y, 1), whole.input.at(x + 32, y + 24, 1), 1e-5) << x << " " << y;
+    }
   }
 }
 
