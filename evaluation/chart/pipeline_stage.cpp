@@ -37,6 +37,7 @@ struct Setting {
 std::vector<Setting> mode_settings() {
   std::vector<Setting> settings;
   for (const auto& mode : pipeline::kModes) {
+    if (mode.value == pipeline::Mode::automatic) continue;  // dp+seg here, where a person is seen
     for (const pipeline::Matcher& matcher : pipeline::matchers()) {
       const bool first = &matcher == &pipeline::matchers().front();
       if (mode.value == pipeline::Mode::seg && !first) continue;  // matches nothing
@@ -46,7 +47,7 @@ std::vector<Setting> mode_settings() {
       if (mode.value != pipeline::Mode::seg) setting.name += fmt::format(", {}", matcher.name);
       setting.options = pipeline::default_options(matcher.name);
       setting.options.mode = mode.value;
-      setting.is_default = first && mode.value == pipeline::PortraitOptions().mode;
+      setting.is_default = first && mode.value == pipeline::Mode::dp_seg;  // what mode auto chooses here
     }
   }
   return settings;

@@ -17,10 +17,10 @@ double kappa_2(double focus_dp_px) {
 OptionFields fields(BlurRadiusOptions& options) {
   return {{"scale_px_per_dp_px", &options.scale_px_per_dp_px, 0, 1e6, "px a DP px", "ours"},
           {"reference_width_px", &options.reference_width_px, 1, 1e6, "px", "ours"},
-          {"r_max_px", &options.r_max_px, 0, 1000, "px", "5.1: 30"},
+          {"r_max_px", &options.r_max_px, 0, 1000, "px of 2688", "5.1: 30"},
           {"frontal_factor", &options.frontal_factor, 0, 100, "", "S: 0.6"},
-          {"sharp_px", &options.sharp_px, 0, 1000, "px", "S: 0.56"},
-          {"sharp_person_px", &options.sharp_person_px, 0, 1000, "px", "S: 0.19"}};
+          {"sharp_px", &options.sharp_px, 0, 1000, "px of 2688", "S: 0.56"},
+          {"sharp_person_px", &options.sharp_person_px, 0, 1000, "px of 2688", "S: 0.19"}};
 }
 
 float BlurMapping::radius_px(float disparity_dp_px) const {

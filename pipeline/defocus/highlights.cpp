@@ -40,7 +40,8 @@ double highlight_gain(const Image& rgb, double white, const HighlightOptions& op
 
 Image lamp_shares(const Image& rgb, double white, const HighlightOptions& options) {
   const int width = rgb.width, height = rgb.height;
-  const int reach = std::max(2, static_cast<int>(std::lround(options.surroundings * width)));
+  constexpr int kSoftEdge_px = 4;  // of a lamp in focus: optics, and demosaicking
+  const int reach = std::max(kSoftEdge_px, static_cast<int>(std::lround(options.surroundings * width)));
   const auto light = [&](int i) { return largest_channel(&rgb.data[3 * static_cast<std::size_t>(i)]) / white; };
   Image shares(width, height);
   std::vector<int> seen(shares.data.size(), -1);  // the patch that last came by

@@ -58,9 +58,6 @@ struct Run {
   Defocused defocused;
 };
 
-/// Where there are none, there is but a picture that somebody else developed.
-bool holds_photosites(const Capture& capture) { return has_views(capture) || !capture.frames[0].mosaic.empty(); }
-
 void require_picture(const Image& picture, const Capture& capture) {
   if (capture.frames.size() != 1) {
     throw InputError(fmt::format("picture: given beside {} frames: must be beside one", capture.frames.size()));
@@ -346,14 +343,28 @@ void run_step(const Step& step, Run& run, const PortraitProgress& progress) {
   report();
 }
 
+/// The disparity that is given, checked.
+PixelDisparity given_disparity(const PortraitOptions& options, const Camera& camera) {
+  int width = camera.dp_width(), height = camera.dp_height();
+  if (options.transposed) std::swap(width, height);
+  return as_matched(*options.disparity, width, height);
+}
+
 /// In place of match_views.
 void take_disparity(Run& run) {
-  int width = run.capture.camera.dp_width(), height = run.capture.camera.dp_height();
-  if (run.options.transposed) std::swap(width, height);
-  run.matched = as_matched(*run.options.disparity, width, height);
+  run.matched = given_disparity(run.options, run.capture.camera);
   if (!run.options.transposed) return;
   for (Image* map : {&run.matched.disparity_dp_px, &run.matched.confidence, &run.matched.sigma_dp_px}) {
     *map = transposed(*map);
+  }
+}
+
+/// Without views there is no disparity for these. Where the user names the mode, they are refused by its name.
+void require_no_disparity_options(const PortraitOptions& options) {
+  for (const auto& [what, given] : {std::pair{"disparity", options.disparity.has_value()},
+                                    {"calibration", options.calibration.has_value()},
+                                    {"match_lens", options.match_pupil_mm.has_value()}}) {
+    if (given) throw InputError(fmt::format("{}: there are no dual-pixel views to use it with; leave it out", what));
   }
 }
 
@@ -364,6 +375,7 @@ void choose_mode(Run& run, bool mask_given) {
   PortraitResult& result = run.result;
   result.mode = options.mode;
   if (options.mode == Mode::automatic) {
+    if (!views) require_no_disparity_options(options);
     const bool people = mask_given || options.find_people;
     result.mode = !views ? Mode::seg : people ? Mode::dp_seg : Mode::dp;
     result.mode_reason = !people ? "dual-pixel views, people not looked for"
@@ -450,6 +462,9 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
   check(options);
   known_subject(capture, options);
   const Camera& camera = capture.camera;
+  // what is given is of the whole picture: checked before a window is cut out of it
+  if (options.picture) require_picture(*options.picture, capture);
+  if (options.disparity) given_disparity(options, camera);
   const Window window = zoom_window(camera, holds_photosites(capture));
   const Window upright = options.transposed ? Window{window.y, window.x, window.height, window.width} : window;
   std::optional<Image> mask;

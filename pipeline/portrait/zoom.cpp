@@ -20,7 +20,7 @@ constexpr double kMostSide_px = 65536;
 
 /// Start and length along an axis of `size` px, in whole steps.
 std::pair<int, int> middle(int size, int step) {
-  const int length = std::max(step, static_cast<int>(size / kZoom) / step * step);
+  const int length = static_cast<int>(size / kZoom) / step * step;
   return {(size - length) / 2 / step * step, length};
 }
 
@@ -75,6 +75,10 @@ Face moved(Face face, const Window& window, const char* what) {
 Window zoom_window(const Camera& camera, bool photosites) {
   const auto [x, width] = middle(camera.width_px, photosites ? std::lcm(2, camera.dp_downsample_x) : 1);
   const auto [y, height] = middle(camera.height_px, photosites ? std::lcm(4, camera.dp_downsample_y) : 1);
+  if (width == 0 || height == 0) {
+    throw InputError(
+        fmt::format("zoom: a picture of {} x {} pixels is too small for it", camera.width_px, camera.height_px));
+  }
   return {x, y, width, height};
 }
 
@@ -126,9 +130,8 @@ std::optional<Window> window_of(const StoredResult& stored, const std::string& r
 
 Capture zoomed(const Capture& capture, const Window& window, const std::string& result_path) {
   const Camera& camera = capture.camera;
-  const bool photosites = has_views(capture) || !capture.frames[0].mosaic.empty();
-  const int step_x = photosites ? std::lcm(2, camera.dp_downsample_x) : 1;
-  const int step_y = photosites ? std::lcm(4, camera.dp_downsample_y) : 1;
+  const int mosaic = capture.frames[0].mosaic.empty() ? 1 : 2;  // cut between its squares of 2 x 2
+  const int step_x = std::lcm(mosaic, camera.dp_downsample_x), step_y = std::lcm(mosaic, camera.dp_downsample_y);
   const bool inside = window.width > 0 && window.height > 0 && window.x + window.width <= camera.width_px &&
                       window.y + window.height <= camera.height_px;
   if (!inside || window.x % step_x || window.width % step_x || window.y % step_y || window.height % step_y) {

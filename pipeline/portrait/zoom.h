@@ -19,7 +19,7 @@ struct Window {
 
 /// The middle of the camera's picture, 1 / kZoom as wide and as high, down to whole DP pixels and whole 2 x 2
 /// photosites (rows: 4, as captures have them). `photosites`: the picture comes as a mosaic or views; a finished one is
-/// cut anywhere.
+/// cut anywhere. Throws InputError where nothing would be left.
 Window zoom_window(const Camera& camera, bool photosites);
 
 /// The window of a map of the camera's whole picture, of any size: it is stretched over the picture. Empty stays empty.

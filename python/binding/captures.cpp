@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "capture/error.h"
 #include "capture/files.h"
@@ -75,7 +76,8 @@ void bind_captures(py::module_& module) {
   py::class_<HeldCapture, Holder> capture(module, "Capture");
   capture.def(py::init([](const std::filesystem::path& path, bool truth) {
                 const py::gil_scoped_release released;
-                if (std::filesystem::is_regular_file(path)) {
+                std::error_code unreadable;  // then it is no photograph, and the capture's reader says why
+                if (std::filesystem::is_regular_file(path, unreadable)) {
                   pipeline::Photograph photograph = pipeline::read_photograph(path.string());
                   auto held = std::make_shared<HeldCapture>(std::move(photograph.capture));
                   held->photograph = std::move(photograph.picture);

@@ -149,7 +149,7 @@ def portrait(
     options  e.g. {"layers.bands": 8}: what `dualpixel portrait --options` lists
     mask     of the person, 0 to 1, of any size; None: people are found where the mode needs them
     faces    x, y, width, height in photosites of people to keep sharp
-    zoom     the middle of the picture alone, magnified 1.5 times; mask, faces and disparity are the whole picture's
+    zoom     the middle of the picture alone, two thirds as wide and high; mask, faces and disparity are the whole picture's
 
     disparity, confidence, sigma  of any method, in place of the matcher's: of the views' size, as those of `score`
     """

@@ -6,11 +6,13 @@
 #include <memory>
 #include <optional>
 #include <sstream>
+#include <system_error>
 
 #include "capture/capture.h"
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/image/read_mask.h"
+#include "capture/views.h"
 #include "evaluation/report/calibration_page.h"
 #include "pipeline/defocus/match_lens.h"
 #include "pipeline/portrait/describe_run.h"
@@ -19,6 +21,7 @@
 #include "pipeline/portrait/result_io.h"
 #include "pipeline/portrait/run_portrait.h"
 #include "pipeline/portrait/subject.h"
+#include "pipeline/portrait/zoom.h"
 #include "pipeline/segmentation/network.h"
 #include "tools/cli/map_options.h"
 #include "tools/commands/commands.h"
@@ -78,7 +81,10 @@ struct PortraitCommand {
   std::vector<std::string> assignments;  ///< of --set
 
   bool plain() const { return !pair.left.empty(); }
-  bool photograph() const { return !plain() && std::filesystem::is_regular_file(capture); }
+  bool photograph() const {
+    std::error_code unreadable;  // then it is no photograph, and the capture's reader says why
+    return !plain() && std::filesystem::is_regular_file(capture, unreadable);
+  }
   bool mask_given() const { return true_mask || !mask.empty(); }
 };
 
@@ -242,6 +248,16 @@ pipeline::Face tapped(const NumberList<2>& tap, const Camera& camera, bool trans
   return pipeline::tapped_region(x, y, camera);
 }
 
+/// The tap in the pixels of the picture that people are looked for in.
+std::optional<pipeline::Face> tap_in_sight(const PortraitOptions& options, const Capture& capture) {
+  if (!options.tap || !options.zoom) return options.tap;
+  PortraitOptions tap_alone;
+  tap_alone.tap = options.tap;
+  tap_alone.transposed = options.transposed;
+  return pipeline::zoomed(tap_alone, pipeline::zoom_window(capture.camera, holds_photosites(capture)), capture.camera)
+      .tap;
+}
+
 /// What a mode that the user chose needs is required; mode auto goes without where this build cannot.
 bool can_find_people(const PortraitCommand& command, bool faces_known) {
   if (faces_known || pipeline::has_face_detector()) return true;
@@ -260,7 +276,9 @@ void run(const PortraitCommand& command) {
     network.emplace(pipeline::built_in_weights(), 1,
                     command.bf16 ? pipeline::Precision::bf16 : pipeline::Precision::f32);
   } else if (command.bf16) {
-    throw InputError("--bf16: people are not looked for in mode dp, or where a mask is given; leave it out");
+    throw InputError(looks_for_people
+                         ? "--bf16: this build has no person network (oneDNN); leave it out"
+                         : "--bf16: people are not looked for in mode dp, or where a mask is given; leave it out");
   }
   { const NewFolder writable(command.output, "result.json"); }  // before the work, not after it
 
@@ -269,9 +287,10 @@ void run(const PortraitCommand& command) {
   if (command.tap) options.tap = tapped(*command.tap, capture.camera, options.transposed);
   const pipeline::KnownSubject known = known_subject(capture, options);
   if (network && can_find_people(command, !known.faces.empty())) {
-    options.find_people = [&](const Image& picture, const std::vector<pipeline::Face>& seeds) {
-      return options.tap && seeds.empty() ? pipeline::find_people_at(picture, *options.tap, *network)
-                                          : pipeline::find_people(picture, seeds, *network, options.seed_faces);
+    const std::optional<pipeline::Face> tap = tap_in_sight(options, capture);
+    options.find_people = [&, tap](const Image& picture, const std::vector<pipeline::Face>& seeds) {
+      return tap && seeds.empty() ? pipeline::find_people_at(picture, *tap, *network)
+                                  : pipeline::find_people(picture, seeds, *network, options.seed_faces);
     };
   }
   const std::optional<Image> mask = given_mask(command, capture);
@@ -381,7 +400,8 @@ void add_portrait(CLI::App& program) {
                   "Cat's-eye blur towards the corners: share of the radius that is cut off there on either side")
       ->check(CLI::Range(0.0, 0.9))
       ->type_name("SHARE");
-  sub->add_flag("--zoom", command->zoom, "The middle of the picture alone, magnified 1.5 times, as the paper has it");
+  sub->add_flag("--zoom", command->zoom,
+                "The middle of the picture alone, two thirds as wide and high, as the paper has it; not enlarged");
   sub->add_flag("--recover-highlights", command->recover_highlights,
                 "Estimate the true brightness of clipped highlights before the blur");
   sub->add_flag("--no-noise", command->no_noise, "Leave out the synthetic noise on what the blur has smoothed");

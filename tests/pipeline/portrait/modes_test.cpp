@@ -120,6 +120,9 @@ TEST(PortraitModes, ACaptureWithoutViewsNeedsPeople) {
     options.mode = mode;
     EXPECT_NE(refusal(options).find("there are no dual-pixel views; choose seg"), std::string::npos);
   }
+  PortraitOptions options = automatic(somebody);
+  options.match_pupil_mm = 5;
+  EXPECT_EQ(refusal(options), "match_lens: there are no dual-pixel views to use it with; leave it out");
 }
 
 // Section 5.1: the median over a well-focused face, also where the mode becomes dp.
@@ -159,6 +162,23 @@ TEST(PortraitZoom, ShowsTheMiddleOfThePicture) {
       ASSERT_NEAR(part.input.at(x, y, 1), whole.input.at(x + 32, y + 24, 1), 1e-5) << x << " " << y;
     }
   }
+}
+
+TEST(PortraitZoom, ChecksWhatIsGivenBeforeItIsCut) {
+  const Capture capture = wall_capture();
+  PortraitOptions options;
+  options.zoom = true;
+  const int width = capture.camera.dp_width(), height = capture.camera.dp_height();
+  for (const auto& [w, h] : {std::pair{5, 5}, {4 * width, 4 * height}, {width, height - 1}}) {
+    options.disparity = GivenDisparity{Image(w, h), {}, {}};
+    EXPECT_THROW(run_portrait(capture, options), InputError) << w << " x " << h;
+  }
+  options.disparity.reset();
+  options.picture = Image(7, 5, 3, 0.5f);
+  EXPECT_THROW(run_portrait(capture, options), InputError);
+  Camera tiny = capture.camera;
+  tiny.width_px = 2, tiny.height_px = 4;
+  EXPECT_THROW(zoom_window(tiny, true), InputError);
 }
 
 // They come and go in the whole picture's pixels.

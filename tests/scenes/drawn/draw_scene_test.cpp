@@ -115,7 +115,7 @@ TEST(DrawnScenes, SettingOneParameterLeavesTheOthers) {
 }
 
 void expect_two_clean(const std::string& kind) {
-  for (const std::uint64_t seed : {2, 3}) expect_clean(kind, seed);  // `experiment scenes` takes any number of them
+  for (const std::uint64_t seed : {2, 3}) expect_clean(kind, seed);
 }
 
 TEST(SlowDrawnScenes, TwoPortraits) { expect_two_clean("portrait"); }
@@ -123,6 +123,13 @@ TEST(SlowDrawnScenes, TwoStillLifes) { expect_two_clean("still_life"); }
 TEST(SlowDrawnScenes, TwoRooms) { expect_two_clean("room"); }
 TEST(SlowDrawnScenes, TwoOutdoors) { expect_two_clean("outdoors"); }
 TEST(SlowDrawnScenes, TwoCharts) { expect_two_clean("chart"); }
+
+// `experiment scenes` takes any number of them, and renders them, too.
+TEST(SweepDrawnScenes, SixOfEachKind) {
+  for (const SceneKind& kind : scene_kinds()) {
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) expect_clean(kind.name, seed);
+  }
+}
 
 }  // namespace
 }  // namespace dualpixel::scenes

@@ -163,9 +163,9 @@ TEST(SweepLightBias, IsATenthOfTheSensorsNoiseAtMost) {
 // Linear interpolation errs by the square of the spacing, and beside shadows' edges in as many photosites as it spans.
 TEST(SlowLightBias, FallsWithTheDistanceOfPoints) {
   const Scene scene = glossy_balls_under_lamps();
-  const Halves sampled = render_twice(scene, {.light_spacing_px = 0}, 64, 0);
+  const Halves sampled = render_twice(scene, {.light_spacing_px = 0}, 256, 0);
   const auto squared = [&](double spacing_px) {
-    return bias_of(render_twice(scene, {.light_spacing_px = spacing_px, .light_samples = 1024}, 64, 0), sampled)
+    return bias_of(render_twice(scene, {.light_spacing_px = spacing_px, .light_samples = 1024}, 256, 0), sampled)
         .squared;
   };
   EXPECT_LT(squared(4), squared(16) / 4);

@@ -205,7 +205,10 @@ TEST(PlainPair, IsReportedOn) {
   ASSERT_EQ(run_program(pair + "-o " + in + "b' --split vertical --matcher split").status, 0);
   write_npy(folder / "d.npy", Image(129, 95, 1, 0.5f));
   ASSERT_EQ(run_program(pair + "-o " + in + "c' --disparity " + in + "d.npy'").status, 0);
+  ASSERT_EQ(run_program(pair + "-o " + in + "z' --split vertical --zoom").status, 0);
   const std::string report = "report -o " + in + "report.html' " + in;
+  const Outcome zoomed = run_program(report + "z'");
+  EXPECT_EQ(zoomed.status, 0) << zoomed.err;
   const Outcome outcome = run_program(report + "a' " + in + "b' " + in + "c'");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const std::string page = read_bytes(folder / "report.html");

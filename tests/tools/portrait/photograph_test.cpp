@@ -167,6 +167,8 @@ TEST(Photograph, BecomesAPortraitOfItsPeople) {
   EXPECT_LT(stored.result.blur_radius_px.at(150, 110), 1);
 
   ASSERT_EQ(run_program("portrait " + in + "a.jpg' --zoom -o " + in + "zoomed'").status, 0);
+  const Outcome tapped = run_program("portrait " + in + "a.jpg' --zoom --tap 150,110 -o " + in + "tapped'");
+  EXPECT_EQ(tapped.status, 0) << tapped.err;
   const Outcome report = run_program("report " + in + "out' " + in + "zoomed' -o " + in + "page.html'");
   ASSERT_EQ(report.status, 0) << report.err;
   const std::string page = read_bytes(folder / "page.html");
