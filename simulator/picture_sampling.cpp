@@ -89,7 +89,7 @@ void prepare_light(const Simulation& s, RenderScene& world, const CameraView& vi
 
 PictureSampling sample_views(const Simulation& s, RenderScene& world, const CameraView& view, const ErrorTarget& noise,
                              const std::optional<ErrorTarget>& goal, const ProgressCallback& progress) {
-  const std::uint32_t count = poses_of(s);
+  const std::uint32_t count = std::max<std::uint32_t>(poses_of(s), 1);
   const SampleLimits all;
   const SampleLimits limits{std::max(all.fewest / std::bit_ceil(count), 2u), all.most / std::bit_floor(count)};
   if (s.time_budget_s) {

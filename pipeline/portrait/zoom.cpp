@@ -132,8 +132,8 @@ Capture zoomed(const Capture& capture, const Window& window, const std::string& 
   const Camera& camera = capture.camera;
   const int mosaic = capture.frames[0].mosaic.empty() ? 1 : 2;  // cut between its squares of 2 x 2
   const bool finished = !holds_photosites(capture);
-  const int step_x = finished ? 1 : std::lcm(mosaic, camera.dp_downsample_x);
-  const int step_y = finished ? 1 : std::lcm(mosaic, camera.dp_downsample_y);
+  const int step_x = finished ? 1 : std::max(1, std::lcm(mosaic, camera.dp_downsample_x));
+  const int step_y = finished ? 1 : std::max(1, std::lcm(mosaic, camera.dp_downsample_y));
   const bool inside = window.width > 0 && window.height > 0 && window.x + window.width <= camera.width_px &&
                       window.y + window.height <= camera.height_px;
   if (!inside || window.x % step_x || window.width % step_x || window.y % step_y || window.height % step_y) {
