@@ -207,7 +207,7 @@ TEST(CaptureIo, LensShadingIsAWholeGridOfShares) {
   const auto refusal = [&](const char* field, const json& value) {
     const json before = read_json_file(folder / "out/capture.json");
     edit(folder / "out", [&](json& d) { d["camera"]["lens_shading"][field] = value; });
-    const std::string message = capture_refusal(folder / "out");
+    std::string message = capture_refusal(folder / "out");
     write_bytes(folder / "out/capture.json", before.dump());
     return message;
   };
