@@ -579,7 +579,7 @@ std::string flattened_triangle(const std::vector<float>& times_s, const std::vec
 std::string animation_refusal(const json& document, const std::string& path) {
   const Simulation s = read_simulation(document, path);
   bool rendered = false;
-  const std::string message = dualpixel::simulator::refusal(
+  std::string message = dualpixel::simulator::refusal(
       [&] { simulate(s, load_scene(s), [&](const std::string&, double) { rendered = true; }); });
   EXPECT_FALSE(rendered);
   return message;
