@@ -13,14 +13,14 @@
 namespace dualpixel::tools {
 namespace {
 
-struct Command {
+struct StudyCommand {
   std::vector<std::string> portraits, votes;
   std::string output, study;
   std::uint64_t seed = 1;
   bool json = false;
 };
 
-void make(const Command& command) {
+void make_study(const StudyCommand& command) {
   std::vector<evaluation::MethodFolder> methods;
   for (const std::string& given : command.portraits) {
     const std::size_t equals = given.find('=');
@@ -36,7 +36,7 @@ void make(const Command& command) {
   out.commit();
 }
 
-void count(const Command& command) {
+void count_study(const StudyCommand& command) {
   if (command.votes.empty()) throw InputError("experiment votes: --study needs files of votes");
   const evaluation::Study study = evaluation::read_study(command.study + "/study.json");
   std::vector<evaluation::Votes> votes;
@@ -48,7 +48,7 @@ void count(const Command& command) {
 }  // namespace
 
 void add_experiment_votes(CLI::App& experiment) {
-  auto command = std::make_shared<Command>();
+  auto command = std::make_shared<StudyCommand>();
   CLI::App* sub = experiment.add_subcommand(
       "votes",
       "A user study: a page that shows portraits of several methods in pairs, blind, and the count of its votes");
@@ -82,7 +82,7 @@ void add_experiment_votes(CLI::App& experiment) {
     if (command->output.empty() == command->study.empty()) {
       throw InputError("experiment votes: needs --portraits and -o to make a study, or --study to count its votes");
     }
-    command->study.empty() ? make(*command) : count(*command);
+    command->study.empty() ? make_study(*command) : count_study(*command);
   });
 }
 
