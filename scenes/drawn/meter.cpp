@@ -38,7 +38,7 @@ double seconds_at_iso_100(const Image& picture, const Image& person_mask, double
   for (std::size_t i = 0; i < picture.pixel_count(); ++i) {
     const float* p = &picture.data[3 * i];
     brightest.push_back(std::max({p[0], p[1], p[2], 1e-6f}) * signal_per_nit_s);
-    const int part = person_mask.data[i] > 0 ? 1 : 0;
+    const int part = person_mask.data[i] > 0.5f ? 1 : 0;
     logs[part] += std::log(std::max(0.25 * p[0] + 0.6 * p[1] + 0.15 * p[2], 1e-6) * signal_per_nit_s);
     ++counts[part];
   }

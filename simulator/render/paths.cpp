@@ -82,11 +82,10 @@ void see_unlit(const Scene& scene, const Mesh& mesh, const int lanes[kPacket], c
   Vec3Packet& r = paths.radiance;
   const float white_nits = scene.unlit_white_nits;
 #pragma GCC ivdep
-  for (int i = 0; i < kPacket; ++i) {
-    const float white = lanes[i] ? white_nits : 0.0f;
-    r.x[i] += t.x[i] * color.x[i] * white;
-    r.y[i] += t.y[i] * color.y[i] * white;
-    r.z[i] += t.z[i] * color.z[i] * white;
+  for (int i = 0; i < kPacket; ++i) {  // `t` of lanes that met something else may be anything, NaN included
+    r.x[i] += lanes[i] ? t.x[i] * color.x[i] * white_nits : 0.0f;
+    r.y[i] += lanes[i] ? t.y[i] * color.y[i] * white_nits : 0.0f;
+    r.z[i] += lanes[i] ? t.z[i] * color.z[i] * white_nits : 0.0f;
   }
 }
 

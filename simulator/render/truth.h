@@ -6,7 +6,8 @@
 namespace dualpixel::simulator {
 
 /// The geometry part of Truth, by the chief ray through each pixel's center and the lens's disparity field; never
-/// by matching rendered views. The pictures are left empty.
+/// by matching rendered views. The person mask alone is the share of each photosite, so that hair covers a part of it;
+/// strands that the middle of no photosite meets within two of them are missed. The pictures are left empty.
 Truth trace_truth(const RenderScene& scene, const CameraView& camera);
 
 /// The same of rows [first_row, end_row) of a truth that has its size.

@@ -57,11 +57,22 @@ void list_options(const std::string& kind, bool json) {
   std::cout << (json ? all.dump(2) + "\n" : text);
 }
 
+/// A definition, tried at once so that what is wrong with it names the file.
+scenes::SceneOrder order_in(const std::string& file) {
+  scenes::SceneOrder order = scenes::read_scene_order(file);
+  try {
+    scenes::scene_file_start(scenes::scene_kind(order.kind), order);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", printable(file), error.what()));
+  }
+  return order;
+}
+
 /// The order as the command line gives it: a kind, or a file that names one; --seed and --set come after the file's.
 scenes::SceneOrder order_of(const SceneArguments& arguments) {
   scenes::SceneOrder order;
   order.kind = arguments.kind;
-  if (arguments.kind.ends_with(".json")) order = scenes::read_scene_order(arguments.kind);
+  if (arguments.kind.ends_with(".json")) order = order_in(arguments.kind);
   if (arguments.seed) order.seed = *arguments.seed;
   order.assignments.insert(order.assignments.end(), arguments.assignments.begin(), arguments.assignments.end());
   return order;

@@ -102,6 +102,23 @@ Mesh placed(Mesh mesh, float size, glm::vec3 origin) {
   return mesh;
 }
 
+// A rough metal wall beside a black one, with an unlit wall behind the camera: packets hold paths that ended at the
+// black wall and paths that go on to the unlit one. What ended counts for nothing there, whatever it would have
+// carried.
+TEST(Robustness, UnlitSurfacesInMetalLeaveEndedPathsAlone) {
+  Scene scene;
+  scene.materials = {diffuse(0), diffuse(0.9f), diffuse(1)};
+  scene.materials[1].metallic = 1;
+  scene.materials[1].roughness = 0.3f;
+  scene.materials[2].unlit = true;
+  scene.unlit_white_nits = 100;
+  scene.meshes = {make_quad({-5, -5, 1}, {5, 0, 0}, {0, 10, 0}, 0), make_quad({0, -5, 1}, {5, 0, 0}, {0, 10, 0}, 1),
+                  make_quad({-50, -50, -1}, {0, 100, 0}, {100, 0, 0}, 2)};
+  const auto [low, high] = range_of(scene, phone_camera(0.5, 24, 24, {}, 5.6e-6));
+  EXPECT_EQ(low, 0);
+  EXPECT_GT(high, 50);
+}
+
 // A sheet that fills half the sky reflects albedo times the sky's other half, from millimetres to tens of kilometres:
 // nothing that a surface throws back is shadowed by itself. Negative: a shared sheet that is placed there.
 TEST(SlowRobustness, WallsOfAllSizesDoNotShadowThemselves) {

@@ -84,5 +84,32 @@ TEST(Strands, HaveTruth) {
   EXPECT_LT(truth.normal.at(4, 4, 2), -0.99);
 }
 
+// A leaning strand .4 photosites wide: the middles of most photosites miss it, and the mask has all of its area.
+TEST(Strands, CoverAPartOfThePersonMask) {
+  constexpr int kSide = 32;
+  constexpr double kWidth = 0.4, kLean = 0.23;
+  const CameraView camera = phone_camera(1, kSide, kSide);
+  const auto photosite_m = static_cast<float>(1.4e-6 / thin(camera).image_distance_m());  // at 1 m
+  Mesh strand;
+  strand.object_id = 1;
+  strand.person = true;
+  for (const float v : {-30.0f, 30.0f}) {
+    strand.positions.push_back({static_cast<float>(kLean) * v * photosite_m, v * photosite_m, 1});
+    strand.radii.push_back(static_cast<float>(kWidth / 2) * photosite_m);
+  }
+  strand.triangles = {{0, 1, 0}};
+  const Truth truth = trace_truth(RenderScene(scene_of(strand, 1)), camera);
+  double area = 0;
+  int halves = 0;
+  for (const float v : truth.person_mask.data) {
+    area += v;
+    halves += v > 0 && v < 1 ? 1 : 0;
+    EXPECT_LT(v, 0.7);
+  }
+  const double expected = kSide * kWidth * std::sqrt(1 + kLean * kLean);
+  EXPECT_NEAR(area, expected, 0.04 * expected);  // 16 rays a photosite
+  EXPECT_GT(halves, kSide);
+}
+
 }  // namespace
 }  // namespace dualpixel::simulator::testing

@@ -56,8 +56,14 @@ TEST(SceneCommand, ReadsDefinitions) {
   const nlohmann::json scene = nlohmann::json::parse(read_bytes(folder / "out" + "/scene.json"));
   EXPECT_EQ(scene["lens"]["f_number"], 2.2);
   EXPECT_EQ(scene["render"]["seed"], 4);
-  write_bytes(folder / "bad.json", R"({"kind": "chart", "sed": 4})");
-  expect_one_line_refusal(run_command("scene '" + (folder / "bad.json") + "' -o '" + (folder / "out2") + "'"));
+  for (const char* bad : {R"({"kind": "chart", "sed": 4})", R"({"kind": "chat"})",
+                          R"({"kind": "chart", "set": {"foo": 1}})", R"({"kind": "chart", "set": {"width_px": 3}})"}) {
+    SCOPED_TRACE(bad);
+    write_bytes(folder / "bad.json", bad);
+    const Outcome refused = run_command("scene '" + (folder / "bad.json") + "' -o '" + (folder / "out2") + "'");
+    expect_one_line_refusal(refused);
+    EXPECT_NE(refused.err.find("bad.json"), std::string::npos) << refused.err;
+  }
 }
 
 }  // namespace
