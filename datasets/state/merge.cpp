@@ -141,7 +141,7 @@ std::string noise_warning(const std::vector<json>& index) {
   }
   if (noisy == 0) return "";
   return fmt::format(
-      "rendering noise is more than {:g} times the sensor's in {} of {} samples, {:.2g} times at most: set "
+      "rendering noise is more than {:g} times the sensor's in {} of {} samples, {:.0f} times at most: set "
       "render.noise_fraction or more samples, or a phone's sensor.full_well_e and electrons_per_lux_s, as the shipped "
       "recipes do",
       kMuch, noisy, index.size(), most);
