@@ -14,6 +14,7 @@ namespace dualpixel::simulator {
 namespace {
 
 constexpr int kLightPilotSamples = 16;
+constexpr double kLightShare = 0.5;  ///< of the square error that a goal allows
 
 ErrorTarget scaled(ErrorTarget target, double factor) {
   for (double& value : target.per_nit) value *= factor;
@@ -32,6 +33,17 @@ ErrorTarget goal_of_picture(const Simulation& s, const ErrorTarget& goal) {
 double light_share(RenderScene& world, const CameraView& view, const RenderOptions& options,
                    const ErrorTarget& target) {
   return estimate_error(world, view, options, target, kLightPilotSamples).light;
+}
+
+/// The same of the goal, in the picture where it is most.
+double largest_light_share(const Simulation& s, RenderScene& world, const CameraView& view, const ErrorTarget& goal) {
+  double most = light_share(world, view, s.render, goal);
+  RenderOptions picture = s.render;
+  for (const double scale : {0.0, s.photograph_aperture_scale}) {
+    picture.ideal_aperture_scale = scale;
+    most = std::max(most, light_share(world, view, picture, goal_of_picture(s, goal)));
+  }
+  return most;
 }
 
 /// The map whose samples, of all poses and frames, take what the pilot leaves of the time, with the pilot's own speed.
@@ -73,18 +85,16 @@ void prepare_light(const Simulation& s, RenderScene& world, const CameraView& vi
   const auto use = [&](const LightCacheOptions& light) {
     light.light_spacing_px == 0 ? world.light_cache.reset() : use_light(world, light);
   };
+  if (!goal || s.light.light_spacing_px == 0) return use(s.light);
+  // How fast the error falls depends on the scene, so that what was extrapolated is measured at each count. Points that
+  // are found for it at the last count are those of the pictures.
   LightCacheOptions light = s.light;
-  if (!goal || light.light_spacing_px == 0) return use(light);
-  light.light_samples = kLightPilotSamples;
-  use(light);
-  double error = light_share(world, view, s.render, *goal);
-  RenderOptions picture = s.render;
-  for (const double scale : {0.0, s.photograph_aperture_scale}) {
-    picture.ideal_aperture_scale = scale;
-    error = std::max(error, light_share(world, view, picture, goal_of_picture(s, *goal)));
-  }
-  light.light_samples = light_samples_for(0.5, error, kLightPilotSamples);
-  use(light);
+  int samples = kLightPilotSamples;
+  do {
+    light.light_samples = samples;
+    use(light);
+    samples = light_samples_for(kLightShare, largest_light_share(s, world, view, *goal), samples);
+  } while (samples > light.light_samples);
 }
 
 PictureSampling sample_views(const Simulation& s, RenderScene& world, const CameraView& view, const ErrorTarget& noise,

@@ -20,9 +20,9 @@ struct PictureSampling {
 /// What the two views may be off by where the scene file sets a goal for it.
 std::optional<ErrorTarget> goal_of(const Simulation& simulation, const ErrorTarget& sensor_noise, double unit_per_nit);
 
-/// Gives `world` the light cache of the scene file; where there is a goal, of so many samples that its square error
-/// takes half of what the goal allows in the picture where it shows most. A cache that `world` has is kept where it is
-/// the same.
+/// Gives `world` the light cache of the scene file; where there is a goal, of so many samples that its square error, as
+/// measured with them, takes half at most of what the goal allows in the picture where it shows most. A cache that
+/// `world` has is kept where it is the same.
 void prepare_light(const Simulation& simulation, RenderScene& world, const CameraView& view,
                    const std::optional<ErrorTarget>& goal);
 

@@ -41,7 +41,9 @@ void read_pair(Fields& fields, const std::string& key, double& low, double& high
 
 void read_values(Fields& fields, const std::string& key, Distribution& d) {
   const json& list = fields.raw(key);
-  if (!list.is_array() || list.empty()) fields.fail(key, "must be a list of one value or more");
+  if (!list.is_array() || list.empty()) {
+    fields.fail(key, printable(list.dump()) + ": must be a list of one value or more");
+  }
   d.values = list.get<std::vector<json>>();
 }
 
@@ -50,7 +52,8 @@ void read_weights(Fields& fields, Distribution& d) {
   if (d.weights.empty()) d.weights.assign(d.values.size(), 1);
   const double sum = std::accumulate(d.weights.begin(), d.weights.end(), 0.0);
   if (d.weights.size() != d.values.size() || !(sum > 0)) {
-    fields.fail("weights", fmt::format("must be {} numbers, not all 0: one for each value", d.values.size()));
+    fields.fail("weights", fmt::format("{}: must be {} numbers, not all 0: one for each value",
+                                       printable(fields.raw("weights").dump()), d.values.size()));
   }
 }
 
@@ -127,7 +130,9 @@ Distribution read_object(Fields fields, Kind kind, const std::string& name) {
       break;
     case Kind::integer:
       read_pair(fields, name, d.low, d.high, -kLargest);
-      if (d.low != std::floor(d.low) || d.high != std::floor(d.high)) fields.fail(name, "must be whole numbers");
+      if (d.low != std::floor(d.low) || d.high != std::floor(d.high)) {
+        fields.fail(name, fmt::format("[{:g}, {:g}]: must be whole numbers", d.low, d.high));
+      }
       break;
     case Kind::normal:
       read_normal(fields, d);

@@ -216,7 +216,8 @@ void read_keep(Fields& root, Recipe& recipe) {
   }
   const std::vector<std::string> names = names_of(pictures());
   if (!keep.is_array() || keep.empty()) {
-    root.fail("keep", fmt::format("must be a list of pictures: '{}'", fmt::join(names, "', '")));
+    root.fail("keep", fmt::format("{}must be a list of pictures: '{}'",
+                                  keep.is_null() ? "" : printable(keep.dump()) + ": ", fmt::join(names, "', '")));
   }
   for (const json& entry : keep) {
     const std::string name = entry.is_string() ? entry.get<std::string>() : entry.dump();

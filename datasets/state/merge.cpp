@@ -129,4 +129,22 @@ std::vector<json> merge_samples(const std::string& folder) {
   return index;
 }
 
+std::string noise_warning(const std::vector<json>& index) {
+  constexpr double kMuch = 2;
+  int noisy = 0;
+  double most = 0;
+  for (const json& entry : index) {
+    const json& fraction = entry.at("noise_fraction");
+    if (!fraction.is_number() || fraction.get<double>() <= kMuch) continue;
+    ++noisy;
+    most = std::max(most, fraction.get<double>());
+  }
+  if (noisy == 0) return "";
+  return fmt::format(
+      "rendering noise is more than {:g} times the sensor's in {} of {} samples, {:.0f} times at most: set "
+      "render.noise_fraction or more samples, or a phone's sensor.full_well_e and electrons_per_lux_s, as the shipped "
+      "recipes do",
+      kMuch, noisy, index.size(), most);
+}
+
 }  // namespace dualpixel::datasets

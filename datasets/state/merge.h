@@ -18,4 +18,8 @@ inline constexpr const char* kIndexFile = "index.jsonl";
 /// of a layout's tree is a symbolic link; all is then as it was.
 std::vector<nlohmann::json> merge_samples(const std::string& folder);
 
+/// A line that says in how many of an index's samples rendering noise is more than twice the sensor's, so that a method
+/// would be trained on it, and what helps; empty where in none.
+std::string noise_warning(const std::vector<nlohmann::json>& index);
+
 }  // namespace dualpixel::datasets

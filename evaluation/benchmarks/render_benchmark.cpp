@@ -286,8 +286,8 @@ RenderCurve measure_adaptive(const Patches& patches, const Reference& reference,
   return curve;
 }
 
-/// Light samples for half of the square error that is allowed, as `simulate --noise-fraction` chooses them. Returns the
-/// share of it that they leave to camera samples.
+/// Light samples for half of the square error that is allowed, extrapolated from few. Returns the share of it that they
+/// leave to camera samples.
 double fit_light_cache(Patches& patches, double error) {
   constexpr int kPilotSamples = 16, kPilotPatches = 4;  // 256 photosites, a hundredth of them all
   double light = 0;

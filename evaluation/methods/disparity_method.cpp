@@ -125,8 +125,8 @@ DisparityMethod method_named(const std::string& text) {
   const bool views = (names("{left}") || names("{left.npy}")) && (names("{right}") || names("{right.npy}"));
   if (method.name.empty() || !views || !names("{out}")) {
     throw InputError(
-        fmt::format("--method {}: must be NAME=COMMAND, with {{left}}, {{right}} and {{out}} in the "
-                    "command, or a matcher's name",
+        fmt::format("--method {}: must be NAME=COMMAND, with {{left}} or {{left.npy}}, {{right}} or {{right.npy}}, "
+                    "and {{out}} (or {{out}}.npy) in the command, or a matcher's name",
                     printable(text)));
   }
   if (find_named(pipeline::matchers(), method.name)) {

@@ -1,5 +1,7 @@
 #include "scenes/framing/resolve_scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -44,7 +46,7 @@ FocusRequest take_focus_request(json& document, const std::string& path) {
   if (!request.any()) return request;
   if (!distance.is_null() + request.at_px.has_value() + request.node.has_value() > 1) {
     fields.fail(request.node ? "focus_node" : "focus_at_px",
-                "give one of focus_distance_m, focus_at_px and focus_node");
+                "give one of focus_distance_m, focus_at_px and focus_node; null takes a field away");
   }
   for (const char* field : {"focus_distance_m", "focus_at_px", "focus_node"}) camera.erase(field);
   return request;
@@ -98,7 +100,9 @@ void focus(const FocusRequest& request, json& document, const std::string& path,
   } else if (request.at_px) {
     const auto [x, y] = *request.at_px;
     if (!(x >= 0 && x <= s.sensor.width_px && y >= 0 && y <= s.sensor.height_px)) {
-      Fields(document["camera"], path, "/camera").fail("focus_at_px", "must lie in the picture");
+      Fields(document["camera"], path, "/camera")
+          .fail("focus_at_px", fmt::format("[{:g}, {:g}]: must lie in the picture of {} x {} photosites", x, y,
+                                           s.sensor.width_px, s.sensor.height_px));
     }
     depth = depth_at(seen, x / s.sensor.width_px, y / s.sensor.height_px, path, "/camera/focus_at_px");
   } else {

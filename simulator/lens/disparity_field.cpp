@@ -25,10 +25,6 @@ struct Sums {
   }
 };
 
-bool same_everywhere(const Lens& lens) {
-  return std::holds_alternative<ThinModel>(lens.model) && lens.split.microlens.design_exit_pupil_mm == 0;
-}
-
 DisparityCoefficients closed_form(const LensSampler& lens) {
   const ThinLens& thin = lens.lens().thin;
   const double per_px = 1 / lens.sensor().pixel_pitch_m;
@@ -46,6 +42,10 @@ DisparityCoefficients closed_form(const LensSampler& lens) {
 }
 
 }  // namespace
+
+bool same_everywhere(const Lens& lens) {
+  return std::holds_alternative<ThinModel>(lens.model) && lens.split.microlens.design_exit_pupil_mm == 0;
+}
 
 DisparityCoefficients trace_disparity(const LensSampler& lens, int x, int y, int samples) {
   Sums left, right;

@@ -10,6 +10,7 @@
 namespace dualpixel::simulator {
 
 class LensSampler;
+struct Lens;
 
 /// Disparity is in DP pixels of SensorGrid::dp_downsample_x photosites, blur in photosites.
 struct DisparityCoefficients {
@@ -17,6 +18,9 @@ struct DisparityCoefficients {
   double blur_slope_px_m = 0, blur_intercept_px = 0;
   double left_light = 0, right_light = 0;  ///< illumination of each view over that of the whole axis
 };
+
+/// Whether all photosites see the pupil alike.
+bool same_everywhere(const Lens& lens);
 
 /// By `samples` rays (a multiple of 16) of photosite (x, y)'s center.
 DisparityCoefficients trace_disparity(const LensSampler& lens, int x, int y, int samples = 4096);

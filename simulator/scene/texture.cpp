@@ -1,4 +1,8 @@
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <cmath>
+#include <memory>
 
 #include "simulator/scene/scene.h"
 
@@ -16,6 +20,15 @@ DecodeTables make_tables() {
   return tables;
 }
 
+/// Asks for large pages for memory that is not written yet. Rays look texels up all over, so that with small pages most
+/// look-ups miss the processor's table of pages. Where the system has none, nothing changes.
+void ask_for_large_pages(void* memory, std::size_t bytes) {
+  void* start = memory;
+  if (std::align(static_cast<std::size_t>(sysconf(_SC_PAGESIZE)), 1, start, bytes)) {
+    madvise(start, bytes, MADV_HUGEPAGE);
+  }
+}
+
 }  // namespace
 
 const DecodeTables kDecodeTables = make_tables();
@@ -24,6 +37,8 @@ void keep_decoded(Texture& texture) {
   constexpr std::size_t kMostTexels = 1 << 22;
   const std::size_t texels = texture.bytes().size() / 4;
   if (texels > kMostTexels) return;
+  texture.decoded.reserve(texels);
+  ask_for_large_pages(texture.decoded.data(), texels * sizeof(texture.decoded[0]));
   texture.decoded.resize(texels);
   for (std::size_t i = 0; i < texels; ++i) texture.decoded[i] = decode_texel(texture, i);
 }

@@ -9,6 +9,8 @@ import pytest
 
 import dualpixel
 
+os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"  # OpenCV reads no EXR without it
+
 SCENES = Path(os.environ["DUALPIXEL_SCENES_DIR"])
 SMALL = {
     "sensor.width_px": 128,

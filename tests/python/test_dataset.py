@@ -45,6 +45,20 @@ def test_samples_are_what_was_rendered(rendered):
     np.testing.assert_array_equal(sample["view_disparity_dp_px"], capture.truth.disparity[2::4, 1::2])
 
 
+def test_opencv_reads_the_same(rendered):
+    """OpenCV takes channels of other names than Y, R, G, B for zeros in silence, and has blue first."""
+    cv2 = pytest.importorskip("cv2")
+    if not list(rendered.glob("samples/*/left.exr")):
+        pytest.skip("NumPy's layout")
+    for sample in dualpixel.Dataset(rendered):
+        folder = rendered / "samples" / sample["name"]
+        for name in ("left", "right", "view_disparity_dp_px"):
+            np.testing.assert_array_equal(cv2.imread(str(folder / f"{name}.exr"), cv2.IMREAD_UNCHANGED), sample[name])
+        normal = cv2.imread(str(folder / "view_normal.exr"), cv2.IMREAD_UNCHANGED)
+        np.testing.assert_array_equal(normal[..., ::-1], sample["view_normal"])
+        assert sample["left"].any() and sample["view_disparity_dp_px"].any() and sample["view_normal"].any()
+
+
 def test_splits_share_nothing(rendered):
     train, test = dualpixel.Dataset(rendered, "train"), dualpixel.Dataset(rendered, "test")
     assert sorted(train.names + test.names) == dualpixel.Dataset(rendered).names

@@ -402,6 +402,8 @@ TEST(Plan, RefusesBeforeAnythingIsRendered) {
             "'valid', 'object_id', 'view_depth_m', 'view_blur_px', 'view_disparity_dp_px', "
             "'view_normal', 'view_person', 'view_valid', 'view_object_id'; did you mean "
             "'left'?");
+  EXPECT_TRUE(refusal("/keep", json::array()).starts_with("r.json: /keep: []: must be a list of pictures: 'left', "));
+  EXPECT_TRUE(refusal("/keep", "left").starts_with("r.json: /keep: \"left\": must be a list of pictures: 'left', "));
   EXPECT_EQ(refusal("/set/camera.focus_distance_m", 1),
             "r.json: /set/camera.focus_distance_m: follows from /relations/focus: give one of them");
   EXPECT_EQ(refusal("/set/render.seed", 1),

@@ -44,6 +44,18 @@ TEST(SlowMerge, IndexesWhatIsThere) {
   EXPECT_EQ(message_of<InputError>([&] { merge_samples(set); }), set + ": nothing is rendered yet");
 }
 
+TEST(Merge, SaysWhereRenderingIsNoisierThanTheSensor) {
+  const auto warning = [](const json& fractions) {
+    std::vector<json> index;
+    for (const json& fraction : fractions) index.push_back({{"noise_fraction", fraction}});
+    return noise_warning(index);
+  };
+  EXPECT_EQ(warning({0.25, 2.0, nullptr}), "");
+  EXPECT_TRUE(
+      warning({0.25, 64.4, 2.5, nullptr})
+          .starts_with("rendering noise is more than 2 times the sensor's in 2 of 4 samples, 64 times at most"));
+}
+
 // A data set that somebody else has made must not reach what lies beside it.
 TEST(Merge, ReadsNoFileThatThePlanDoesNotKeep) {
   const TemporaryFolder folder;

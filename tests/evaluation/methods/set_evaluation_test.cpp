@@ -105,7 +105,10 @@ TEST(ForeignMethod, SaysWhatIsWrong) {
   const auto message = [&](const std::string& text) {
     return message_of<InputError>([&] { method_named(text).run(view, view, {}); });
   };
-  const std::string form = ": must be NAME=COMMAND, with {left}, {right} and {out} in the command, or a matcher's name";
+  const std::string form =
+      ": must be NAME=COMMAND, with {left} or {left.npy}, {right} or {right.npy}, and {out} (or {out}.npy) in the "
+      "command, "
+      "or a matcher's name";
   EXPECT_EQ(message("a=prog {left} {out}"), "--method a=prog {left} {out}" + form);
   EXPECT_EQ(message("=prog {left} {right} {out}"), "--method =prog {left} {right} {out}" + form);
   EXPECT_EQ(message("paper=prog {left} {right} {out}"), "--method paper: is the name of a matcher: choose another");

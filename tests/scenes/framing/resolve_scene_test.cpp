@@ -72,9 +72,11 @@ TEST(ResolveScene, RefusesWhatCannotBeFocusedOn) {
   const std::string path = folder / "scene.json";
   EXPECT_EQ(refusal({{"focus_node", "nearr"}}, folder),
             path + ": /camera/focus_node: nearr: the glTF file has no such node; did you mean 'near'?");
-  EXPECT_EQ(refusal({{"focus_at_px", {200, 48}}}, folder), path + ": /camera/focus_at_px: must lie in the picture");
-  EXPECT_EQ(refusal({{"focus_at_px", {40, 48}}, {"focus_node", "near"}}, folder),
-            path + ": /camera/focus_node: give one of focus_distance_m, focus_at_px and focus_node");
+  EXPECT_EQ(refusal({{"focus_at_px", {200, 48}}}, folder),
+            path + ": /camera/focus_at_px: [200, 48]: must lie in the picture of 128 x 96 photosites");
+  EXPECT_EQ(
+      refusal({{"focus_at_px", {40, 48}}, {"focus_node", "near"}}, folder),
+      path + ": /camera/focus_node: give one of focus_distance_m, focus_at_px and focus_node; null takes a field away");
   const json away = {{"position_m", {0, 0, 2.5}}, {"look_at_m", {0, 0, 5}}};
   for (const auto& [field, value] :
        {std::pair<const char*, json>{"focus_distance_m", "auto"}, {"focus_at_px", {9, 9}}}) {

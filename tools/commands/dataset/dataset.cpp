@@ -135,6 +135,7 @@ void run_merge(const DatasetArguments& arguments) {
   const std::string page = arguments.folder + "/statistics.html";
   replace_file(page, evaluation::dataset_page(index, arguments.folder));
   std::cout << fmt::format("{} samples: {}/{}, {}\n", index.size(), arguments.folder, datasets::kIndexFile, page);
+  if (const std::string warning = datasets::noise_warning(index); !warning.empty()) print_warnings({warning});
   if (!arguments.webdataset) return;
   std::cout << fmt::format("{} tar files in {}/webdataset\n", datasets::write_webdataset(index, arguments.folder),
                            arguments.folder);
