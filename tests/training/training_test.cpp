@@ -326,8 +326,10 @@ TEST_F(ToyPeople, ScoresAreTheirFormulas) {
     const torch::Tensor truth = batch.mask.contiguous();
     const float* const m = drawn.data_ptr<float>();
     const float* const t = truth.data_ptr<float>();
-    double iou = 0, gradient = 0;
+    const std::vector<MaskScore> scores = evaluate(network, set, {0, 1}, {}, half_size);
+    ASSERT_EQ(scores.size(), 2U);
     for (int n = 0; n < 2; ++n) {
+      double gradient = 0;
       int both = 0, either = 0;
       const auto error = [&](int x, int y) { return m[(n * size + y) * size + x] - t[(n * size + y) * size + x]; };
       for (int y = 0; y < size; ++y) {
@@ -340,11 +342,11 @@ TEST_F(ToyPeople, ScoresAreTheirFormulas) {
         }
       }
       EXPECT_GT(both, 0);
-      iou += 0.5 * both / either;
+      EXPECT_NEAR(scores[n].iou, static_cast<double>(both) / either, 1e-9);
+      EXPECT_NEAR(scores[n].gradient_error, gradient / (static_cast<double>(size) * size), 1e-6);
     }
-    const MaskScore score = evaluate(network, set, {0, 1}, {}, half_size);
-    EXPECT_NEAR(score.iou, iou, 1e-9);
-    EXPECT_NEAR(score.gradient_error, gradient / (2.0 * size * size), 1e-6);
+    EXPECT_NEAR(mean_of(scores).iou, (scores[0].iou + scores[1].iou) / 2, 1e-12);
+    EXPECT_NEAR(mean_of(scores).gradient_error, (scores[0].gradient_error + scores[1].gradient_error) / 2, 1e-12);
   }
 }
 
@@ -394,6 +396,15 @@ TEST(WorkDone, CountsHalfSizeForAQuarter) {
   EXPECT_EQ(work_done(100, 100, 0.5), 1);
   EXPECT_NEAR(work_done(30, 100, 0), 0.3, 1e-12);
   EXPECT_NEAR(work_done(30, 100, 1), 0.3, 1e-12);
+}
+
+TEST(LearningRate, OneCycleAndThePapersSteps) {
+  EXPECT_EQ(learning_rate(0, 3e-3, false), 0);
+  EXPECT_NEAR(learning_rate(0.05, 3e-3, false), 3e-3, 1e-12);
+  EXPECT_NEAR(learning_rate(1, 3e-3, false), 1e-6, 1e-12);
+  EXPECT_EQ(learning_rate(0, 0.1, true), 0.1);
+  EXPECT_EQ(learning_rate(0.899, 0.1, true), 0.1);
+  EXPECT_EQ(learning_rate(0.901, 0.1, true), 1e-4);
 }
 
 TrainOptions toy_options(const std::string& folder, const std::string& run) {
@@ -511,7 +522,7 @@ TEST(SlowTraining, LearnsWhoIsMeantFromTheFace) {
     train(options, never);
     Network network = read_checkpoint(options.output + "/checkpoint.pt").network;
     // Two figures alike in each picture: whoever takes both, or cannot tell them apart, gets at most a half.
-    EXPECT_GT(evaluate(network, held_out, all).iou, 0.7) << bf16;
+    EXPECT_GT(mean_of(evaluate(network, held_out, all)).iou, 0.7) << bf16;
   }
 
   options.output = folder.path.string() + "/fine";
