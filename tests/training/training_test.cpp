@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <sstream>
 #include <utility>
 
 #include "capture/error.h"
@@ -448,6 +449,38 @@ TEST(SlowTraining, ResumesToTheSameWeights) {
   EXPECT_EQ(points_of("/parts"), (Points{{32, 128}, {144, 128}, {160, 256}}));
 }
 
+TEST(SlowTraining, SgdResumesToTheSameWeightsAndScoresAreListed) {
+  const TemporaryFolder folder;
+  scenes::write_toy_people(folder.path.string() + "/train", 20, 1);
+  scenes::write_toy_people(folder.path.string() + "/held_out", 4, 2, true);
+  TrainOptions options = toy_options(folder.path.string(), "whole");
+  options.sgd = true;
+  options.half_size = 0;
+  options.samples = 48;
+  train(options, never);
+  options.output = folder.path.string() + "/parts";
+  train(options, [](std::uint64_t samples) { return samples >= 16; });
+  options.resume = true;
+  train(options, never);
+  EXPECT_EQ(read_file(folder.path.string() + "/whole/person.safetensors"),
+            read_file(folder.path.string() + "/parts/person.safetensors"));
+  const nlohmann::json log = nlohmann::json::parse(read_file(folder.path.string() + "/whole/log.json"));
+  EXPECT_EQ(log["recipe"]["rate"], 0.1);
+  std::istringstream table(read_file(folder.path.string() + "/whole/scores.csv"));
+  std::string line;
+  std::getline(table, line);
+  EXPECT_EQ(line, "sample,seed,people,composite,iou,gradient_error");
+  double sum = 0;
+  int lines = 0;
+  for (; std::getline(table, line); ++lines) {
+    std::istringstream fields(line);
+    for (int field = 0; field < 5; ++field) std::getline(fields, line, ',');
+    sum += std::stod(line);
+  }
+  ASSERT_EQ(lines, 4);
+  EXPECT_NEAR(sum / lines, log["points"].back()["held_out_iou"].get<double>(), 1e-6);  // six digits
+}
+
 TEST(SlowTraining, OtherRunsCheckpointsAreRefused) {
   const TemporaryFolder folder;
   scenes::write_toy_people(folder.path.string() + "/train", 20, 1);
@@ -478,6 +511,10 @@ TEST(SlowTraining, OtherRunsCheckpointsAreRefused) {
   EXPECT_NE(with([](TrainOptions& o) { o.threads = 2; }).find("its threads is 1, not 2"), std::string::npos);
   EXPECT_NE(with([](TrainOptions& o) { o.composites = false; }).find("its composites"), std::string::npos);
   EXPECT_NE(with([](TrainOptions& o) { o.rate = 1e-3; }).find("its rate is 0.003, not 0.001"), std::string::npos);
+  EXPECT_NE(with([](TrainOptions& o) { o.sgd = true; }).find("its sgd is false, not true"), std::string::npos);
+  if (!torch::cuda::is_available()) {
+    EXPECT_NE(with([](TrainOptions& o) { o.device = torch::kCUDA; }).find("no such device"), std::string::npos);
+  }
   EXPECT_NE(with([](TrainOptions& o) { o.fine_tune = o.output; }).find("of another run"), std::string::npos);
   TrainOptions other = options;
   scenes::write_toy_people(folder.path.string() + "/other", 20, 3);
