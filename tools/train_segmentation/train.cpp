@@ -267,23 +267,33 @@ Checkpoint start_of(const TrainOptions& options, const std::string& path, const 
   return state;
 }
 
-}  // namespace
-
-void train(const TrainOptions& options, const std::function<bool(std::uint64_t samples)>& stop) {
-  const scenes::PeopleSet set(options.data, false), held_out(options.held_out, true);
+/// Makes LibTorch ready; how many threads it uses.
+int ready_threads(const TrainOptions& options) {
   const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
   torch::set_num_threads(threads);
   if (options.device.is_cuda() && !torch::cuda::is_available()) {
     throw InputError("--device: cuda: LibTorch finds no such device here; give cpu");
   }
   at::globalContext().setBenchmarkCuDNN(options.device.is_cuda());  // all batches are alike
+  return threads;
+}
 
-  const std::string checkpoint = options.output + "/checkpoint.pt";
-  std::vector<std::size_t> kept;
+std::vector<std::size_t> samples_to_learn_from(const TrainOptions& options, const scenes::PeopleSet& set) {
+  std::vector<std::size_t> samples;
   for (std::size_t i = 0; i < set.size(); ++i) {
-    if (options.composites || !set[i].composite) kept.push_back(i);
+    if (options.composites || !set[i].composite) samples.push_back(i);
   }
-  if (kept.empty()) throw InputError("--no-composites: the data holds composites only");
+  if (samples.empty()) throw InputError("--no-composites: the data holds composites only");
+  return samples;
+}
+
+}  // namespace
+
+void train(const TrainOptions& options, const std::function<bool(std::uint64_t samples)>& stop) {
+  const scenes::PeopleSet set(options.data, false), held_out(options.held_out, true);
+  const int threads = ready_threads(options);
+  const std::string checkpoint = options.output + "/checkpoint.pt";
+  std::vector<std::size_t> kept = samples_to_learn_from(options, set);
   Checkpoint state = start_of(options, checkpoint, set, kept, held_out, threads);
   std::error_code error;
   std::filesystem::create_directories(options.output, error);
