@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <sstream>
 #include <utility>
 
 #include "capture/error.h"
@@ -326,8 +327,10 @@ TEST_F(ToyPeople, ScoresAreTheirFormulas) {
     const torch::Tensor truth = batch.mask.contiguous();
     const float* const m = drawn.data_ptr<float>();
     const float* const t = truth.data_ptr<float>();
-    double iou = 0, gradient = 0;
+    const std::vector<MaskScore> scores = evaluate(network, set, {0, 1}, {}, half_size);
+    ASSERT_EQ(scores.size(), 2U);
     for (int n = 0; n < 2; ++n) {
+      double gradient = 0;
       int both = 0, either = 0;
       const auto error = [&](int x, int y) { return m[(n * size + y) * size + x] - t[(n * size + y) * size + x]; };
       for (int y = 0; y < size; ++y) {
@@ -340,11 +343,11 @@ TEST_F(ToyPeople, ScoresAreTheirFormulas) {
         }
       }
       EXPECT_GT(both, 0);
-      iou += 0.5 * both / either;
+      EXPECT_NEAR(scores[n].iou, static_cast<double>(both) / either, 1e-9);
+      EXPECT_NEAR(scores[n].gradient_error, gradient / (static_cast<double>(size) * size), 1e-6);
     }
-    const MaskScore score = evaluate(network, set, {0, 1}, {}, half_size);
-    EXPECT_NEAR(score.iou, iou, 1e-9);
-    EXPECT_NEAR(score.gradient_error, gradient / (2.0 * size * size), 1e-6);
+    EXPECT_NEAR(mean_of(scores).iou, (scores[0].iou + scores[1].iou) / 2, 1e-12);
+    EXPECT_NEAR(mean_of(scores).gradient_error, (scores[0].gradient_error + scores[1].gradient_error) / 2, 1e-12);
   }
 }
 
@@ -396,6 +399,15 @@ TEST(WorkDone, CountsHalfSizeForAQuarter) {
   EXPECT_NEAR(work_done(30, 100, 1), 0.3, 1e-12);
 }
 
+TEST(LearningRate, OneCycleAndThePapersSteps) {
+  EXPECT_EQ(learning_rate(0, 3e-3, false), 0);
+  EXPECT_NEAR(learning_rate(0.05, 3e-3, false), 3e-3, 1e-12);
+  EXPECT_NEAR(learning_rate(1, 3e-3, false), 1e-6, 1e-12);
+  EXPECT_EQ(learning_rate(0, 0.1, true), 0.1);
+  EXPECT_EQ(learning_rate(0.899, 0.1, true), 0.1);
+  EXPECT_EQ(learning_rate(0.901, 0.1, true), 1e-4);
+}
+
 TrainOptions toy_options(const std::string& folder, const std::string& run) {
   TrainOptions options;
   options.data = {folder + "/train"};
@@ -437,6 +449,38 @@ TEST(SlowTraining, ResumesToTheSameWeights) {
   EXPECT_EQ(points_of("/parts"), (Points{{32, 128}, {144, 128}, {160, 256}}));
 }
 
+TEST(SlowTraining, SgdResumesToTheSameWeightsAndScoresAreListed) {
+  const TemporaryFolder folder;
+  scenes::write_toy_people(folder.path.string() + "/train", 20, 1);
+  scenes::write_toy_people(folder.path.string() + "/held_out", 4, 2, true);
+  TrainOptions options = toy_options(folder.path.string(), "whole");
+  options.sgd = true;
+  options.half_size = 0;
+  options.samples = 48;
+  train(options, never);
+  options.output = folder.path.string() + "/parts";
+  train(options, [](std::uint64_t samples) { return samples >= 16; });
+  options.resume = true;
+  train(options, never);
+  EXPECT_EQ(read_file(folder.path.string() + "/whole/person.safetensors"),
+            read_file(folder.path.string() + "/parts/person.safetensors"));
+  const nlohmann::json log = nlohmann::json::parse(read_file(folder.path.string() + "/whole/log.json"));
+  EXPECT_EQ(log["recipe"]["rate"], 0.1);
+  std::istringstream table(read_file(folder.path.string() + "/whole/scores.csv"));
+  std::string line;
+  std::getline(table, line);
+  EXPECT_EQ(line, "sample,seed,people,composite,iou,gradient_error");
+  double sum = 0;
+  int lines = 0;
+  for (; std::getline(table, line); ++lines) {
+    std::istringstream fields(line);
+    for (int field = 0; field < 5; ++field) std::getline(fields, line, ',');
+    sum += std::stod(line);
+  }
+  ASSERT_EQ(lines, 4);
+  EXPECT_NEAR(sum / lines, log["points"].back()["held_out_iou"].get<double>(), 1e-6);  // six digits
+}
+
 TEST(SlowTraining, OtherRunsCheckpointsAreRefused) {
   const TemporaryFolder folder;
   scenes::write_toy_people(folder.path.string() + "/train", 20, 1);
@@ -467,6 +511,10 @@ TEST(SlowTraining, OtherRunsCheckpointsAreRefused) {
   EXPECT_NE(with([](TrainOptions& o) { o.threads = 2; }).find("its threads is 1, not 2"), std::string::npos);
   EXPECT_NE(with([](TrainOptions& o) { o.composites = false; }).find("its composites"), std::string::npos);
   EXPECT_NE(with([](TrainOptions& o) { o.rate = 1e-3; }).find("its rate is 0.003, not 0.001"), std::string::npos);
+  EXPECT_NE(with([](TrainOptions& o) { o.sgd = true; }).find("its sgd is false, not true"), std::string::npos);
+  if (!torch::cuda::is_available()) {
+    EXPECT_NE(with([](TrainOptions& o) { o.device = torch::kCUDA; }).find("no such device"), std::string::npos);
+  }
   EXPECT_NE(with([](TrainOptions& o) { o.fine_tune = o.output; }).find("of another run"), std::string::npos);
   TrainOptions other = options;
   scenes::write_toy_people(folder.path.string() + "/other", 20, 3);
@@ -511,7 +559,7 @@ TEST(SlowTraining, LearnsWhoIsMeantFromTheFace) {
     train(options, never);
     Network network = read_checkpoint(options.output + "/checkpoint.pt").network;
     // Two figures alike in each picture: whoever takes both, or cannot tell them apart, gets at most a half.
-    EXPECT_GT(evaluate(network, held_out, all).iou, 0.7) << bf16;
+    EXPECT_GT(mean_of(evaluate(network, held_out, all)).iou, 0.7) << bf16;
   }
 
   options.output = folder.path.string() + "/fine";

@@ -31,6 +31,11 @@ struct Buffers {
 
 }  // namespace
 
+Batch on(torch::Device device, const Batch& batch) {
+  return {batch.input.to(device), batch.mask.to(device),
+          batch.heatmaps.defined() ? batch.heatmaps.to(device) : batch.heatmaps};
+}
+
 Batch halved(const Batch& batch) {
   return {torch::avg_pool2d(batch.input, 2), torch::avg_pool2d(batch.mask, 2),
           batch.heatmaps.defined() ? torch::avg_pool2d(batch.heatmaps, 2) : batch.heatmaps};

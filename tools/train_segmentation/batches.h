@@ -20,6 +20,9 @@ struct Batch {
   torch::Tensor heatmaps;  ///< undefined where not asked for
 };
 
+/// In the memory of `device`.
+Batch on(torch::Device device, const Batch& batch);
+
 /// At half the size: means of 2 x 2.
 Batch halved(const Batch& batch);
 

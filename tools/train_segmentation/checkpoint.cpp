@@ -41,9 +41,11 @@ bool are_points(const Json& points) {
          });
 }
 
-Checkpoint of_shape(const NetworkShape& shape) {
+Checkpoint of_shape(const NetworkShape& shape, bool sgd, torch::Device device) {
   Checkpoint checkpoint;
+  checkpoint.sgd = sgd;
   checkpoint.network = Network(shape);
+  checkpoint.network->to(device);
   for (torch::Tensor& parameter : checkpoint.network->parameters()) {
     if (parameter.dim() == 4) parameter.set_data(parameter.data().contiguous(torch::MemoryFormat::ChannelsLast));
   }
@@ -54,20 +56,25 @@ Checkpoint of_shape(const NetworkShape& shape) {
 }  // namespace
 
 void forget_optimizer(Checkpoint& checkpoint) {
+  if (checkpoint.sgd) {
+    checkpoint.optimizer =
+        std::make_unique<torch::optim::SGD>(checkpoint.network->parameters(), torch::optim::SGDOptions(0));
+    return;
+  }
   checkpoint.optimizer = std::make_unique<torch::optim::AdamW>(checkpoint.network->parameters(),
                                                                torch::optim::AdamWOptions().weight_decay(kWeightDecay));
 }
 
 Checkpoint new_checkpoint(const NetworkShape& shape, std::uint64_t seed) {
   torch::manual_seed(seed);
-  return of_shape(shape);
+  return of_shape(shape, false, torch::kCPU);
 }
 
 std::string weights_hash(Network& network) {
   std::string bytes;
   for (const auto& items : {network->named_parameters(), network->named_buffers()}) {
     for (const auto& item : items) {
-      const torch::Tensor values = item.value().detach().contiguous();
+      const torch::Tensor values = item.value().detach().cpu().contiguous();
       bytes.append(static_cast<const char*>(values.data_ptr()), values.nbytes());
     }
   }
@@ -80,6 +87,7 @@ void write_checkpoint(const Checkpoint& checkpoint, const std::string& path) {
   const Json text = {{"fcn", shape.fcn},
                      {"stages", shape.stages},
                      {"pose", shape.pose},
+                     {"sgd", checkpoint.sgd},
                      {"samples", checkpoint.samples},
                      {"seconds", checkpoint.seconds},
                      {"recipe", checkpoint.recipe},
@@ -94,11 +102,11 @@ void write_checkpoint(const Checkpoint& checkpoint, const std::string& path) {
   replace_file(path, bytes.str());
 }
 
-Checkpoint read_checkpoint(const std::string& path) {
+Checkpoint read_checkpoint(const std::string& path, torch::Device device) {
   require_regular_file(path);
   try {
     torch::serialize::InputArchive archive, network, optimizer;
-    archive.load_from(path);
+    archive.load_from(path, device);
     c10::IValue value;
     archive.read("text", value);
     const nlohmann::json text = parse_json(value.toStringRef(), path);
@@ -108,12 +116,13 @@ Checkpoint read_checkpoint(const std::string& path) {
     fields.required("fcn").boolean("fcn", shape.fcn);
     fields.required("stages").integer("stages", shape.stages, 1, 3);
     fields.required("pose").boolean("pose", shape.pose);
+    fields.boolean("sgd", checkpoint.sgd);  // which checkpoints of earlier builds lack
     fields.required("samples").integer("samples", checkpoint.samples, 0, std::uint64_t{1} << 40);
     fields.required("seconds").number("seconds", checkpoint.seconds, 0, 1e9);
     checkpoint.recipe = Json(fields.raw("recipe"));
     checkpoint.points = Json(fields.raw("points"));
     if (!are_points(checkpoint.points) || !checkpoint.recipe.is_object()) fields.fail("points", "are not a log's");
-    Checkpoint fresh = of_shape(shape);
+    Checkpoint fresh = of_shape(shape, checkpoint.sgd, device);
     checkpoint.network = fresh.network;
     checkpoint.optimizer = std::move(fresh.optimizer);
     const std::string layout = layout_of(checkpoint.network);

@@ -13,7 +13,8 @@ namespace dualpixel::tools {
 
 struct Checkpoint {
   Network network{nullptr};
-  std::unique_ptr<torch::optim::AdamW> optimizer;
+  bool sgd = false;  ///< the optimizer: stochastic gradient descent, else Adam with decoupled weight decay
+  std::unique_ptr<torch::optim::Optimizer> optimizer;
   std::uint64_t samples = 0;                                        ///< seen
   double seconds = 0;                                               ///< of training
   nlohmann::ordered_json recipe;                                    ///< what the weights depend on
@@ -31,7 +32,7 @@ std::string weights_hash(Network& network);
 
 void write_checkpoint(const Checkpoint& checkpoint, const std::string& path);
 
-/// Throws InputError for what is not a checkpoint, and for a damaged one.
-Checkpoint read_checkpoint(const std::string& path);
+/// Into the memory of `device`. Throws InputError for what is not a checkpoint, and for a damaged one.
+Checkpoint read_checkpoint(const std::string& path, torch::Device device = torch::kCPU);
 
 }  // namespace dualpixel::tools

@@ -9,7 +9,7 @@
 namespace dualpixel::tools {
 namespace {
 
-constexpr std::size_t kBatch = 16;
+constexpr std::size_t kScoredAtOnce = 16;
 constexpr int kInnerDistance_px = static_cast<int>(0.05 * kNetworkSize_px + 0.5);
 
 /// Calls `visit(first, predicted mask, true mask)` for batch after batch of `indices`.
@@ -18,9 +18,10 @@ void for_each_batch(Network& network, const scenes::PeopleSet& set, const std::v
                     const std::function<void(double)>& progress, bool half_size, const Visit& visit) {
   const torch::NoGradGuard no_gradients;
   network->eval();
-  for (std::size_t first = 0; first < indices.size(); first += kBatch) {
-    const std::size_t end = std::min(first + kBatch, indices.size());
-    Batch batch = plain_batch(set, {indices.begin() + first, indices.begin() + end}, false);
+  const torch::Device device = network->parameters().front().device();
+  for (std::size_t first = 0; first < indices.size(); first += kScoredAtOnce) {
+    const std::size_t end = std::min(first + kScoredAtOnce, indices.size());
+    Batch batch = on(device, plain_batch(set, {indices.begin() + first, indices.begin() + end}, false));
     if (half_size) batch = halved(batch);
     visit(first, network->forward(batch.input, true).back().mask.sigmoid(), batch.mask);
     if (progress) progress(static_cast<double>(end) / indices.size());
@@ -29,21 +30,33 @@ void for_each_batch(Network& network, const scenes::PeopleSet& set, const std::v
 
 }  // namespace
 
-MaskScore evaluate(Network& network, const scenes::PeopleSet& set, const std::vector<std::size_t>& indices,
-                   const std::function<void(double fraction)>& progress, bool half_size) {
-  MaskScore sum;
+std::vector<MaskScore> evaluate(Network& network, const scenes::PeopleSet& set, const std::vector<std::size_t>& indices,
+                                const std::function<void(double fraction)>& progress, bool half_size) {
+  std::vector<MaskScore> scores;
   for_each_batch(network, set, indices, progress, half_size,
                  [&](std::size_t, const torch::Tensor& predicted, const torch::Tensor& truth) {
                    const torch::Tensor p = predicted > 0.5, t = truth > 0.5;
                    const torch::Tensor both = (p & t).sum({1, 2, 3}).to(torch::kFloat64);
                    const torch::Tensor either = (p | t).sum({1, 2, 3}).to(torch::kFloat64);
-                   sum.iou += torch::where(either > 0, both / either, torch::ones_like(both)).sum().item<double>();
+                   const torch::Tensor iou = torch::where(either > 0, both / either, torch::ones_like(both)).cpu();
                    const torch::Tensor error = predicted - truth;
                    const torch::Tensor dx = error.diff(1, 3), dy = error.diff(1, 2);
-                   sum.gradient_error += (dx.square().sum() + dy.square().sum()).item<double>() /
-                                         static_cast<double>(truth.size(2) * truth.size(3));
+                   const torch::Tensor gradient = (dx.square().sum({1, 2, 3}) + dy.square().sum({1, 2, 3})).cpu();
+                   const auto pixels = static_cast<double>(truth.size(2) * truth.size(3));
+                   for (std::int64_t i = 0; i < iou.size(0); ++i) {
+                     scores.push_back({iou[i].item<double>(), gradient[i].item<double>() / pixels});
+                   }
                  });
-  const auto count = static_cast<double>(std::max<std::size_t>(1, indices.size()));
+  return scores;
+}
+
+MaskScore mean_of(const std::vector<MaskScore>& scores) {
+  MaskScore sum;
+  for (const MaskScore& score : scores) {
+    sum.iou += score.iou;
+    sum.gradient_error += score.gradient_error;
+  }
+  const auto count = static_cast<double>(std::max<std::size_t>(1, scores.size()));
   return {sum.iou / count, sum.gradient_error / count};
 }
 
@@ -64,7 +77,7 @@ std::vector<float> inner_errors(Network& network, const scenes::PeopleSet& set,
   std::vector<float> errors(set.size());
   for_each_batch(network, set, all, progress, false,
                  [&](std::size_t first, const torch::Tensor& predicted, const torch::Tensor& truth) {
-                   const torch::Tensor mean = inner_errors_of(predicted, truth).contiguous();
+                   const torch::Tensor mean = inner_errors_of(predicted, truth).cpu().contiguous();
                    std::copy_n(mean.data_ptr<float>(), mean.numel(), errors.begin() + first);
                  });
   return errors;

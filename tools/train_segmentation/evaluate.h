@@ -12,14 +12,18 @@
 namespace dualpixel::tools {
 
 struct MaskScore {
-  double iou = 0;             ///< mean over the samples of intersection over union, both masks cut at 0.5
+  double iou = 0;             ///< intersection over union, both masks cut at 0.5
   double gradient_error = 0;  ///< E[(grad M^ - grad M)^2]: forward differences along x and y, squared and added, mean
-                              ///< over pixels and samples
+                              ///< over pixels
 };
 
-/// On samples as they are, or at half their size. `network` is left in evaluation mode.
-MaskScore evaluate(Network& network, const scenes::PeopleSet& set, const std::vector<std::size_t>& indices,
-                   const std::function<void(double fraction)>& progress = {}, bool half_size = false);
+/// One score for each of `indices`, on samples as they are, or at half their size. `network` is left in evaluation
+/// mode.
+std::vector<MaskScore> evaluate(Network& network, const scenes::PeopleSet& set, const std::vector<std::size_t>& indices,
+                                const std::function<void(double fraction)>& progress = {}, bool half_size = false);
+
+/// Zeros of none.
+MaskScore mean_of(const std::vector<MaskScore>& scores);
 
 /// Each mask's mean |M^ - M| inside: over pixels in the person and at least 0.05 of the picture's side away from its
 /// outline (the distance is in the source of Wadhwa et al. 2018, section 3.2); 0 where there are none. Both

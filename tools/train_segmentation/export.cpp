@@ -33,7 +33,7 @@ std::string safetensors(const std::vector<FoldedConv>& layers) {
   nlohmann::ordered_json header = {{"__metadata__", {{"format", "dualpixel person network 1"}}}};
   std::string data;
   const auto add = [&](const std::string& name, const torch::Tensor& tensor) {
-    const torch::Tensor half = tensor.to(torch::kHalf).contiguous();
+    const torch::Tensor half = tensor.cpu().to(torch::kHalf).contiguous();
     const std::size_t start = data.size();
     data.append(static_cast<const char*>(half.data_ptr()), half.numel() * 2);
     header[name] = {{"dtype", "F16"}, {"shape", half.sizes().vec()}, {"data_offsets", {start, data.size()}}};

@@ -2,6 +2,7 @@
 
 #include <ATen/autocast_mode.h>
 #include <fmt/format.h>
+#include <torch/version.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -34,6 +35,7 @@ constexpr double kPoseWeight = 5;   // as the paper
 constexpr double kIouWeight = 0.5;  // makes the two terms about as large
 constexpr double kIouFloor_px = 8;  // limits the weight of a few wrong pixels where hardly anything of a person is seen
 constexpr double kPeakRate = 3e-3, kFineTuneRate = 3e-4, kLastRate = 1e-6, kWarmUp = 0.05;
+constexpr double kSgdRate = 0.1, kSgdLastRate = 1e-4, kSgdLastShare = 0.1;  // the share is ours
 constexpr const char* kWeightsFile = "person.safetensors";
 constexpr double kCheckpointEvery_s = 300;
 constexpr std::size_t kWatchedHeldOut = 320;  // of the held-out samples, at each checkpoint; the end takes them all
@@ -41,12 +43,13 @@ constexpr std::size_t kMeasured = 64;         // samples, for the statistics tha
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-double learning_rate(double done, double peak) {
+}  // namespace
+
+double learning_rate(double done, double peak, bool sgd) {
+  if (sgd) return done < 1 - kSgdLastShare ? peak : kSgdLastRate;
   if (done < kWarmUp) return peak * done / kWarmUp;
   return kLastRate + (peak - kLastRate) * 0.5 * (1 + std::cos(M_PI * (done - kWarmUp) / (1 - kWarmUp)));
 }
-
-}  // namespace
 
 torch::Tensor soft_iou_loss(const torch::Tensor& logits, const torch::Tensor& mask) {
   const torch::Tensor found = torch::sigmoid(logits.to(torch::kFloat)).flatten(1), truth = mask.flatten(1);
@@ -70,16 +73,25 @@ struct Losses {
 /// While it lives, LibTorch computes in bfloat16 what can bear it; weights and gradients stay f32.
 class Autocast {
  public:
-  explicit Autocast(bool bf16) {
-    at::autocast::set_autocast_cpu_dtype(at::kBFloat16);
-    at::autocast::set_cpu_enabled(bf16);
-  }
+  Autocast(torch::DeviceType device, bool bf16) : device_(device) { enable(bf16); }
   ~Autocast() {
-    at::autocast::set_cpu_enabled(false);
+    enable(false);
     at::autocast::clear_cache();
   }
   Autocast(const Autocast&) = delete;
   Autocast& operator=(const Autocast&) = delete;
+
+ private:
+  void enable(bool bf16) const {
+#if TORCH_VERSION_MAJOR > 2 || (TORCH_VERSION_MAJOR == 2 && TORCH_VERSION_MINOR >= 4)
+    at::autocast::set_autocast_dtype(device_, at::kBFloat16);
+    at::autocast::set_autocast_enabled(device_, bf16);
+#else
+    at::autocast::set_autocast_cpu_dtype(at::kBFloat16);
+    at::autocast::set_cpu_enabled(bf16 && device_ == torch::kCPU);
+#endif
+  }
+  torch::DeviceType device_;
 };
 
 Losses losses_of(const std::vector<StageOutput>& outputs, const Batch& batch, bool soft_iou) {
@@ -135,6 +147,15 @@ std::string chart_page(const Json& points) {
       "<h1>Training of the person segmentation network</h1>" + evaluation::html_plots({loss, iou, gradient}));
 }
 
+std::string scores_table(const scenes::PeopleSet& set, const std::vector<MaskScore>& scores) {
+  std::string table = "sample,seed,people,composite,iou,gradient_error\n";
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    table += fmt::format("{},{},{},{},{:.6f},{:.8f}\n", i, set[i].seed, set[i].people, set[i].composite ? 1 : 0,
+                         scores[i].iou, scores[i].gradient_error);
+  }
+  return table;
+}
+
 /// Loss since the last checkpoint, means over batches.
 struct Tally {
   double mask = 0, pose = 0;
@@ -143,6 +164,7 @@ struct Tally {
 
 double peak_rate(const TrainOptions& options) {
   if (options.rate > 0) return options.rate;
+  if (options.sgd) return kSgdRate;
   return options.fine_tune.empty() ? kPeakRate : kFineTuneRate;
 }
 
@@ -185,6 +207,8 @@ Json recipe_of(const TrainOptions& options, const NetworkShape& shape, const sce
                  {"seed", options.seed},
                  {"samples", options.samples},
                  {"hours", options.hours},
+                 {"sgd", options.sgd},
+                 {"device", options.device.str()},
                  {"bf16", options.bf16},
                  {"threads", threads},
                  {"rate", peak_rate(options)},
@@ -203,7 +227,7 @@ Json recipe_of(const TrainOptions& options, const NetworkShape& shape, const sce
 Checkpoint start_of(const TrainOptions& options, const std::string& path, const scenes::PeopleSet& set,
                     const std::vector<std::size_t>& from, const scenes::PeopleSet& held_out, int threads) {
   if (options.resume) {
-    Checkpoint state = read_checkpoint(path);
+    Checkpoint state = read_checkpoint(path, options.device);
     const bool fine_tunes = !options.fine_tune.empty();
     const Json wanted = recipe_of(options, fine_tunes ? state.network->shape : options.shape, set, held_out, threads);
     if (state.recipe.contains("prune") != fine_tunes) {
@@ -235,25 +259,41 @@ Checkpoint start_of(const TrainOptions& options, const std::string& path, const 
     state = new_checkpoint(options.shape, options.seed);
   } else {
     state.network = first_network(options, set, from);
-    forget_optimizer(state);
   }
+  state.network->to(options.device);
+  state.sgd = options.sgd;
+  forget_optimizer(state);
   state.recipe = recipe_of(options, state.network->shape, set, held_out, threads);
   return state;
+}
+
+/// Makes LibTorch ready; how many threads it uses.
+int ready_threads(const TrainOptions& options) {
+  const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
+  torch::set_num_threads(threads);
+  if (options.device.is_cuda() && !torch::cuda::is_available()) {
+    throw InputError("--device: cuda: LibTorch finds no such device here; give cpu");
+  }
+  at::globalContext().setBenchmarkCuDNN(options.device.is_cuda());  // all batches are alike
+  return threads;
+}
+
+std::vector<std::size_t> samples_to_learn_from(const TrainOptions& options, const scenes::PeopleSet& set) {
+  std::vector<std::size_t> samples;
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    if (options.composites || !set[i].composite) samples.push_back(i);
+  }
+  if (samples.empty()) throw InputError("--no-composites: the data holds composites only");
+  return samples;
 }
 
 }  // namespace
 
 void train(const TrainOptions& options, const std::function<bool(std::uint64_t samples)>& stop) {
   const scenes::PeopleSet set(options.data, false), held_out(options.held_out, true);
-  const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
-  torch::set_num_threads(threads);
-
+  const int threads = ready_threads(options);
   const std::string checkpoint = options.output + "/checkpoint.pt";
-  std::vector<std::size_t> kept;
-  for (std::size_t i = 0; i < set.size(); ++i) {
-    if (options.composites || !set[i].composite) kept.push_back(i);
-  }
-  if (kept.empty()) throw InputError("--no-composites: the data holds composites only");
+  std::vector<std::size_t> kept = samples_to_learn_from(options, set);
   Checkpoint state = start_of(options, checkpoint, set, kept, held_out, threads);
   std::error_code error;
   std::filesystem::create_directories(options.output, error);
@@ -264,6 +304,7 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
   if (fine_tune && options.prune > 0) {
     // by the first phase's network, also when the second phase is resumed
     Network judge = options.resume ? first_network(options, set, kept) : state.network;
+    judge->to(options.device);
     kept = kept_samples(judge, set, kept, options.prune);
   }
   Json log = {{"data", options.data},
@@ -299,15 +340,16 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
   };
   bool half = fraction() < half_size;  // what is being trained on
   const auto save = [&](bool end) {
-    const MaskScore score =
+    const std::vector<MaskScore> scores =
         evaluate(state.network, held_out, spread(held_out.size(), end ? held_out.size() : kWatchedHeldOut), {}, half);
+    const MaskScore score = mean_of(scores);
     iou = score.iou;
     state.seconds = now_s() - started_s;
     if (tally.batches > 0) {
       Json point = {{"samples", state.samples},
                     {"seconds", state.seconds},
                     {"size_px", half ? kNetworkSize_px / 2 : kNetworkSize_px},
-                    {"learning_rate", learning_rate(std::min(1.0, fraction()), peak)},
+                    {"learning_rate", learning_rate(std::min(1.0, fraction()), peak, options.sgd)},
                     {"mask_loss", tally.mask / tally.batches}};
       if (pose) point["pose_loss"] = tally.pose / tally.batches;
       point["held_out_iou"] = score.iou;
@@ -323,6 +365,7 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
     write_checkpoint(state, checkpoint);
     fmt::print(stderr, "{}{}\n", terminal ? "\r\x1b[K" : "", progress_line());
     if (end) {
+      replace_file(options.output + "/scores.csv", scores_table(held_out, scores));
       fmt::print("{} held-out samples at {} px: mean IoU {:.4f}, gradient error {:.6f}\n", held_out.size(),
                  half ? kNetworkSize_px / 2 : kNetworkSize_px, score.iou, score.gradient_error);
     }
@@ -333,16 +376,17 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
   };
 
   while (fraction() < 1 && !stop(state.samples)) {
-    Batch batch = batches.next();
+    Batch batch = on(options.device, batches.next());
     if (half && fraction() >= half_size) {
       save(false);  // so that no entry of the log is of both sizes
       half = false;
     }
     if (half) batch = halved(batch);
-    for (auto& group : state.optimizer->param_groups()) group.options().set_lr(learning_rate(fraction(), peak));
+    for (auto& group : state.optimizer->param_groups())
+      group.options().set_lr(learning_rate(fraction(), peak, options.sgd));
     state.network->train();
     const Losses losses = [&] {
-      const Autocast autocast(options.bf16);
+      const Autocast autocast(options.device.type(), options.bf16);
       return losses_of(state.network->forward(batch.input), batch, fine_tune);
     }();
     state.optimizer->zero_grad();

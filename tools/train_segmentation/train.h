@@ -14,9 +14,8 @@
 /// much as any other in the score.
 ///
 /// Where else it differs from the paper, since two cores for hours stand against 40 GPUs for a month: Adam with
-/// decoupled weight decay in place of stochastic gradient descent, and one cycle of learning rates (up over the first
-/// twentieth, then down a cosine), which reach in some ten thousand samples what constant steps need many times more
-/// for.
+/// decoupled weight decay, and one cycle of learning rates (up over the first twentieth, then down a cosine), which
+/// reach in some ten thousand samples what constant steps need many times more for. `sgd` trains as the paper did.
 namespace dualpixel::tools {
 
 struct TrainOptions {
@@ -31,12 +30,16 @@ struct TrainOptions {
   /// four times as many pictures in the same time teach it more (docs/segmentation.md).
   double half_size = 0.65;
   std::uint64_t seed = 1;
+  torch::Device device = torch::kCPU;  ///< on another one, the same options need not give the same weights
   bool bf16 = false;  ///< convolutions in 16-bit floats, all else in f32: faster where the processor has AMX
   int threads = 0;    ///< 0: as many as there are cores
   /// Phase two: starts from this run's weights, or from a safetensors file's (unfold.h), without pose loss and without
   /// the samples that it is worst at; at full size throughout.
   std::string fine_tune;
-  double rate = 0;             ///< the learning rate at its peak; 0: 3e-3, and 3e-4 in phase two
+  /// Stochastic gradient descent, at a rate of 0.1 and then of 1e-4, in either phase. The paper does not say when the
+  /// rate fell: here it does for the last tenth.
+  bool sgd = false;
+  double rate = 0;             ///< the learning rate at its peak; 0: 3e-3, and 3e-4 in phase two; 0.1 with `sgd`
   double prune = 149.0 / 660;  ///< share of the samples, by largest inner error: as the paper's 660 k became 511 k
 };
 
@@ -49,11 +52,15 @@ torch::Tensor soft_iou_loss(const torch::Tensor& logits, const torch::Tensor& ma
 /// `half_size` of its work, are at half the side and cost a quarter.
 double work_done(double samples, double total, double half_size);
 
+/// After the share `done` of a run.
+double learning_rate(double done, double peak, bool sgd);
+
 /// Writes to the output folder, again at every checkpoint (five minutes) and at the end, each file whole or not at all:
 ///   checkpoint.pt       what --resume continues from: weights, optimizer, samples seen
 ///   person.safetensors  for inference (export.h); not of the baseline
 ///   log.json            options, hashes of the data, and one entry for each checkpoint
 ///   chart.html          loss and held-out score
+///   scores.csv          at the end alone: the score of each held-out sample, to compare runs sample by sample
 /// Once `stop`, which is told how many samples it has seen, says so, it ends after a checkpoint. With `samples`, the
 /// weights depend on the options, the data and the number of threads alone, however often the run was stopped and
 /// resumed. Throws InputError for unusable data or weights, for a checkpoint of other options or data, and for weights
