@@ -215,7 +215,7 @@ double mean_product(const Image& a, const Image& b, const Image& mean) {
 
 // Frames of a burst in which nothing moves see the same light. What the capture states is what is found against a
 // picture of many more samples. So for the other pictures of truth.
-TEST(Simulate, StatesTheNoiseOfTruth) {
+TEST(SlowSimulate, StatesTheNoiseOfTruth) {
   json document = minimal();
   document["sensor"] = {{"width_px", 64}, {"height_px", 64}};
   document["render"] = {{"samples_per_pixel", 16}, {"light_spacing_px", 0}};
@@ -323,7 +323,7 @@ TEST(Simulate, SpendsTheTimeItIsGiven) {
 
 // A quarter of the sensor's noise, at an exposure ten times as long a quarter of what is then, relative to the signal,
 // three times less noise: more samples. What was spent and what error is left goes into the capture.
-TEST(Simulate, SharesSamplesOutByTheSensorsNoise) {
+TEST(SlowSimulate, SharesSamplesOutByTheSensorsNoise) {
   json document = minimal();
   document["sensor"] = {{"width_px", 64}, {"height_px", 64}};
   document["burst"]["frames"] = 1;

@@ -12,9 +12,11 @@ void add_experiment(CLI::App& program) {
   add_experiment_calibration(*experiment);
   add_experiment_defocus(*experiment);
   add_experiment_failures(*experiment);
+  add_experiment_figures(*experiment);
   add_experiment_noise(*experiment);
   add_experiment_scenes(*experiment);
   add_experiment_segmentation(*experiment);
+  add_experiment_votes(*experiment);
 }
 
 }  // namespace dualpixel::tools
