@@ -1,7 +1,10 @@
 #!/usr/bin/env bash
-# Writes the manual pages of PROGRAM and of its commands, from their --help, into FOLDER: manual_pages.sh PROGRAM FOLDER
+# Writes the manual pages of PROGRAM and of its commands, from their --help, into FOLDER, unless it holds those of this
+# very program: manual_pages.sh PROGRAM FOLDER
 set -euo pipefail
 program=$1 folder=$2
+exec 9>"$folder.lock" && flock 9  # two installs at once take turns
+if [ "$folder/complete" -nt "$program" ]; then exit; fi
 version=$("$program" --version)
 
 mkdir -p "$folder"
@@ -24,3 +27,4 @@ write_page() {
 }
 
 write_page
+touch "$folder/complete"

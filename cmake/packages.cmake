@@ -15,12 +15,13 @@ install(FILES ${PROJECT_BINARY_DIR}/dualpixel.pc DESTINATION ${CMAKE_INSTALL_LIB
 
 install(FILES tools/completion/dualpixel DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 
-# One page for the program and one for each of its commands, made of their --help while they are installed.
+# One page for the program and one for each of its commands, made of their --help at the first install.
 find_program(HELP2MAN help2man)
 if(HELP2MAN)
-  set(pages "\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1")
+  set(pages ${PROJECT_BINARY_DIR}/man1)
   install(CODE "execute_process(COMMAND \"${PROJECT_SOURCE_DIR}/cmake/manual_pages.sh\" \"$<TARGET_FILE:dualpixel>\"
                                         \"${pages}\" COMMAND_ERROR_IS_FATAL ANY)")
+  install(DIRECTORY ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR} FILES_MATCHING PATTERN "*.1")
 else()
   message(STATUS "No help2man: no manual pages are installed")
 endif()

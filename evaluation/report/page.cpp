@@ -37,7 +37,8 @@ std::string escape_html(const std::string& text) {
 
 std::string escape_name(const std::string& name) { return escape_html(printable(name)); }
 
-std::string html_page(const std::string& title, const std::string& body_html, const std::string& style) {
+std::string html_page(const std::string& title, const std::string& body_html, const std::string& style,
+                      const std::string& script) {
   // Only the style and the script that carry this nonce are run; whoever chooses a name in the page cannot know it.
   const std::string nonce = fmt::format("{:016x}", XXH64(body_html.data(), body_html.size(), 0));
   return fmt::format(
@@ -45,8 +46,9 @@ std::string html_page(const std::string& title, const std::string& body_html, co
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; "
       "style-src 'nonce-{0}'; script-src 'nonce-{0}'; base-uri 'none'; form-action 'none'\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{1}</title>\n"
-      "<style nonce=\"{0}\">{2}{3}</style>\n</head>\n<body>\n{4}<script nonce=\"{0}\">{5}</script>\n</body>\n</html>\n",
-      nonce, escape_html(title), page_style(), style, body_html, page_script());
+      "<style nonce=\"{0}\">{2}{3}</style>\n</head>\n<body>\n{4}<script "
+      "nonce=\"{0}\">{5}{6}</script>\n</body>\n</html>\n",
+      nonce, escape_html(title), page_style(), style, body_html, page_script(), script);
 }
 
 std::string html_image(const Picture& picture) {

@@ -12,8 +12,10 @@ std::string escape_html(const std::string& text);
 std::string escape_name(const std::string& name);
 
 /// A whole page with the style and the script that all pages share (evaluation/report/web): plots, tables that sort,
-/// viewers. `style` is added. Both are inlined under a content policy that forbids all others (and style attributes).
-std::string html_page(const std::string& title, const std::string& body_html, const std::string& style = "");
+/// viewers. `style` and `script` are added. Both are inlined under a content policy that forbids all others (and style
+/// attributes).
+std::string html_page(const std::string& title, const std::string& body_html, const std::string& style = "",
+                      const std::string& script = "");
 
 struct Picture {
   std::string title;  ///< in bold; may be empty, as the caption

@@ -382,7 +382,7 @@ TEST(CaptureIo, RefusesFoldersThatAreNoCapture) {
   EXPECT_NE(capture_refusal(folder.path.string()), "");
 }
 
-TEST(CaptureIo, RefusesWhatTheDocumentForbids) {
+TEST(SlowCaptureIo, RefusesWhatTheDocumentForbids) {
   const TemporaryFolder folder;
   const std::string out = folder / "out";
   const auto refusal = [&](const std::function<void(json&)>& change) {

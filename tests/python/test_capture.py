@@ -23,6 +23,7 @@ from dualpixel.pictures import read_exr, read_png
 TRUTH = ("depth", "blur", "disparity", "normal", "object_id", "person_mask", "valid", "all_in_focus", "photograph")
 
 
+@pytest.mark.slow
 def test_simulates_the_bytes_of_the_program(program, capture, tmp_path):
     overrides = [word for field, value in SMALL.items() for word in ("--set", f"{field}={value}")]
     done = program("simulate", SCENES / "slanted_planes.json", "-o", tmp_path / "program", "--seed", 7, *overrides)

@@ -67,6 +67,7 @@ def test_splits_share_nothing(rendered):
         dualpixel.Dataset(rendered, "tain")
 
 
+@pytest.mark.slow
 def test_truth_is_of_single_rays(program, tmp_path):
     """Planes before a void, seen from so far that it shows around them."""
     names = ["depth_m", "blur_px", "disparity_dp_px", "normal", "valid", "object_id", "person"]

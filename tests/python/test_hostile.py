@@ -125,6 +125,7 @@ def test_pictures_must_be_those_of_the_camera(copy):
     assert refusal(path) == f"{path}/{document['truth']['geometry']}: cannot be read: No such file or directory"
 
 
+@pytest.mark.slow
 def test_any_byte_may_be_wrong(folder, tmp_path):
     """Either the picture is read, of its own size, or it is refused in one line."""
     rng = np.random.default_rng(3)

@@ -71,6 +71,7 @@ def tar_samples(path):
     return samples
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("layout", ["npy", "exr"])
 def test_webdataset(program, tmp_path, layout):
     keep = ["left", "right", "view_disparity_dp_px"]
@@ -106,6 +107,7 @@ def linear(srgb):
     return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("downsample", [1, 2])
 def test_dpdd(program, tmp_path, downsample):
     cv2 = pytest.importorskip("cv2")
@@ -140,6 +142,7 @@ def test_dpdd(program, tmp_path, downsample):
 # TRAIN/**/result_pd_left_*.png and name the right one by replacing "left", divide by 16 * 1023.
 
 
+@pytest.mark.slow
 def test_google(program, tmp_path):
     cv2 = pytest.importorskip("cv2")
     root = rendered(program, tmp_path / "google", recipe(layout="google"))

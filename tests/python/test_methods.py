@@ -62,6 +62,7 @@ def test_portrait_is_the_programs(program, capture, folder, tmp_path):
     assert result.mask is None and result.portrait.shape == (96, 128, 3)
 
 
+@pytest.mark.slow
 def test_portrait_says_what_result_json_does(program, folder, tmp_path):
     """The program's, but for times, memory and paths."""
     done = program("portrait", folder, "-o", tmp_path / "program", "--seed", 3, "--set", "match.range_px=4")

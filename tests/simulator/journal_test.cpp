@@ -102,7 +102,7 @@ TEST(Journal, DropsWhatItCannotTrust) {
 }
 
 // Cut or altered at any byte, a journal gives back whole tiles as they were, or is refused.
-TEST(Journal, CutOrAlteredAnywhereGivesNothingElse) {
+TEST(SlowJournal, CutOrAlteredAnywhereGivesNothingElse) {
   const TemporaryFolder folder;
   const std::string path = folder / "journal";
   const SampleMap map = uniform_map(20, 4, 1);

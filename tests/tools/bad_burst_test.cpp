@@ -11,8 +11,8 @@
 #include "pipeline/portrait/result_io.h"
 #include "simulator/sampling/hash.h"
 #include "tests/pipeline/portrait/synthetic.h"
-#include "tests/run_program.h"
 #include "tests/temporary_folder.h"
+#include "tests/tools/run_command.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -44,7 +44,9 @@ class BadBurst : public ::testing::Test {
  protected:
   void SetUp() override { write_capture(burst(), folder / "shot"); }
 
-  Outcome portrait() { return run_program("portrait '" + (folder / "shot") + "' -o '" + (folder / "out") + "'"); }
+  Outcome portrait() {
+    return run_command("portrait --mode dp '" + (folder / "shot") + "' -o '" + (folder / "out") + "'");
+  }
 
   void edit(const std::function<void(json&)>& change) {
     json document = read_json_file(folder / "shot/capture.json");

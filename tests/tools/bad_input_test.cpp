@@ -3,8 +3,8 @@
 #include <unistd.h>
 
 #include "capture/json_fields.h"
-#include "tests/run_program.h"
 #include "tests/simulator/scene/gltf/gltf_builder.h"
+#include "tests/tools/run_command.h"
 
 namespace dualpixel {
 namespace {
@@ -32,7 +32,7 @@ class BadInput : public ::testing::Test {
     if (glb.empty()) glb = gltf.glb();
     write_bytes(folder / "scene.glb", glb);
     write_bytes(folder / "scene.json", scene.dump());
-    return run_program("simulate '" + (folder / "scene.json") + "' -o '" + (folder / output) + "' " + options);
+    return run_command("simulate '" + (folder / "scene.json") + "' -o '" + (folder / output) + "' " + options);
   }
 
   void expect_refusal(const std::vector<std::string>& words, const std::string& options = "",

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/segmentation/network.h"
-#include "tests/run_program.h"
 #include "tests/temporary_folder.h"
+#include "tests/tools/run_command.h"
 
 namespace dualpixel {
 namespace {
@@ -22,7 +22,7 @@ const std::string kSmall =
     " --set 'face_px=[272,105,140,180]' --set burst.frames=2 --set render.photograph_samples_per_pixel=16";
 
 void must_run(const std::string& arguments) {
-  const Outcome outcome = run_program(arguments);
+  const Outcome outcome = run_command(arguments);
   ASSERT_EQ(outcome.status, 0) << arguments << '\n' << outcome.err;
 }
 
@@ -66,7 +66,7 @@ TEST(SlowEndToEnd, SmallPortraitThroughAllSubcommands) {
   const TemporaryFolder folder;
   const std::string capture = folder / "capture";
   must_run("simulate " + kScene + " -o '" + capture + "'" + kSmall);
-  const Outcome info = run_program("info '" + capture + "' --json");
+  const Outcome info = run_command("info '" + capture + "' --json");
   EXPECT_EQ(json::parse(info.out)["kind"], "capture") << info.out;
   std::map<std::string, json> scores;
   for (const Mode& mode : modes) {
@@ -77,7 +77,7 @@ TEST(SlowEndToEnd, SmallPortraitThroughAllSubcommands) {
     if (finds) {
       EXPECT_EQ(json::parse(read_bytes(result + "/result.json"))["provenance"]["mask"], "found");
     }
-    const Outcome score = run_program("score '" + capture + "' '" + result + "' --json");
+    const Outcome score = run_command("score '" + capture + "' '" + result + "' --json");
     ASSERT_EQ(score.status, 0) << score.err;
     const json figures = scores[mode.name] = json::parse(score.out);
     const json& image = figures["image"];
@@ -139,7 +139,7 @@ TEST(SweepEndToEnd, DefaultSceneMeetsItsFloors) {
   const TemporaryFolder folder;
   must_run("simulate " + kScene + " -o '" + (folder / "capture") + "'");
   must_run("portrait '" + (folder / "capture") + "' -o '" + (folder / "dp") + "' --mode dp");
-  const Outcome score = run_program("score '" + (folder / "capture") + "' '" + (folder / "dp") + "' --json");
+  const Outcome score = run_command("score '" + (folder / "capture") + "' '" + (folder / "dp") + "' --json");
   ASSERT_EQ(score.status, 0) << score.err;
   const json figures = json::parse(score.out);
   EXPECT_LT(figures["disparity"]["confident"]["rmse_affine_px"], 0.15) << score.out;

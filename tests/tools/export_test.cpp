@@ -7,8 +7,8 @@
 
 #include "capture/image/image_io.h"
 #include "tests/pipeline/portrait/synthetic.h"
-#include "tests/run_program.h"
 #include "tests/temporary_folder.h"
+#include "tests/tools/run_command.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -44,7 +44,7 @@ Capture card(const std::string& cfa) {
 void export_to(const TemporaryFolder& folder, const Capture& capture, const std::string& format) {
   write_capture(capture, folder / "shot");
   const Outcome outcome =
-      run_program("export '" + (folder / "shot") + "' -o '" + (folder / "out") + "' --format " + format);
+      run_command("export '" + (folder / "shot") + "' -o '" + (folder / "out") + "' --format " + format);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
 }
 
@@ -183,13 +183,13 @@ TEST(Export, RefusesWhatCannotBeWrittenAndLeavesNothing) {
   write_capture(capture, folder / "shot");
   for (const std::string format : {"dpdd", "google-dp", "rgbd", "tiff"}) {
     expect_one_line_refusal(
-        run_program("export '" + (folder / "shot") + "' -o '" + (folder / "out") + "' --format " + format));
+        run_command("export '" + (folder / "shot") + "' -o '" + (folder / "out") + "' --format " + format));
     EXPECT_EQ(folder.names(), std::set<std::string>{"shot"});
   }
-  expect_one_line_refusal(run_program("export '" + (folder / "no") + "' -o '" + (folder / "out") + "' --format dng"));
+  expect_one_line_refusal(run_command("export '" + (folder / "no") + "' -o '" + (folder / "out") + "' --format dng"));
   write_bytes(folder / "mine", "mine");
   expect_one_line_refusal(
-      run_program("export '" + (folder / "shot") + "' -o '" + (folder / "mine") + "' --format dng"));
+      run_command("export '" + (folder / "shot") + "' -o '" + (folder / "mine") + "' --format dng"));
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include "capture/files.h"
 #include "capture/json_fields.h"
 #include "evaluation/report/plot.h"
-#include "tests/run_program.h"
+#include "tests/tools/run_command.h"
 
 namespace dualpixel::tools::testing {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 const std::string kLens = DUALPIXEL_SOURCE_DIR "/lens_models/double_gauss_100mm_f5.json";
 
 TEST(LensCommand, PrintsJsonWithFirstOrderFiguresAndCalibration) {
-  const Outcome run = run_program("lens '" + kLens + "' --focus-distance-m 3 --json");
+  const Outcome run = run_command("lens '" + kLens + "' --focus-distance-m 3 --json");
   ASSERT_EQ(run.status, 0) << run.err;
   const nlohmann::json json = nlohmann::json::parse(run.out);
   EXPECT_NEAR(json["paraxial"]["efl_mm"].get<double>(), 100.003748, 1e-3);
@@ -33,7 +33,7 @@ TEST(LensCommand, PrintsJsonWithFirstOrderFiguresAndCalibration) {
 
 TEST(SlowLensCommand, WritesAPageThatLoadsNothingAndATwin) {
   const std::string page = ::testing::TempDir() + "/lens.html", twin = ::testing::TempDir() + "/twin.json";
-  const Outcome run = run_program("lens '" + kLens + "' -o '" + page + "' --twin '" + twin + "'");
+  const Outcome run = run_command("lens '" + kLens + "' -o '" + page + "' --twin '" + twin + "'");
   ASSERT_EQ(run.status, 0) << run.err;
   EXPECT_NE(run.out.find("EFL 100.0037"), std::string::npos);
   const std::string html = read_file(page);
@@ -41,14 +41,14 @@ TEST(SlowLensCommand, WritesAPageThatLoadsNothingAndATwin) {
   EXPECT_EQ(html.find("https:"), std::string::npos);
   EXPECT_EQ(html.find(" style=\""), std::string::npos) << "the content policy forbids style attributes";
   EXPECT_NE(html.find("Cross-section"), std::string::npos);
-  const Outcome again = run_program("lens '" + twin + "' --json");
+  const Outcome again = run_command("lens '" + twin + "' --json");
   ASSERT_EQ(again.status, 0) << again.err;
   EXPECT_EQ(nlohmann::json::parse(again.out)["model"], "aberrated");
 }
 
 TEST(LensCommand, TakesCamerasAndScenes) {
   const auto report = [](const std::string& arguments) {
-    const Outcome run = run_program("lens " + arguments + " --json");
+    const Outcome run = run_command("lens " + arguments + " --json");
     EXPECT_EQ(run.status, 0) << run.err;
     return nlohmann::json::parse(run.out);
   };
@@ -65,14 +65,14 @@ TEST(LensCommand, TakesCamerasAndScenes) {
   EXPECT_EQ(report(scene +
                    " --focus-distance-m 1 --set lens=null --set sensor=null --set camera.file=cameras/phone_2019.json"),
             of_camera);
-  const Outcome dark = run_program("lens '" + camera + "' --set lens.f_numbr=2");
+  const Outcome dark = run_command("lens '" + camera + "' --set lens.f_numbr=2");
   expect_one_line_refusal(dark);
   EXPECT_NE(dark.err.find("phone_2019.json: /lens/f_numbr"), std::string::npos) << dark.err;
 }
 
 TEST(LensCommand, RefusesWhatItCannotDo) {
   const auto expect = [](const std::string& arguments, const std::string& says) {
-    const Outcome run = run_program("lens " + arguments);
+    const Outcome run = run_command("lens " + arguments);
     expect_one_line_refusal(run);
     EXPECT_NE(run.err.find(says), std::string::npos) << run.err;
   };

@@ -267,7 +267,7 @@ TEST(Schema, AcceptsTheShippedRecipes) {
   EXPECT_EQ(count, 4);
 }
 
-TEST(Schema, SaysOfCapturesWhatTheReaderSays) {
+TEST(SlowSchema, SaysOfCapturesWhatTheReaderSays) {
   const TemporaryFolder folder;
   const std::string path = folder / "capture";
   Capture capture = pipeline::synthetic_capture(16, 8);

@@ -11,8 +11,8 @@
 #include "capture/image/image_io.h"
 #include "capture/image/npy.h"
 #include "tests/pipeline/portrait/synthetic.h"
-#include "tests/run_program.h"
 #include "tests/temporary_folder.h"
+#include "tests/tools/run_command.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
@@ -54,14 +54,14 @@ TEST(ScoreCommand, RefusesAResultOfAnotherCapture) {
   };
   write_with_hash("0123456789abcdef");
   for (const std::string& command : commands) {
-    const Outcome outcome = run_program(command);
+    const Outcome outcome = run_command(command);
     expect_one_line_refusal(outcome);
     EXPECT_NE(outcome.err.find("elsewhere"), std::string::npos) << outcome.err;
   }
   EXPECT_FALSE(std::filesystem::exists(folder / "r/score.json"));
   EXPECT_FALSE(std::filesystem::exists(folder / "page.html"));
   write_with_hash(file_hash(folder / "c/capture.json"));
-  for (const std::string& command : commands) EXPECT_EQ(run_program(command).status, 0);
+  for (const std::string& command : commands) EXPECT_EQ(run_command(command).status, 0);
 }
 
 TEST(ScoreCommand, TakesAPlainPairOfTheCapturesOwnViewsAlone) {
@@ -79,13 +79,13 @@ TEST(ScoreCommand, TakesAPlainPairOfTheCapturesOwnViewsAlone) {
   for (const std::string& other : {std::string("0123456789abcdef"), left}) {
     write_of(left, other);
     for (const std::string& command : commands) {
-      const Outcome outcome = run_program(command);
+      const Outcome outcome = run_command(command);
       expect_one_line_refusal(outcome);
       EXPECT_NE(outcome.err.find("a plain pair, \"a.png\" and \"b.png\""), std::string::npos) << outcome.err;
     }
   }
   write_of(left, right);
-  for (const std::string& command : commands) EXPECT_EQ(run_program(command).status, 0);
+  for (const std::string& command : commands) EXPECT_EQ(run_command(command).status, 0);
 }
 
 TEST(ScoreCommand, TakesFilesOfAnyProgram) {
@@ -94,17 +94,17 @@ TEST(ScoreCommand, TakesFilesOfAnyProgram) {
   write_capture(capture, folder / "c");
   write_npy(folder / "d.npy", capture.truth->disparity_dp_px);
   const Outcome outcome =
-      run_program(fmt::format("score '{}' --disparity '{}' --json", folder / "c", folder / "d.npy"));
+      run_command(fmt::format("score '{}' --disparity '{}' --json", folder / "c", folder / "d.npy"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const nlohmann::json score = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(score["disparity"]["everything"]["rmse_px"], 0);
   EXPECT_FALSE(score.contains("image"));
 
   const Outcome refused =
-      run_program(fmt::format("score '{0}/none' --disparity '{0}/a.npy' --portrait '{0}/b.png'", folder.path.string()));
+      run_command(fmt::format("score '{0}/none' --disparity '{0}/a.npy' --portrait '{0}/b.png'", folder.path.string()));
   expect_one_line_refusal(refused);
   for (const char* file : {"none", "a.npy", "b.png"}) EXPECT_NE(refused.err.find(file), std::string::npos);
-  expect_one_line_refusal(run_program(fmt::format("score '{}'", folder / "c")));
+  expect_one_line_refusal(run_command(fmt::format("score '{}'", folder / "c")));
 }
 
 // A disparity of integers has a scale, and a confidence of integers is a share of 65535.
@@ -122,13 +122,13 @@ TEST(ScoreCommand, ScalesDisparityAlone) {
   write_png16(folder / "c.png", sure);
   write_npy(folder / "d.npy", truth);
   const std::string with_confidence = fmt::format("score '{0}/c' --confidence '{0}/c.png' ", folder.path.string());
-  const Outcome outcome = run_program(
+  const Outcome outcome = run_command(
       fmt::format("{} --disparity '{}' --scale 0.001 --offset -30 --json", with_confidence, folder / "d.png"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const nlohmann::json score = nlohmann::json::parse(outcome.out);
   EXPECT_LE(score["disparity"]["everything"]["rmse_px"].get<double>(), 0.001);
   EXPECT_EQ(score["disparity"]["confident"]["pixels"], score["disparity"]["everything"]["pixels"]);
-  const Outcome refused = run_program(with_confidence + "--scale 0.001 --disparity '" + (folder / "d.npy") + "'");
+  const Outcome refused = run_command(with_confidence + "--scale 0.001 --disparity '" + (folder / "d.npy") + "'");
   expect_one_line_refusal(refused);
   EXPECT_NE(refused.err.find("--scale: neither"), std::string::npos) << refused.err;
 }

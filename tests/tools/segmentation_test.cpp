@@ -15,8 +15,8 @@
 #include "tests/pipeline/segmentation/drawn_face.h"
 #include "tests/pipeline/segmentation/toy_network.h"
 #include "tests/pipeline/texture.h"
-#include "tests/run_program.h"
 #include "tests/scenes/people/toy_people.h"
+#include "tests/tools/run_command.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -145,7 +145,7 @@ class SlowSegmentationExperiment : public testing::Test {
     write_bytes(folder / "toy.safetensors", pipeline::as_safetensors(pipeline::face_follower()));
   }
   Outcome run() {
-    return run_program("experiment segmentation --images '" + (folder / "images") + "' --masks '" + (folder / "masks") +
+    return run_command("experiment segmentation --images '" + (folder / "images") + "' --masks '" + (folder / "masks") +
                        "' --weights '" + (folder / "toy.safetensors") + "' -o '" + (folder / "out") + "'");
   }
   TemporaryFolder folder;
@@ -202,7 +202,7 @@ TEST_F(SlowSegmentationExperiment, ScoresPeopleSets) {
   if (!pipeline::has_person_network()) GTEST_SKIP() << "built without oneDNN";
   write_followed(folder / "set");
   const std::string command = "experiment segmentation --weights '" + (folder / "toy.safetensors") + "' ";
-  const Outcome outcome = run_program(command + "--people '" + (folder / "set") + "' -o '" + (folder / "out") + "'");
+  const Outcome outcome = run_command(command + "--people '" + (folder / "set") + "' -o '" + (folder / "out") + "'");
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("near hands that hold"), std::string::npos);
   const nlohmann::json json = nlohmann::json::parse(read_bytes(folder / "out/segmentation.json"));
@@ -212,7 +212,7 @@ TEST_F(SlowSegmentationExperiment, ScoresPeopleSets) {
   for (const std::string& bad :
        {std::string(), "--images '" + (folder / "images") + "'",
         "--people '" + (folder / "set") + "' --images x --masks x", "--people '" + (folder / "images") + "'"}) {
-    expect_one_line_refusal(run_program(command + bad));
+    expect_one_line_refusal(run_command(command + bad));
   }
 }
 
@@ -250,7 +250,7 @@ TEST(SlowPortraitPeople, FacesOutsideThePictureAreRefused) {
   const TemporaryFolder folder;
   const std::string portrait = write_pair(folder, false);
   for (const char* bad : {"--face 1,2,3", "--face 400,10,20,20", "--face nan,1,2,3", "--tap -1,2"}) {
-    expect_one_line_refusal(run_program(portrait + bad));
+    expect_one_line_refusal(run_command(portrait + bad));
   }
 }
 
@@ -266,7 +266,7 @@ bool has_trained_network() {
 TEST(SlowPortraitPeople, AreFoundWithoutAMask) {
   if (!has_trained_network() || !pipeline::has_face_detector()) GTEST_SKIP() << "built without";
   const auto result_of = [](const std::string& arguments, const TemporaryFolder& folder, bool warns) {
-    const Outcome outcome = run_program(arguments);
+    const Outcome outcome = run_command(arguments);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_EQ(outcome.err.find("no face found") != std::string::npos, warns) << outcome.err;
     return nlohmann::json::parse(read_bytes(folder / "out/result.json"))["provenance"];
@@ -287,7 +287,7 @@ TEST(SlowPortraitPeople, AreFoundWithoutAMask) {
             nlohmann::json::parse("[[20,30,40,50]]"));
 
   EXPECT_EQ(found["person_network"], "f32");
-  expect_one_line_refusal(run_program(portrait + "--mode dp --bf16"));
+  expect_one_line_refusal(run_command(portrait + "--mode dp --bf16"));
 
   const nlohmann::json no_face = result_of(write_pair(folder, false) + "--mode dp+seg", folder, true);
   EXPECT_EQ(no_face["mode"], "dp");
@@ -298,7 +298,7 @@ TEST(SlowPortraitPeople, ATapOnAWallFindsNobody) {
   if (!has_trained_network() || !pipeline::has_face_detector()) GTEST_SKIP() << "built without";
   const TemporaryFolder folder;
   const auto result_of = [&](bool with_face) {
-    const Outcome outcome = run_program(write_pair(folder, with_face) + "--mode dp+seg --tap 150,110");
+    const Outcome outcome = run_command(write_pair(folder, with_face) + "--mode dp+seg --tap 150,110");
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     const nlohmann::json provenance = nlohmann::json::parse(read_bytes(folder / "out/result.json"))["provenance"];
     EXPECT_EQ(outcome.err.find("no person found at the tap") == std::string::npos, provenance["mode"] == "dp+seg");
@@ -321,7 +321,7 @@ TEST(SlowPortraitPeople, MasksHaveTheShapeOfThePictureAndAreNotEmpty) {
     Image mask(width, height, 3);
     for (float& m : mask.data) m = value;
     write_png8(folder / "mask.png", mask);
-    return run_program(portrait);
+    return run_command(portrait);
   };
   const int width = picture.width, height = picture.height;
   expect_one_line_refusal(with_mask(width, height * 3 / 2, 1));
@@ -334,7 +334,7 @@ TEST(SlowPortraitPeople, MasksHaveTheShapeOfThePictureAndAreNotEmpty) {
 
   const auto of_views = [&](int view_width, int view_height, const std::string& options) {
     for (const char* view : {"l.png", "r.png"}) write_png8(folder / view, Image(view_width, view_height, 3, 0.5f));
-    return run_program(portrait + options);
+    return run_command(portrait + options);
   };
   write_png8(folder / "mask.png", Image(33, 64, 3, 1.0f));
   EXPECT_EQ(of_views(33, 64, "").status, 0);  // pairs are made even
@@ -350,13 +350,13 @@ TEST(SlowPortraitPeople, SixteenBitFloatsFindTheSame) {
   const TemporaryFolder folder;
   const std::string portrait = write_pair(folder, true) + "--mode dp+seg --face 105,65,90,90 ";
   const auto mask_of = [&](const std::string& option) {
-    const Outcome outcome = run_program(portrait + option);
+    const Outcome outcome = run_command(portrait + option);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     return pipeline::read_result(folder / "out").result.mask;
   };
   const Image mask = mask_of("");
   if (!__builtin_cpu_supports("avx512bw")) {
-    expect_one_line_refusal(run_program(portrait + "--bf16"));
+    expect_one_line_refusal(run_command(portrait + "--bf16"));
     return;
   }
   const Image rounded = mask_of("--bf16");

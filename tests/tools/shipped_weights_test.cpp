@@ -15,8 +15,8 @@
 #include "pipeline/segmentation/person_mask.h"
 #include "scenes/people/data_set/read_people_set.h"
 #include "tests/pipeline/segmentation/toy_network.h"
-#include "tests/run_program.h"
 #include "tests/temporary_folder.h"
+#include "tests/tools/run_command.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -40,7 +40,7 @@ bool has_shipped_network() {
 std::string make_set(const TemporaryFolder& folder, int count) {
   const std::string set = folder / "people";
   const Outcome outcome =
-      run_program("people -o '" + set + "' --count " + std::to_string(count) + " --seed 1 --held-out --composites 1");
+      run_command("people -o '" + set + "' --count " + std::to_string(count) + " --seed 1 --held-out --composites 1");
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   return set;
 }
@@ -63,7 +63,7 @@ pipeline::NetworkWeights perturbed_weights(double share) {
 std::map<std::string, json> scores_of(const std::string& set, const TemporaryFolder& folder,
                                       const std::string& options = "") {
   const Outcome outcome =
-      run_program("experiment segmentation --people '" + set + "' -o '" + (folder / "scores") + "'" + options);
+      run_command("experiment segmentation --people '" + set + "' -o '" + (folder / "scores") + "'" + options);
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   std::map<std::string, json> rows;
   const json written = json::parse(read_bytes(folder / "scores/segmentation.json"));

@@ -46,6 +46,7 @@ void add_experiment_failures(CLI::App& experiment);
 void add_experiment_noise(CLI::App& experiment);
 void add_experiment_scenes(CLI::App& experiment);
 void add_experiment_segmentation(CLI::App& experiment);
+void add_experiment_votes(CLI::App& experiment);
 void add_export(CLI::App& program);
 void add_people(CLI::App& program);
 void add_scene(CLI::App& program);

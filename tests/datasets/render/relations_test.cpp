@@ -96,7 +96,7 @@ RenderedSample exposed(const std::string& glb, double nits, double mean, double 
 }
 
 // A sky that is darker by a factor asks for as much more light. The longest is 1/12 s at ISO 12800.
-TEST(Relations, SayWhichExposureTheyMiss) {
+TEST(SlowRelations, SayWhichExposureTheyMiss) {
   const TemporaryFolder folder;
   write_boxes(folder / "box.glb", {{0, 0, 0}});
   const RenderedSample bright = exposed(folder / "box.glb", 100, 0.2, 2);

@@ -32,7 +32,7 @@ Capture capture_of(const SampleLine& line) {
 
 SampleLine first_line(const json& recipe) { return make_plan(read_recipe(recipe, "r.json")).lines.front(); }
 
-TEST(Render, ShardsGiveTheBytesOfTheWhole) {
+TEST(SlowRender, ShardsGiveTheBytesOfTheWhole) {
   const TemporaryFolder folder;
   json recipe = small_recipe(7);  // of three scenes, one of them drawn
   recipe["scenes"].push_back({{"kind", "chart"}, {"seeds", {1, 1}}, {"set", {{"width_px", 128}}}});
@@ -53,7 +53,7 @@ TEST(Render, ShardsGiveTheBytesOfTheWhole) {
 }
 
 // Samples of one scene go on with the light that those before them found, each with a goal of its own.
-TEST(Render, LightThatOtherSamplesFoundChangesNoByte) {
+TEST(SlowRender, LightThatOtherSamplesFoundChangesNoByte) {
   const TemporaryFolder folder;
   json recipe = small_recipe(3);
   recipe["scenes"].erase(1);
@@ -66,7 +66,7 @@ TEST(Render, LightThatOtherSamplesFoundChangesNoByte) {
   EXPECT_TRUE(bytes_under(folder / "run") == bytes_under(folder / "apart"));
 }
 
-TEST(Render, RendersOnlyWhatIsMissing) {
+TEST(SlowRender, RendersOnlyWhatIsMissing) {
   const TemporaryFolder folder;
   const std::string set = folder / "set";
   plan_into(set, small_recipe(4));
@@ -82,7 +82,7 @@ TEST(Render, RendersOnlyWhatIsMissing) {
   EXPECT_TRUE(before == bytes_under(set));
 }
 
-TEST(Render, GoesOnWhereASampleCannotBeRendered) {
+TEST(SlowRender, GoesOnWhereASampleCannotBeRendered) {
   const TemporaryFolder folder;
   const std::string set = folder / "set", glb = read_bytes(DUALPIXEL_SCENES_DIR "/slanted_planes.glb");
   json recipe = small_recipe(4);
@@ -169,7 +169,7 @@ TEST(Render, WritesNoPictureWithAValueThatIsNotFinite) {
   EXPECT_FALSE(is_there(folder / "dpdd", dpdd));
 }
 
-TEST(Render, VerifyFindsWhatIsKeptAndNotThere) {
+TEST(SlowRender, VerifyFindsWhatIsKeptAndNotThere) {
   const TemporaryFolder folder;
   const std::string set = folder / "set", file = set + "/samples/000001/sample.json";
   plan_into(set, small_recipe(3));
@@ -216,7 +216,7 @@ TEST(Render, ClearsNothingBehindALinkedFolder) {
   }
 }
 
-TEST(Render, VerifyFindsWhatWasChanged) {
+TEST(SlowRender, VerifyFindsWhatWasChanged) {
   const TemporaryFolder folder;
   const std::string set = folder / "set";
   plan_into(set, small_recipe(3));
@@ -243,7 +243,7 @@ TEST(Render, WhatIsKeptChangesNoOtherPicture) {
   EXPECT_EQ(few.truth->left.data, all.truth->left.data);
 }
 
-TEST(Relations, FocusLiesOnWhatTheCameraSeesThere) {
+TEST(SlowRelations, FocusLiesOnWhatTheCameraSeesThere) {
   for (const SampleLine& line : make_plan(read_recipe(small_recipe(6), "r.json")).lines) {
     const Capture capture = capture_of(line);
     const Image& depth = capture.truth->depth_m;
@@ -263,7 +263,7 @@ TEST(Relations, FocusLiesOnWhatTheCameraSeesThere) {
 }
 
 // "auto" is the surface in the middle of the picture: the same number as focus there.
-TEST(Relations, FocusIsAutomaticWhereTheSceneFileSaysSo) {
+TEST(SlowRelations, FocusIsAutomaticWhereTheSceneFileSaysSo) {
   json recipe = small_recipe(1);
   SampleLine middle = first_line(recipe);
   middle.relations["focus_at"] = {0.5, 0.5};
@@ -282,7 +282,7 @@ TEST(Relations, FocusIsAutomaticWhereTheSceneFileSaysSo) {
   EXPECT_EQ(distances_m, (std::set<double>{expected_m, 2.5}));
 }
 
-TEST(Relations, ExposureGivesTheMean) {
+TEST(SlowRelations, ExposureGivesTheMean) {
   json recipe = small_recipe(6);
   recipe["relations"]["exposure_mean"] = {{"grid", {0.05, 0.18, 0.85}}};
   recipe["set"]["exposure.iso"] = 200;

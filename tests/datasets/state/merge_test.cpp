@@ -26,7 +26,7 @@ void make(const std::string& folder, const json& recipe) {
   EXPECT_EQ(render_shard({.dataset = folder}).failed, 0);
 }
 
-TEST(Merge, IndexesWhatIsThere) {
+TEST(SlowMerge, IndexesWhatIsThere) {
   const TemporaryFolder folder;
   const std::string set = folder / "set";
   make(set, small_recipe(3));
@@ -81,7 +81,7 @@ json dpdd_recipe(int count) {
 }
 
 // Whether a sample is gone, whose picture would be removed, or there, whose picture would be replaced.
-TEST(Merge, TouchesNothingBehindALinkedFolder) {
+TEST(SlowMerge, TouchesNothingBehindALinkedFolder) {
   const TemporaryFolder folder;
   const std::string set = folder / "set", link = set + "/dpdd/train_c/source";
   make(set, dpdd_recipe(2));
@@ -97,7 +97,7 @@ TEST(Merge, TouchesNothingBehindALinkedFolder) {
   }
 }
 
-TEST(Merge, LeavesAllAsItWasWhereItIsRefused) {
+TEST(SlowMerge, LeavesAllAsItWasWhereItIsRefused) {
   const TemporaryFolder folder;
   const std::string set = folder / "set";
   make(set, dpdd_recipe(3));
@@ -120,7 +120,7 @@ double linear_mean(const std::string& path) {
   return sum / static_cast<double>(picture.data.size());
 }
 
-TEST(Merge, LaysDpddOut) {
+TEST(SlowMerge, LaysDpddOut) {
   const TemporaryFolder folder;
   const std::string set = folder / "set";
   json recipe = dpdd_recipe(2);
@@ -144,7 +144,7 @@ TEST(Merge, LaysDpddOut) {
 
 // As the release's loaders read it: views over 16 * 1023, black near 64 / 1023, depth from 8 bits, all upright after a
 // quarter turn back.
-TEST(Merge, LaysGooglesDataOut) {
+TEST(SlowMerge, LaysGooglesDataOut) {
   const TemporaryFolder folder;
   const std::string set = folder / "set";
   json recipe = small_recipe(2);
@@ -205,7 +205,7 @@ std::vector<std::pair<std::string, std::string>> untar(const std::string& tar, c
   return entries;
 }
 
-TEST(Merge, PacksWebDatasets) {
+TEST(SlowMerge, PacksWebDatasets) {
   const TemporaryFolder folder;
   const std::string set = folder / "set";
   json recipe = small_recipe(3);
@@ -232,7 +232,7 @@ TEST(Merge, PacksWebDatasets) {
 }
 
 /// OpenCV reads channels of other names as zeros, without a word.
-TEST(Exr, IsReadByOpenCv) {
+TEST(SlowExr, IsReadByOpenCv) {
   if (std::system("/usr/bin/python3 -c 'import cv2' 2>/dev/null") != 0)
     GTEST_SKIP() << "python3-opencv is not installed";
   const TemporaryFolder folder;

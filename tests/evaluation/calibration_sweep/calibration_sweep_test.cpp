@@ -407,7 +407,7 @@ TEST(SlowCalibrateCommand, SweepsGoesOnWhereItWasAndIsDescribed) {
   EXPECT_FALSE(std::filesystem::exists(folder / "captured"));
 }
 
-TEST(CalibrateCommand, RefusesBeforeTheWork) {
+TEST(SlowCalibrateCommand, RefusesBeforeTheWork) {
   const TemporaryFolder folder;
   const std::string out = folder / "out";
   // nearer than the lens can focus

@@ -115,7 +115,7 @@ TEST(CameraFit, FindsACameraThatIsKnown) {
 // Figures that err by a third of their tolerances: five fields are each within four standard errors of what they are
 // but for one time in three thousand, and what is left of 36 errors, each 1/9 squared, is their scatter, 1/9 (1 +-
 // .24).
-TEST(CameraFit, StatesHowWellTheFiguresDetermineIt) {
+TEST(SlowCameraFit, StatesHowWellTheFiguresDetermineIt) {
   const auto [known, m] = known_camera(1.0 / 3);
   const CameraFit fit = fit_camera(m);
   EXPECT_LT(fit.after, (1 + 3 * 0.24) / 9);
@@ -137,7 +137,7 @@ TEST(CameraFit, StatesHowWellTheFiguresDetermineIt) {
 }
 
 // The known focus, 12 um, lies beyond what the fit may reach: it ends at the bound, and the figures stay far off.
-TEST(CameraFit, SaysWhatEndsAtItsBoundAndWhatErrsByMuch) {
+TEST(SlowCameraFit, SaysWhatEndsAtItsBoundAndWhatErrsByMuch) {
   auto [known, m] = known_camera(0);
   EXPECT_TRUE(warnings_of(score_camera(m, known)).empty());
   for (FittedField& f : m.fit) {

@@ -18,7 +18,7 @@ Capture wall_at_rest(int frames) {
 }
 
 // The noise of 30720 pixels is known to .4 %, that of a merge to 2.5 %.
-TEST(BurstExperiment, AtRestTheMergeKeepsTheNoiseThatItStates) {
+TEST(SlowBurstExperiment, AtRestTheMergeKeepsTheNoiseThatItStates) {
   const Capture burst = wall_at_rest(6);
   const std::vector<BurstPoint> points = measure_burst(burst, burst, {1, 3, 6});
   EXPECT_DOUBLE_EQ(points[0].error_kept, 1);

@@ -26,7 +26,7 @@ TEST(DefocusExperiment, HalosAreOthers) {
   }
 }
 
-TEST(DefocusExperiment, BadLensesAreRefused) {
+TEST(SlowDefocusExperiment, BadLensesAreRefused) {
   const TemporaryFolder folder;
   for (const std::string lens : {"f/0@50mm-equivalent", "f/1.4@50mm-equivalents"}) {
     expect_one_line_refusal(run_program("portrait nowhere -o '" + (folder / "out") + "' --match-lens '" + lens + "'"));

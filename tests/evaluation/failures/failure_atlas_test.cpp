@@ -144,7 +144,7 @@ TEST(SlowFailureAtlas, TheExperimentWritesChartsAndFigures) {
   for (const FailureRow& row : ideal_failure_rows()) EXPECT_NE(page.find(row.title), std::string::npos) << row.title;
 }
 
-TEST(Experiment, RefusesWhatItCannotWrite) {
+TEST(SlowExperiment, RefusesWhatItCannotWrite) {
   expect_one_line_refusal(run_program("experiment"));
   expect_one_line_refusal(run_program("experiment failures"));
   expect_one_line_refusal(run_program("experiment failures -o /proc/none"));

@@ -89,7 +89,7 @@ TEST(SlowRenderedRows, APaneReflectsAsMetered) {
   }
 }
 
-TEST(RenderedRows, EveryCameraTakesEveryRow) {
+TEST(SlowRenderedRows, EveryCameraTakesEveryRow) {
   for (const char* camera : {"prescription", DUALPIXEL_SOURCE_DIR "/scenes/cameras/phone_2019.json"}) {
     for (const FailureRow& row : rendered_failure_rows(atlas_camera(camera))) {
       if (row.name != "vignetting" && row.name != "defocus") continue;  // a lens of the row's own, and the camera's
@@ -136,7 +136,7 @@ TEST(FailureAtlas, ARowIsTheSameOnceItWasKept) {
   EXPECT_EQ(to_json(sweep_of_json(json), true), json);
 }
 
-TEST(FailureAtlas, GoesOnWhereItWasLeft) {
+TEST(SlowFailureAtlas, GoesOnWhereItWasLeft) {
   const TemporaryFolder folder;
   const AtlasOptions one{.camera = "ideal", .methods = {"paper"}, .rows = {"parallel"}};
   run_failure_atlas(one, folder / "new");
@@ -158,7 +158,7 @@ TEST(FailureAtlas, GoesOnWhereItWasLeft) {
   EXPECT_NE(read_bytes(kept), bytes);
 }
 
-TEST(FailureAtlas, NamesACameraFileWithoutItsFolder) {
+TEST(SlowFailureAtlas, NamesACameraFileWithoutItsFolder) {
   const TemporaryFolder folder;
   const std::string file = DUALPIXEL_SOURCE_DIR "/scenes/cameras/phone_2019.json";
   run_failure_atlas({.camera = file, .methods = {"paper"}, .rows = {"noise"}}, folder / "new");
@@ -169,7 +169,7 @@ TEST(FailureAtlas, NamesACameraFileWithoutItsFolder) {
   }
 }
 
-TEST(FailureAtlas, RefusesWhatItCannotUse) {
+TEST(SlowFailureAtlas, RefusesWhatItCannotUse) {
   const TemporaryFolder folder;
   const std::string out = "experiment failures -o '" + (folder / "new") + "' ";
   expect_one_line_refusal(run_program(out + "--row nois"));

@@ -75,7 +75,7 @@ TEST(ForeignMethod, HasSignalsAndInputOfItsOwn) {
   EXPECT_NO_THROW(method_named("a=cat; cp {left.npy} {out}; : {right}").run(view, view, {}));  // ends: no input
 }
 
-TEST(ForeignMethod, CountsItsOwnMemoryAlone) {
+TEST(SlowForeignMethod, CountsItsOwnMemoryAlone) {
   const std::vector<char> held(200 << 20, 1);
   const Image view(6, 4, 1, 0.5f);
   const auto peak_mb = [&](const std::string& command) {
@@ -224,7 +224,7 @@ std::vector<ViewSample> rendered_samples(const std::string& folder, int side) {
 }
 
 // The same electrons fall on both sensors: a DP pixel of 2 x 2 reads the mean of its two green photosites.
-TEST(SetEvaluation, TakesDenseSamplesAsThoseOfTwoByTwo) {
+TEST(SlowSetEvaluation, TakesDenseSamplesAsThoseOfTwoByTwo) {
   constexpr double kRange = 1023 - 64;  // black to white
   const TemporaryFolder folder;
   const std::vector<ViewSample> dense = rendered_samples(folder / "dense", 1),

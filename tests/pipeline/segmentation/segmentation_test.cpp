@@ -274,7 +274,7 @@ TEST(PersonNetwork, AbsurdWeightsAreSaidToBe) {
   EXPECT_EQ(error.rfind("a file: ", 0), 0U) << error;
 }
 
-TEST(PersonNetworkDeathTest, EitherPrecisionExcludesTheOther) {
+TEST(SlowPersonNetworkDeathTest, EitherPrecisionExcludesTheOther) {
   NEEDS_NETWORK();
   if (!__builtin_cpu_supports("avx512bw")) GTEST_SKIP() << "a processor without AVX-512";
   GTEST_FLAG_SET(death_test_style, "threadsafe");  // in processes of their own, in which no network was built before

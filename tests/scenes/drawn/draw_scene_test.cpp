@@ -50,24 +50,24 @@ std::string refusal_of(const std::string& kind, const std::vector<std::string>& 
   return "";
 }
 
-TEST(DrawnScenes, TheSeedDecidesEveryByte) {
+TEST(SlowDrawnScenes, TheSeedDecidesEveryByte) {
   const Drawn first = draw("still_life", 3), again = draw("still_life", 3), other = draw("still_life", 4);
   EXPECT_TRUE(first.glb == again.glb);
   EXPECT_EQ(first.json, again.json);
   EXPECT_FALSE(first.glb == other.glb);
 }
 
-TEST(DrawnScenes, LoadWithoutWarnings) {
+TEST(SlowDrawnScenes, LoadWithoutWarnings) {
   for (const SceneKind& kind : scene_kinds()) expect_clean(kind.name, 1);
 }
 
-TEST(DrawnScenes, SizeAndSensorLeaveTheSceneAlone) {
+TEST(SlowDrawnScenes, SizeAndSensorLeaveTheSceneAlone) {
   const Drawn small = draw("chart", 2), large = draw("chart", 2, {"width_px=256", "lens=phone_thin"});
   EXPECT_TRUE(small.glb == large.glb);
   EXPECT_NE(small.json, large.json);
 }
 
-TEST(DrawnScenes, FieldsOfTheSceneFileCanBeSet) {
+TEST(SlowDrawnScenes, FieldsOfTheSceneFileCanBeSet) {
   const Drawn drawn = draw("chart", 2, {"burst.frames=3", "lens=phone_thin", "lens.f_number=2.4"});
   const nlohmann::json scene = nlohmann::json::parse(drawn.json);
   EXPECT_EQ(scene["burst"]["frames"], 3);

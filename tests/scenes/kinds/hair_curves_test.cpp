@@ -119,7 +119,7 @@ TEST(HairCurves, LieOnTheMassButForTwoInAHundred) {
               0.03 * kHair_m);  // .5 to 1.4 of it, evenly; rising makes it longer
 }
 
-TEST(HairCurves, DrawnPeopleHaveThemAsPartOfThePerson) {
+TEST(SlowHairCurves, DrawnPeopleHaveThemAsPartOfThePerson) {
   const TemporaryFolder folder;
   SceneBuilder build;
   for (std::uint64_t i = 0; i < 4; ++i)  // one of them may be bald, or wear a hat

@@ -41,7 +41,7 @@ glm::vec2 on_back_wall(int x, int y) {
           kEye_m - scale * (static_cast<float>(y) + 0.5f - 0.5f * kHeight)};
 }
 
-TEST(Room, TheOpeningShowsASecondRoomAndTheWallBesideItDoesNot) {
+TEST(SlowRoom, TheOpeningShowsASecondRoomAndTheWallBesideItDoesNot) {
   const Truth truth = looked_into(kBeyond_m);
   // .4 of the room's width, and 2.1 m high; below the lamps, which may hang from 1.7 m halfway to the wall
   const float half = 0.5f * 0.4f * kWide_m, lowest_lamp_m = kEye_m + 0.3f * kDeep_m / (0.55f * kDeep_m);

@@ -59,7 +59,7 @@ TEST(RelativeLight, OfNaturalFalloffIsCos4) {
 
 // Against the lens designer's relative illumination, from directions counted in double precision, of an object at
 // infinity. The lens is focused there, too, and the split pixel loses nothing.
-TEST(RelativeLight, OfAPrescriptionIsItsRelativeIllumination) {
+TEST(SlowRelativeLight, OfAPrescriptionIsItsRelativeIllumination) {
   Lens lens = read_lens_file(DUALPIXEL_SOURCE_DIR "/lens_models/phone_6p_4.2mm_f1.8.json", INFINITY);
   lens.split = {};
   const Prescription& prescription = *prescription_of(lens);

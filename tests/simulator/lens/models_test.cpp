@@ -27,7 +27,7 @@ Lens shipped_lens(const std::string& model) {
   return read_lens_file(DUALPIXEL_SOURCE_DIR "/lens_models/" + name + ".json", 2);
 }
 
-TEST(LensModels, EveryRowReadsTheModelOfItsName) {
+TEST(SlowLensModels, EveryRowReadsTheModelOfItsName) {
   for (const LensModelRow& row : kLensModels) {
     const Lens lens = shipped_lens(row.name);
     EXPECT_EQ(lens.model.index(), row.value) << row.name;

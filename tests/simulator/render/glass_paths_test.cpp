@@ -208,7 +208,7 @@ TEST(GlassPaths, LightAndReflectionSamplesAgreeThroughAPane) {
 
 // A glossy board beside a glass ball in an even sky is no brighter than without the ball, which bends much of what the
 // board reflects to where its light samples do not look: behind it. Clear and rough.
-TEST(GlassPaths, BallBesideABoardAddsNoLight) {
+TEST(SlowGlassPaths, BallBesideABoardAddsNoLight) {
   const auto board = [](bool ball, float roughness) {
     Scene scene;
     scene.materials = {diffuse(1), glass(glm::vec3(1), true)};

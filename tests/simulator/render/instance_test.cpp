@@ -167,7 +167,7 @@ TEST(Instance, SurfacesAreThoseOfCopies) {
 // coordinate, 9 m, to either side, and meets something else. Edges in view are 60 m long in 30 m^2, so that 1 ray in
 // 2800 does. Of a photosite's 64 paths each has up to six rays: 1 photosite in 7 may differ by one path or so, either
 // way.
-TEST(Instance, PictureAndTruthAreThoseOfCopies) {
+TEST(SlowInstance, PictureAndTruthAreThoseOfCopies) {
   Twins twins;
   for (Scene* scene : {&twins.shared, &twins.copied}) scene->materials[0].normal_texture.texture = 0;
   const RenderScene shared(twins.shared), copied(twins.copied);

@@ -104,7 +104,7 @@ Mesh placed(Mesh mesh, float size, glm::vec3 origin) {
 
 // A sheet that fills half the sky reflects albedo times the sky's other half, from millimetres to tens of kilometres:
 // nothing that a surface throws back is shadowed by itself. Negative: a shared sheet that is placed there.
-TEST(Robustness, WallsOfAllSizesDoNotShadowThemselves) {
+TEST(SlowRobustness, WallsOfAllSizesDoNotShadowThemselves) {
   for (float signed_size : {1e-3f, 1e-2f, 1.0f, 1e2f, 1e4f, -1e-3f, -1.0f, -1e4f}) {
     const float size = std::abs(signed_size);
     Scene scene;
@@ -181,7 +181,7 @@ TEST(Robustness, CoplanarSheetsDoNotShadowEachOther) {
 
 // Triangles a meter long and a micrometre wide, one without area, sheets through the lens's own plane and through its
 // pupil: numbers come out, and no more light than the sky has.
-TEST(Robustness, SliversAndSheetsThroughTheLensStayFinite) {
+TEST(SlowRobustness, SliversAndSheetsThroughTheLensStayFinite) {
   Scene scene;
   scene.materials = {diffuse(0.9f)};
   scene.materials[0].double_sided = true;

@@ -10,7 +10,7 @@
 #include "datasets/render/sample_folder.h"
 #include "datasets/render/shard.h"
 #include "tests/datasets/small_recipe.h"
-#include "tests/run_program.h"
+#include "tests/tools/run_command.h"
 
 namespace dualpixel {
 namespace {
@@ -23,7 +23,7 @@ std::string in_set(const TemporaryFolder& folder) { return " '" + (folder / "set
 
 Outcome plan(const TemporaryFolder& folder, const json& recipe) {
   folder.write("recipe.json", recipe.dump());
-  return run_program("dataset plan '" + (folder / "recipe.json") + "' -o" + in_set(folder));
+  return run_command("dataset plan '" + (folder / "recipe.json") + "' -o" + in_set(folder));
 }
 
 TEST(Dataset, PlansRendersAndVerifies) {
@@ -32,13 +32,13 @@ TEST(Dataset, PlansRendersAndVerifies) {
   ASSERT_EQ(planned.status, 0) << planned.err;
   EXPECT_EQ(planned.out.substr(0, planned.out.find('\n')),
             "3 samples, 0.02 MB each before compression, 0.00 GB in all");
-  const Outcome rendered = run_program("dataset render" + in_set(folder) + " --shard 0/2 --jobs 2");
+  const Outcome rendered = run_command("dataset render" + in_set(folder) + " --shard 0/2 --jobs 2");
   EXPECT_EQ(rendered.status, 0) << rendered.err;
   EXPECT_TRUE(rendered.out.starts_with("1 samples: 0 were there, 1 rendered in ")) << rendered.out;
-  const json status = json::parse(run_program("dataset status --json" + in_set(folder)).out);
+  const json status = json::parse(run_command("dataset status --json" + in_set(folder)).out);
   EXPECT_EQ(status["all"], (json{{"planned", 3}, {"rendered", 1}, {"failed", 0}, {"missing", 2}}));
-  EXPECT_EQ(run_program("dataset verify" + in_set(folder)).status, 0);
-  EXPECT_EQ(run_program("dataset merge" + in_set(folder)).status, 0);
+  EXPECT_EQ(run_command("dataset verify" + in_set(folder)).status, 0);
+  EXPECT_EQ(run_command("dataset merge" + in_set(folder)).status, 0);
   std::string page = read_bytes(folder / "set/statistics.html");
   page.erase(page.rfind("<script"));  // whose code speaks of NaN
   EXPECT_NE(page.find("data:image/jpeg"), std::string::npos);
@@ -50,7 +50,7 @@ Outcome run_with(const std::string& variables, const std::string& arguments) {
   return run_program("--version >/dev/null; " + variables + " '" DUALPIXEL_PROGRAM "' " + arguments);
 }
 
-TEST(Dataset, TakesItsShardFromTheBatchSystem) {
+TEST(SlowDataset, TakesItsShardFromTheBatchSystem) {
   const TemporaryFolder folder;
   plan(folder, small_recipe(3));
   for (const char* variables :
@@ -73,7 +73,7 @@ TEST(Dataset, SaysByItsStatusThatSomeFailed) {
   recipe["set"]["environment"] = {{"constant", {{"model", "constant"}, {"nits", {9, 9, 9}}}}};
   ASSERT_EQ(plan(folder, recipe).status, 0);
   folder.write("mine.glb", "glTF");
-  const Outcome outcome = run_program("dataset render" + in_set(folder));
+  const Outcome outcome = run_command("dataset render" + in_set(folder));
   EXPECT_EQ(outcome.status, 5);
   EXPECT_NE(outcome.err.find("failures.jsonl: says why "), std::string::npos) << outcome.err;
 }
@@ -87,7 +87,7 @@ json slow_recipe(int count) {
 
 /// How many samples are there.
 std::size_t samples_in(const TemporaryFolder& folder) {
-  return json::parse(run_program("dataset status --json" + in_set(folder)).out)["all"]["rendered"];
+  return json::parse(run_command("dataset status --json" + in_set(folder)).out)["all"]["rendered"];
 }
 
 /// The names of the samples that are missing, in the order in which one job renders them.
@@ -117,11 +117,11 @@ Outcome run_script(const std::string& text, const TemporaryFolder& folder) {
 void expect_bytes_of_one_run(const TemporaryFolder& folder, const json& recipe) {
   const TemporaryFolder other;
   plan(other, recipe);
-  EXPECT_EQ(run_program("dataset render" + in_set(other)).status, 0);
+  EXPECT_EQ(run_command("dataset render" + in_set(other)).status, 0);
   EXPECT_TRUE(bytes_under(folder / "set/samples") == bytes_under(other / "set/samples"));
 }
 
-TEST(Dataset, KilledAndRunAgainItIsTheSame) {
+TEST(SlowDataset, KilledAndRunAgainItIsTheSame) {
   const TemporaryFolder folder;
   constexpr int kCount = 12;
   plan(folder, slow_recipe(kCount));
@@ -133,16 +133,16 @@ TEST(Dataset, KilledAndRunAgainItIsTheSame) {
   const std::size_t stopped = samples_in(folder);
   EXPECT_GT(stopped, killed);
   EXPECT_LT(stopped, kCount);
-  const Outcome rest = run_program("dataset render" + in_set(folder));
+  const Outcome rest = run_command("dataset render" + in_set(folder));
   EXPECT_TRUE(rest.out.starts_with("12 samples: " + std::to_string(stopped) + " were there, " +
                                    std::to_string(kCount - stopped) + " rendered"))
       << rest.out;
-  EXPECT_EQ(run_program("dataset gc" + in_set(folder)).status, 0);
+  EXPECT_EQ(run_command("dataset gc" + in_set(folder)).status, 0);
   expect_bytes_of_one_run(folder, slow_recipe(kCount));
 }
 
 // As docs/dataset.md has it, but for the task that dies of SIGKILL once, in the middle: parallel tries it again.
-TEST(Dataset, IsRenderedByGnuParallel) {
+TEST(SlowDataset, IsRenderedByGnuParallel) {
   if (std::system("parallel --version 2>/dev/null | grep -q '^GNU parallel'") != 0) {
     GTEST_SKIP() << "GNU parallel is not installed (parallel)";
   }
@@ -164,7 +164,7 @@ TEST(Dataset, IsRenderedByGnuParallel) {
   EXPECT_TRUE(tasks.find("3 samples: 1 were there") != std::string::npos ||
               tasks.find("3 samples: 2 were there") != std::string::npos)
       << tasks;
-  EXPECT_EQ(run_program("dataset gc" + in_set(folder)).status, 0);
+  EXPECT_EQ(run_command("dataset gc" + in_set(folder)).status, 0);
   expect_bytes_of_one_run(folder, slow_recipe(12));
 }
 
@@ -174,43 +174,43 @@ TEST(Dataset, RefusesInOneLine) {
   recipe["sceens"] = recipe["scenes"];
   expect_one_line_refusal(plan(folder, recipe));
   EXPECT_EQ(folder.names(), std::set<std::string>{"recipe.json"});
-  expect_one_line_refusal(run_program("dataset render" + in_set(folder)));
+  expect_one_line_refusal(run_command("dataset render" + in_set(folder)));
   plan(folder, small_recipe());
   for (const char* shard : {"3/3", "-1/3", "1", "1/0", "a/b", "0/1x"}) {
-    expect_one_line_refusal(run_program("dataset render --shard=" + std::string(shard) + in_set(folder)));
+    expect_one_line_refusal(run_command("dataset render --shard=" + std::string(shard) + in_set(folder)));
   }
-  expect_one_line_refusal(run_program("dataset"));
+  expect_one_line_refusal(run_command("dataset"));
   json other = small_recipe(7);
   other["seed"] = 6;
   expect_one_line_refusal(plan(folder, other));
   const Outcome list =
-      run_program("dataset plan --count 3 -o" + in_set(folder) + " '" + folder.write("list.json", "[1]") + "'");
+      run_command("dataset plan --count 3 -o" + in_set(folder) + " '" + folder.write("list.json", "[1]") + "'");
   expect_one_line_refusal(list);
   EXPECT_EQ(list.err, "dualpixel: " + (folder / "list.json") + ": must be an object\n");
 }
 
-TEST(Dataset, GrowsByALargerCount) {
+TEST(SlowDataset, GrowsByALargerCount) {
   const TemporaryFolder folder;
   ASSERT_EQ(plan(folder, small_recipe(2)).status, 0);
-  EXPECT_EQ(run_program("dataset render" + in_set(folder)).status, 0);
+  EXPECT_EQ(run_command("dataset render" + in_set(folder)).status, 0);
   const std::string first = read_bytes(folder / "set/plan.jsonl");
   ASSERT_EQ(plan(folder, small_recipe(4)).status, 0);
   EXPECT_TRUE(read_bytes(folder / "set/plan.jsonl").starts_with(first));
-  const Outcome rest = run_program("dataset render" + in_set(folder));
+  const Outcome rest = run_command("dataset render" + in_set(folder));
   EXPECT_TRUE(rest.out.starts_with("4 samples: 2 were there, 2 rendered")) << rest.out;
   expect_bytes_of_one_run(folder, small_recipe(4));
 }
 
 // As docs/dataset.md says: gc removes drawn scenes, and what a sample says of its scene brings it back.
-TEST(Dataset, SamplesSayHowTheyAreMadeAgain) {
+TEST(SlowDataset, SamplesSayHowTheyAreMadeAgain) {
   const TemporaryFolder folder;
   json recipe = small_recipe(1);
   recipe["scenes"] = {{{"kind", "chart"}, {"seeds", {3, 3}}, {"set", {{"width_px", 128}, {"lens.f_number", 2.4}}}}};
   recipe["keep"] = {"left", "left_rgb"};
   ASSERT_EQ(plan(folder, recipe).status, 0);
-  ASSERT_EQ(run_program("dataset render" + in_set(folder)).status, 0);
+  ASSERT_EQ(run_command("dataset render" + in_set(folder)).status, 0);
   std::filesystem::rename(folder / "set", folder / "moved");  // and the data set may lie elsewhere
-  ASSERT_EQ(run_program("dataset gc '" + (folder / "moved") + "'").status, 0);
+  ASSERT_EQ(run_command("dataset gc '" + (folder / "moved") + "'").status, 0);
   EXPECT_FALSE(std::filesystem::exists(folder / "moved/scenes"));
   const std::string sample = folder / "moved/samples/000000";
   const json provenance = json::parse(read_bytes(sample + "/sample.json"))["provenance"];
@@ -220,7 +220,7 @@ TEST(Dataset, SamplesSayHowTheyAreMadeAgain) {
                                     command.substr(std::string("dualpixel").size()));
   ASSERT_EQ(drawn.status, 0) << drawn.err;
   write_bytes(sample + "/scene.json", provenance["scene"].dump());
-  const Outcome rendered = run_program("simulate '" + sample + "/scene.json' -o '" + (folder / "capture") + "'");
+  const Outcome rendered = run_command("simulate '" + sample + "/scene.json' -o '" + (folder / "capture") + "'");
   ASSERT_EQ(rendered.status, 0) << rendered.err;
   const Image kept = read_npy(sample + "/left_rgb.npy");
   const std::vector<Image> views = read_exr(folder / "capture/truth/views.exr", {"left.R", "left.G", "left.B"});

@@ -17,7 +17,7 @@
 #include "tests/datasets/small_recipe.h"
 #include "tests/pipeline/portrait/synthetic.h"
 #include "tests/pipeline/texture.h"
-#include "tests/run_program.h"
+#include "tests/tools/run_command.h"
 
 namespace dualpixel {
 namespace {
@@ -53,11 +53,11 @@ constexpr const char* kTinyPictures =
     " --set sensor.width_px=64 --set sensor.height_px=48 --set sensor.pixel_pitch_um=58.8 --set burst.frames=1 --set "
     "render.samples_per_pixel=2 --set render.photograph_samples_per_pixel=1 --set render.light_spacing_px=0";
 
-TEST(OwnScenes, AModelAloneIsFramedAndItsSceneFilePrinted) {
+TEST(SlowOwnScenes, AModelAloneIsFramedAndItsSceneFilePrinted) {
   const TemporaryFolder folder;
   write_model(folder / "model.glb");
   const std::string in = "'" + folder.path.string() + "/";
-  const Outcome outcome = run_program("simulate " + in + "model.glb' -o " + in + "one' --seed 3" + kTinyPictures);
+  const Outcome outcome = run_command("simulate " + in + "model.glb' -o " + in + "one' --seed 3" + kTinyPictures);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const json printed = json::parse(outcome.out);
   EXPECT_TRUE(printed["camera"]["focus_distance_m"].is_number());
@@ -65,12 +65,12 @@ TEST(OwnScenes, AModelAloneIsFramedAndItsSceneFilePrinted) {
 
   // saved beside the model it is the scene: the same frames
   folder.write("model.json", outcome.out);
-  const Outcome again = run_program("simulate " + in + "model.json' -o " + in + "two'");
+  const Outcome again = run_command("simulate " + in + "model.json' -o " + in + "two'");
   ASSERT_EQ(again.status, 0) << again.err;
   for (const char* file : {"frames/000_mosaic.png", "frames/000_left.png", "truth/geometry.exr"}) {
     EXPECT_EQ(read_bytes(folder / "one/" + file), read_bytes(folder / "two/" + file)) << file;
   }
-  const Outcome dry = run_program("simulate " + in + "model.glb' -o " + in + "dry' --dry-run --seed 3" + kTinyPictures);
+  const Outcome dry = run_command("simulate " + in + "model.glb' -o " + in + "dry' --dry-run --seed 3" + kTinyPictures);
   EXPECT_EQ(dry.out, outcome.out);
   EXPECT_FALSE(std::filesystem::exists(folder / "dry"));
 }
@@ -78,7 +78,7 @@ TEST(OwnScenes, AModelAloneIsFramedAndItsSceneFilePrinted) {
 TEST(OwnScenes, InfoSaysWhatAModelHolds) {
   const TemporaryFolder folder;
   write_model(folder / "model.glb");
-  const json info = json::parse(run_program("info '" + (folder / "model.glb") + "' --json").out);
+  const json info = json::parse(run_command("info '" + (folder / "model.glb") + "' --json").out);
   const double expected[] = {-0.2, -0.15, 0, 0.2, 0.15, 0.1};
   for (int i = 0; i < 6; ++i) {
     EXPECT_NEAR(info["bounds"][i < 3 ? "low_m" : "high_m"][i % 3].get<double>(), expected[i], 1e-6);
@@ -86,25 +86,25 @@ TEST(OwnScenes, InfoSaysWhatAModelHolds) {
   EXPECT_EQ(info["materials"].size(), 1);
   EXPECT_EQ(info["cameras"], json::array());
   EXPECT_TRUE(info.contains("extensions"));
-  const json planes = json::parse(run_program("info '" DUALPIXEL_SCENES_DIR "/slanted_planes.glb' --json").out);
+  const json planes = json::parse(run_command("info '" DUALPIXEL_SCENES_DIR "/slanted_planes.glb' --json").out);
   EXPECT_EQ(planes["cameras"][0]["name"], "camera");
   EXPECT_EQ(planes["extensions"], json({"KHR_materials_unlit"}));
 }
 
-TEST(OwnScenes, SeveralGoToFoldersOfTheirNames) {
+TEST(SlowOwnScenes, SeveralGoToFoldersOfTheirNames) {
   const TemporaryFolder folder;
   write_model(folder / "model.glb");
   const std::string in = "'" + folder.path.string() + "/";
   const std::string planes = "'" DUALPIXEL_SCENES_DIR "/slanted_planes.json' ";
-  const Outcome outcome = run_program("simulate " + planes + in + "model.glb' -o " + in + "out'" + kTinyPictures);
+  const Outcome outcome = run_command("simulate " + planes + in + "model.glb' -o " + in + "out'" + kTinyPictures);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_TRUE(std::filesystem::exists(folder / "out/slanted_planes/capture.json"));
   EXPECT_TRUE(std::filesystem::exists(folder / "out/model/capture.json"));
-  expect_one_line_refusal(run_program("simulate " + planes + planes + "-o " + in + "twice'" + kTinyPictures));
+  expect_one_line_refusal(run_command("simulate " + planes + planes + "-o " + in + "twice'" + kTinyPictures));
 }
 
 // A camera that the second scene lacks is only known when it is loaded.
-TEST(OwnScenes, AllAreCheckedBeforeTheFirstIsRendered) {
+TEST(SlowOwnScenes, AllAreCheckedBeforeTheFirstIsRendered) {
   const TemporaryFolder folder;
   const std::string in = "'" + folder.path.string() + "/";
   const std::string planes = "'" DUALPIXEL_SCENES_DIR "/slanted_planes.json' ";
@@ -113,30 +113,30 @@ TEST(OwnScenes, AllAreCheckedBeforeTheFirstIsRendered) {
                                  {"camera", {{"node", "none"}, {"focus_distance_m", 1}}},
                                  {"lens", {{"focal_length_mm", 4.4}, {"f_number", 1.8}}}}
                                 .dump());
-  const Outcome outcome = run_program("simulate " + planes + in + "none.json' -o " + in + "out'" + kTinyPictures);
+  const Outcome outcome = run_command("simulate " + planes + in + "none.json' -o " + in + "out'" + kTinyPictures);
   expect_one_line_refusal(outcome);
   EXPECT_NE(outcome.err.find("no camera node is named 'none'"), std::string::npos) << outcome.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
 
   folder.write("jobs.jsonl", "{\"name\": \"a\"}\n{\"name\": \"b\", \"set\": {\"camera.node\": \"none\"}}\n");
   expect_one_line_refusal(
-      run_program("simulate " + planes + "--jobs " + in + "jobs.jsonl' -o " + in + "out'" + kTinyPictures));
+      run_command("simulate " + planes + "--jobs " + in + "jobs.jsonl' -o " + in + "out'" + kTinyPictures));
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
 }
 
-TEST(OwnScenes, AFaceMayBeGivenInSharesAndRemoved) {
+TEST(SlowOwnScenes, AFaceMayBeGivenInSharesAndRemoved) {
   const TemporaryFolder folder;
   const std::string in = "'" + folder.path.string() + "/";
   const std::string scene = "simulate '" DUALPIXEL_SCENES_DIR "/slanted_planes.json' -o " + in;
-  const Outcome shares = run_program(scene + "a'" + kTinyPictures + " --set 'face=[0.25,0.5,0.25,0.25]'");
+  const Outcome shares = run_command(scene + "a'" + kTinyPictures + " --set 'face=[0.25,0.5,0.25,0.25]'");
   ASSERT_EQ(shares.status, 0) << shares.err;
   EXPECT_EQ(json::parse(read_bytes(folder / "a/capture.json"))["face_px"], json({16, 24, 16, 12}));
-  const Outcome none = run_program(scene + "b'" + kTinyPictures + " --set 'face=[0.25,0.5,0.25,0.25]' --set face=null");
+  const Outcome none = run_command(scene + "b'" + kTinyPictures + " --set 'face=[0.25,0.5,0.25,0.25]' --set face=null");
   ASSERT_EQ(none.status, 0) << none.err;
   EXPECT_FALSE(json::parse(read_bytes(folder / "b/capture.json")).contains("face_px"));
-  expect_one_line_refusal(run_program(scene + "c'" + kTinyPictures + " --set 'face=[0.9,0.5,0.25,0.25]'"));
+  expect_one_line_refusal(run_command(scene + "c'" + kTinyPictures + " --set 'face=[0.9,0.5,0.25,0.25]'"));
   expect_one_line_refusal(
-      run_program(scene + "c'" + kTinyPictures + " --set 'face=[0,0,1,1]' --set 'face_px=[1,1,2,2]'"));
+      run_command(scene + "c'" + kTinyPictures + " --set 'face=[0,0,1,1]' --set 'face_px=[1,1,2,2]'"));
 }
 
 TEST(PortraitCommand, TakesADisparityOfAnyProgram) {
@@ -144,40 +144,40 @@ TEST(PortraitCommand, TakesADisparityOfAnyProgram) {
   const std::string in = "'" + folder.path.string() + "/";
   write_png8(folder / "l.png", pipeline::textured(pipeline::Texture(5, 0.2), 129, 95, 0));
   write_png8(folder / "r.png", pipeline::textured(pipeline::Texture(5, 0.2), 129, 95, 1));
-  const std::string portrait = "portrait --left " + in + "l.png' --right " + in + "r.png' ";
-  ASSERT_EQ(run_program(portrait + "-o " + in + "matched'").status, 0);
+  const std::string portrait = "portrait --mode dp --left " + in + "l.png' --right " + in + "r.png' ";
+  ASSERT_EQ(run_command(portrait + "-o " + in + "matched'").status, 0);
   std::vector<Image> found = read_exr(folder / "matched/matched.exr", {"disparity_dp_px", "confidence"});
   write_exr(folder / "d.exr", {{"any_name", found.data()}}, false);
   write_npy(folder / "c.npy", found[1]);
   const std::string given = portrait + "-o " + in + "given' --disparity " + in;
-  const Outcome outcome = run_program(given + "d.exr' --confidence " + in + "c.npy'");
+  const Outcome outcome = run_command(given + "d.exr' --confidence " + in + "c.npy'");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(read_bytes(folder / "given/portrait.png"), read_bytes(folder / "matched/portrait.png"));
   EXPECT_EQ(json::parse(read_bytes(folder / "given/result.json"))["provenance"]["disparity"], folder / "d.exr");
 
   write_npy(folder / "stored.npy", Image(129, 95));  // as large as the pictures, whose sides are made even
-  EXPECT_EQ(run_program(given + "stored.npy'").status, 0);
+  EXPECT_EQ(run_command(given + "stored.npy'").status, 0);
   write_npy(folder / "small.npy", Image(128, 95));
-  const Outcome small = run_program(given + "small.npy'");
+  const Outcome small = run_command(given + "small.npy'");
   expect_one_line_refusal(small);
   EXPECT_NE(small.err.find("small.npy: 128 x 95 pixels of 1 channel: must be one channel of 130 x 96"),
             std::string::npos)
       << small.err;
-  expect_one_line_refusal(run_program(given + "d.exr' --mode seg"));
-  expect_one_line_refusal(run_program(given + "d.exr' --matcher split"));
-  expect_one_line_refusal(run_program(portrait + "-o " + in + "given' --sigma " + in + "c.npy'"));
+  expect_one_line_refusal(run_command(given + "d.exr' --mode seg"));
+  expect_one_line_refusal(run_command(given + "d.exr' --matcher split"));
+  expect_one_line_refusal(run_command(portrait + "-o " + in + "given' --sigma " + in + "c.npy'"));
 }
 
-TEST(EvaluateCommand, ComparesMethodsOverADataSet) {
+TEST(SlowEvaluateCommand, ComparesMethodsOverADataSet) {
   const TemporaryFolder folder;
   json recipe = datasets::testing::small_recipe(2);
   recipe["keep"] = {"left", "right", "view_disparity_dp_px", "view_valid"};
   folder.write("recipe.json", recipe.dump());
   const std::string in = "'" + folder.path.string() + "/";
-  ASSERT_EQ(run_program("dataset plan " + in + "recipe.json' -o " + in + "set'").status, 0);
-  ASSERT_EQ(run_program("dataset render " + in + "set'").status, 0);
+  ASSERT_EQ(run_command("dataset plan " + in + "recipe.json' -o " + in + "set'").status, 0);
+  ASSERT_EQ(run_command("dataset render " + in + "set'").status, 0);
   const std::string command = "evaluate " + in + "set' -o " + in + "out' --method paper ";
-  const Outcome outcome = run_program(command + "--method 'mine=cp {left.npy} {out}; : {right}'");
+  const Outcome outcome = run_command(command + "--method 'mine=cp {left.npy} {out}; : {right}'");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const json evaluation = json::parse(read_bytes(folder / "out/evaluation.json"));
   EXPECT_EQ(evaluation["samples"], 2);
@@ -185,12 +185,12 @@ TEST(EvaluateCommand, ComparesMethodsOverADataSet) {
   EXPECT_EQ(evaluation["methods"]["mine"]["regions"]["everything"]["pixels"],
             evaluation["methods"]["paper"]["regions"]["everything"]["pixels"]);
   EXPECT_TRUE(std::filesystem::exists(folder / "out/evaluation.html"));
-  expect_one_line_refusal(run_program(command + "--method paper"));
-  expect_one_line_refusal(run_program(command + "--split tst"));
+  expect_one_line_refusal(run_command(command + "--method paper"));
+  expect_one_line_refusal(run_command(command + "--split tst"));
 }
 
 // A shell within a shell that waits for its child: all are in the group that is killed.
-TEST(EvaluateCommand, EndsItsProgramsWhenASignalEndsIt) {
+TEST(SlowEvaluateCommand, EndsItsProgramsWhenASignalEndsIt) {
   const TemporaryFolder folder;
   write_capture(pipeline::synthetic_capture(), folder / "set/one");
   std::filesystem::create_directory(folder / "scratch");

@@ -17,7 +17,7 @@
 #include "tests/pipeline/portrait/synthetic.h"
 #include "tests/pipeline/segmentation/drawn_face.h"
 #include "tests/pipeline/texture.h"
-#include "tests/run_program.h"
+#include "tests/tools/run_command.h"
 
 namespace dualpixel::tools {
 namespace {
@@ -95,7 +95,7 @@ TEST(Photograph, DngIsDeveloped) {
   const std::string whole = read_bytes(folder / "a.dng");
   for (const std::size_t size : {whole.size() / 2, std::size_t{300}, std::size_t{20}}) {
     write_bytes(folder / "cut.dng", whole.substr(0, size));
-    expect_one_line_refusal(run_program("portrait '" + (folder / "cut.dng") + "' -o '" + (folder / "out") + "'"));
+    expect_one_line_refusal(run_command("portrait '" + (folder / "cut.dng") + "' -o '" + (folder / "out") + "'"));
   }
 }
 
@@ -121,7 +121,7 @@ TEST(Photograph, UnusableFilesAreOneClearLine) {
                                    {"a.exr", "must be a JPEG"},
                                    {"wide.jpg", "wide.jpg: cannot be read"},
                                    {"none.jpg", "none.jpg"}}) {
-    const Outcome outcome = run_program("portrait '" + (folder / name) + "' -o '" + (folder / "out") + "'");
+    const Outcome outcome = run_command("portrait '" + (folder / name) + "' -o '" + (folder / "out") + "'");
     expect_one_line_refusal(outcome);
     EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
     EXPECT_EQ(folder.names(), before);
@@ -130,7 +130,7 @@ TEST(Photograph, UnusableFilesAreOneClearLine) {
   for (const char* needs_views : {"--mode dp", "--mode dp+seg", "--match-lens f/2@50mm-equivalent", "--true-mask",
                                   "--calibration c", "--disparity d.npy"}) {
     const Outcome outcome =
-        run_program("portrait '" + (folder / "whole.jpg") + "' -o '" + (folder / "out") + "' " + needs_views);
+        run_command("portrait '" + (folder / "whole.jpg") + "' -o '" + (folder / "out") + "' " + needs_views);
     expect_one_line_refusal(outcome);
     EXPECT_NE(outcome.err.find("photograph"), std::string::npos) << outcome.err;
   }
@@ -146,12 +146,12 @@ void write_portrait(const std::string& path) {
   write_bytes(path, jpeg(rgb, 95));
 }
 
-TEST(Photograph, BecomesAPortraitOfItsPeople) {
+TEST(SlowPhotograph, BecomesAPortraitOfItsPeople) {
   if (!pipeline::has_person_network() || !pipeline::has_face_detector()) GTEST_SKIP() << "built without";
   const TemporaryFolder folder;
   const std::string in = "'" + folder.path.string() + "/";
   write_portrait(folder / "a.jpg");
-  const Outcome outcome = run_program("portrait " + in + "a.jpg' -o " + in + "out'");
+  const Outcome outcome = run_command("portrait " + in + "a.jpg' -o " + in + "out'");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.err.find("a.jpg: assumed: its values are sRGB"), std::string::npos) << outcome.err;
   const pipeline::StoredResult stored = pipeline::read_result(folder / "out");
@@ -166,30 +166,30 @@ TEST(Photograph, BecomesAPortraitOfItsPeople) {
   EXPECT_GT(stored.result.mask.at(150, 110), 0.5f);  // the face
   EXPECT_LT(stored.result.blur_radius_px.at(150, 110), 1);
 
-  ASSERT_EQ(run_program("portrait " + in + "a.jpg' --zoom -o " + in + "zoomed'").status, 0);
-  const Outcome tapped = run_program("portrait " + in + "a.jpg' --zoom --tap 150,110 -o " + in + "tapped'");
+  ASSERT_EQ(run_command("portrait " + in + "a.jpg' --zoom -o " + in + "zoomed'").status, 0);
+  const Outcome tapped = run_command("portrait " + in + "a.jpg' --zoom --tap 150,110 -o " + in + "tapped'");
   EXPECT_EQ(tapped.status, 0) << tapped.err;
-  const Outcome report = run_program("report " + in + "out' " + in + "zoomed' -o " + in + "page.html'");
+  const Outcome report = run_command("report " + in + "out' " + in + "zoomed' -o " + in + "page.html'");
   ASSERT_EQ(report.status, 0) << report.err;
   const std::string page = read_bytes(folder / "page.html");
   for (const char* part : {"photograph: 320 × 240 photosites; 1 frame", "photograph: 213 × 160 photosites; 1 frame"}) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
   }
-  EXPECT_EQ(run_program("info " + in + "out'").status, 0);
+  EXPECT_EQ(run_command("info " + in + "out'").status, 0);
 
   write_capture(pipeline::synthetic_capture(), folder / "capture");
-  const Outcome score = run_program("score " + in + "capture' " + in + "out'");
+  const Outcome score = run_command("score " + in + "capture' " + in + "out'");
   expect_one_line_refusal(score);
   EXPECT_NE(score.err.find("a.jpg"), std::string::npos) << score.err;
 
   write_png8(folder / "wall.png", ramp(320, 240));
-  const Outcome nobody = run_program("portrait " + in + "wall.png' -o " + in + "none'");
+  const Outcome nobody = run_command("portrait " + in + "wall.png' -o " + in + "none'");
   expect_one_line_refusal(nobody);
   EXPECT_NE(nobody.err.find("no face found, and there are no dual-pixel views"), std::string::npos) << nobody.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "none"));
   write_png8(folder / "wall.png", ramp(9, 7));  // with a mask there is nothing to be found
   write_png8(folder / "mask.png", Image(9, 7, 1, 1.0f));
-  EXPECT_EQ(run_program("portrait " + in + "wall.png' --mask " + in + "mask.png' -o " + in + "small'").status, 0);
+  EXPECT_EQ(run_command("portrait " + in + "wall.png' --mask " + in + "mask.png' -o " + in + "small'").status, 0);
 }
 
 /// The zoomed result of a capture is scored against the same part of its truth.
@@ -197,18 +197,18 @@ TEST(Photograph, AZoomedCaptureIsScoredAndReported) {
   const TemporaryFolder folder;
   const std::string in = "'" + folder.path.string() + "/";
   write_capture(pipeline::synthetic_capture(), folder / "c");
-  ASSERT_EQ(run_program("portrait " + in + "c' --mode dp --zoom -o " + in + "r'").status, 0);
+  ASSERT_EQ(run_command("portrait " + in + "c' --mode dp --zoom -o " + in + "r'").status, 0);
   const pipeline::StoredResult stored = pipeline::read_result(folder / "r");
   EXPECT_EQ(stored.json["provenance"]["window_px"], nlohmann::json::parse("[10, 8, 42, 32]"));
   for (const std::string& command : {"score " + in + "c' " + in + "r'", "report " + in + "r' -o " + in + "p.html'"}) {
-    const Outcome outcome = run_program(command);
+    const Outcome outcome = run_command(command);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
   }
   nlohmann::json lying = stored.json;
   for (const char* window : {"[11, 8, 42, 32]", "[40, 8, 42, 32]", "[1, 2]", "[0, 0, 0, 0]", "[0.5, 0, 42, 32]", "7"}) {
     lying["provenance"]["window_px"] = nlohmann::json::parse(window);
     write_bytes(folder / "r/result.json", lying.dump());
-    const Outcome outcome = run_program("score " + in + "c' " + in + "r'");
+    const Outcome outcome = run_command("score " + in + "c' " + in + "r'");
     expect_one_line_refusal(outcome);
     EXPECT_NE(outcome.err.find("window_px"), std::string::npos) << outcome.err;
   }

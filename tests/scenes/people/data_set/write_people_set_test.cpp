@@ -27,7 +27,7 @@ TEST(WritePeopleSet, NpyHasVersionOnesHeader) {
   EXPECT_NE(npy_bytes("|u1", {5}, "12345").find("(5, )"), std::string::npos);
 }
 
-TEST(WritePeopleSet, BadOptionsAreRefused) {
+TEST(SlowWritePeopleSet, BadOptionsAreRefused) {
   expect_one_line_refusal(run_program("people"));
   for (const auto& [count, composites] : {std::pair{0, 4}, {-1, 4}, {kMostSamples + 1, 4}, {1, -1}, {1, 101}}) {
     EXPECT_THROW(check_people_options({.count = count, .composites = composites}), InputError);
@@ -35,7 +35,7 @@ TEST(WritePeopleSet, BadOptionsAreRefused) {
   expect_one_line_refusal(run_program("people -o /dev/null/x --count 1"));
 }
 
-TEST(WritePeopleSet, APreviewThatIsNoPngIsRefusedBeforeTheWork) {
+TEST(SlowWritePeopleSet, APreviewThatIsNoPngIsRefusedBeforeTheWork) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "sub.png");
   for (const std::string name : {"a.jpg", "a", "sub.png"}) {

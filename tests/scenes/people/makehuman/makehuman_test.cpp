@@ -15,7 +15,7 @@
 namespace dualpixel::scenes {
 namespace {
 
-TEST(MakeHuman, HeldOutAssetsAreNeverInTrainingSets) {
+TEST(SlowMakeHuman, HeldOutAssetsAreNeverInTrainingSets) {
   const TemporaryFolder folder;
   write_makehuman(folder, smallest_body(), R"({"weights": {"head": [[0, 1.0]]}})");
   write_targets(folder, "");

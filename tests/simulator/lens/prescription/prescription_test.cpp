@@ -47,7 +47,7 @@ SensorGrid full_sensor(const Lens& lens, int width_px) {
 
 // A closed box that glows with 100 nits: whatever the lens blocks, each photosite must see 100 nits times its relative
 // illumination, found apart from the sampler by counting which of a fine grid of directions pass.
-TEST(TracedFurnace, ShowsRelativeIlluminationAndNothingElse) {
+TEST(SlowTracedFurnace, ShowsRelativeIlluminationAndNothingElse) {
   Scene scene;
   scene.materials = {glowing(100)};
   for (float side : {-50.0f, 50.0f}) {

@@ -76,7 +76,7 @@ double albedo(const Surface& s, glm::vec3 to_eye) {
 // A white surface in a white furnace: never brighter, and no darker head-on than what it is said to lose, but for
 // roughness 1, where light between microfacets is lost. Midpoints of 300 x 300 numbers integrate lobes of these
 // roughnesses to .5 %.
-TEST(Layers, GiveBackNoMoreThanTheyGet) {
+TEST(SlowLayers, GiveBackNoMoreThanTheyGet) {
   for (const Named& named : white_materials()) {
     for (const float roughness : {0.25f, 0.5f, 1.0f}) {
       const Surface s = surface_of(named, roughness);

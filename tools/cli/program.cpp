@@ -1,0 +1,131 @@
+#include "tools/cli/program.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <exception>
+#include <iostream>
+#include <new>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "capture/error.h"
+#include "tools/cli/signals.h"
+#include "tools/commands/commands.h"
+
+namespace dualpixel::tools {
+namespace {
+
+int report(int status, const std::string& message) {
+  std::cout.flush();
+  std::cerr << "dualpixel: " << message << '\n';
+  return status;
+}
+
+int report_no_memory(int argc, char** argv) {
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  return report(kBadInput, printable(fmt::format("{}: there is not enough memory for this", fmt::join(words, " "))));
+}
+
+/// `status`, unless what was printed did not reach its reader.
+int printed(int status) {
+  return std::cout.flush() ? status : report(kInternalError, "standard output cannot be written");
+}
+
+/// What to say of the first word that is not a command, at the top or under `experiment` and its like.
+std::optional<std::string> unknown_command(const CLI::App& program, int argc, char** argv) {
+  const CLI::App* parent = &program;
+  for (int i = 1; i < argc && argv[i][0] != '-' && parent->get_require_subcommand_min() > 0; ++i) {
+    std::vector<std::string> names;
+    const CLI::App* found = nullptr;
+    for (const CLI::App* command : parent->get_subcommands({})) {
+      names.push_back(command->get_name());
+      if (names.back() == argv[i]) found = command;
+    }
+    if (!found) {
+      return fmt::format("'{}' is not a command{}; there are {}", printable(argv[i]), did_you_mean(argv[i], names),
+                         fmt::join(names, ", "));
+    }
+    parent = found;
+  }
+  return {};
+}
+
+/// What to say of the first word that looks like a long option and is none of the command's.
+std::optional<std::string> unknown_option(const CLI::App& program, int argc, char** argv) {
+  const CLI::App* command = &program;
+  std::string see = "dualpixel ";
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    see += command->get_name() + " ";
+  }
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command->get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  for (int i = 1; i < argc && std::string_view(argv[i]) != "--"; ++i) {
+    const std::string word(argv[i]), name = word.substr(0, word.find('='));
+    if (!name.starts_with("--") || std::find(names.begin(), names.end(), name) != names.end()) continue;
+    return fmt::format("{}: no such option{} (see '{}--help')", printable(name), did_you_mean(name, names), see);
+  }
+  return {};
+}
+
+}  // namespace
+
+int program_main(int argc, char** argv) {
+  CLI::App program("Dual-pixel camera simulator and portrait pipeline.", "dualpixel");
+  program.set_version_flag("--version", "dualpixel " DUALPIXEL_VERSION);
+  program.require_subcommand(1);
+  program.footer(
+      "Example:\n  dualpixel simulate build/release/scenes/portrait.json -o out/capture\n  dualpixel portrait "
+      "out/capture -o out/dp");
+  add_simulate(program);
+  add_calibrate(program);
+  add_portrait(program);
+  add_score(program);
+  add_evaluate(program);
+  add_report(program);
+  add_info(program);
+  add_lens(program);
+  add_fit_camera(program);
+  add_plan(program);
+  add_chart(program);
+  add_bench(program);
+  add_experiment(program);
+  add_export(program);
+  add_people(program);
+  add_scene(program);
+  add_dataset(program);
+
+  try {
+    end_cleanly_on_signals();
+    program.parse(argc, argv);
+    return printed(0);
+  } catch (const CLI::RuntimeError& status) {
+    return status.get_exit_code();
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return printed(program.exit(error));  // --help, --version
+    const auto chosen = program.get_subcommands();
+    for (const auto& explain : {unknown_command, unknown_option}) {
+      if (const auto unknown = explain(program, argc, argv)) return report(kBadInput, *unknown);
+    }
+    return report(kBadInput, fmt::format("{} (see 'dualpixel {}--help')", printable(error.what()),
+                                         chosen.empty() ? "" : chosen.front()->get_name() + " "));
+  } catch (const InputError& error) {
+    return report(kBadInput, error.what());
+  } catch (const std::bad_alloc&) {
+    return report_no_memory(argc, argv);
+  } catch (const std::system_error& error) {  // a thread that has no room for its stack
+    if (error.code() == std::errc::resource_unavailable_try_again) return report_no_memory(argc, argv);
+    return report(kInternalError, printable(error.what()));
+  } catch (const std::exception& error) {
+    return report(kInternalError, printable(error.what()));
+  }
+}
+
+}  // namespace dualpixel::tools
