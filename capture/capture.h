@@ -125,7 +125,7 @@ struct Truth {
   Image disparity_dp_px;  ///< centroid disparity alpha * b, DP pixels
   Image normal;           ///< 3 channels, camera axes, unit length, towards the camera; 0 where not valid
   ImageU32 object_id;     ///< 1-based index of the glTF node; 0 where not valid
-  Image person_mask;      ///< 1 on a person, 0 elsewhere
+  Image person_mask;      ///< the share of a photosite that a person covers
   Image valid;            ///< 1 where the ray hit geometry
   Image all_in_focus;     ///< RGB through a pinhole
   Image photograph;       ///< RGB through the wider aperture

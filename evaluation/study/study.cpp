@@ -44,7 +44,7 @@ std::set<std::string> scenes_in(const std::string& folder) {
 
 /// Those of the first method; refuses others that have not the same.
 std::set<std::string> common_scenes(const std::vector<MethodFolder>& methods) {
-  const std::set<std::string> scenes = scenes_in(methods.front().second);
+  std::set<std::string> scenes = scenes_in(methods.front().second);
   for (const auto& [name, folder] : methods) {
     const std::set<std::string> own = scenes_in(folder);
     std::vector<std::string> differ;

@@ -483,7 +483,7 @@ TEST(Simulate, GlareSpreadsAShareOfTheLightEvenly) {
 }
 
 // The thin lens opened wide is the ideal one; another file's lens has its own pupil, and the same field of view.
-TEST(Simulate, PhotographMayLookThroughALens) {
+TEST(SlowSimulate, PhotographMayLookThroughALens) {
   json document = minimal();
   document["sensor"] = {{"width_px", 64}, {"height_px", 64}, {"pixel_pitch_um", 14}};
   document["burst"]["frames"] = 1;
@@ -556,7 +556,7 @@ double height_of_free_share(double share, double shift) {
   return low / shift;
 }
 
-TEST(Simulate, SaysHowMuchOfThePhotographALensLights) {
+TEST(SlowSimulate, SaysHowMuchOfThePhotographALensLights) {
   json document = minimal();
   document["sensor"] = {{"width_px", 256}, {"height_px", 256}, {"pixel_pitch_um", 14}};
   document["burst"]["frames"] = 1;

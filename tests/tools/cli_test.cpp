@@ -252,7 +252,7 @@ TEST(Cli, AFullDiskOnStandardOutputIsNoSuccess) {
   EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
 }
 
-TEST(Cli, AFilePastTheShellsLimitIsRefusedAndLeavesNothing) {
+TEST(SlowCli, AFilePastTheShellsLimitIsRefusedAndLeavesNothing) {
   const TemporaryFolder folder;
   const std::string command = "ulimit -f 4; '" DUALPIXEL_PROGRAM "' people --count 1 --composites 0 --preview '" +
                               (folder / "a.png") + "' 2>&1 | grep -q 'a.png: cannot be written: File too large'";

@@ -56,7 +56,7 @@ std::string output_of(const std::string& command) {
 
 bool has_libraw() { return std::system("command -v dcraw_emu raw-identify >/dev/null 2>&1") == 0; }
 
-TEST(Export, DngOpensInLibRaw) {
+TEST(SlowExport, DngOpensInLibRaw) {
   if (!has_libraw()) GTEST_SKIP() << "dcraw_emu and raw-identify of libraw-bin are not installed";
   for (const std::string cfa : {"RGGB", "BGGR", "GRBG", "GBRG"}) {
     const TemporaryFolder folder;
@@ -135,7 +135,7 @@ TEST(Export, NumbersSurviveInEveryFormat) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out/000_mosaic.exr"));  // replaced as a whole
 }
 
-TEST(Export, LayoutsOfTrainingSets) {
+TEST(SlowExport, LayoutsOfTrainingSets) {
   const TemporaryFolder folder;
   Capture capture = card("RGGB");
   export_to(folder, capture, "dpdd");

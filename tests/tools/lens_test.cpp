@@ -16,7 +16,7 @@ namespace {
 
 const std::string kLens = DUALPIXEL_SOURCE_DIR "/lens_models/double_gauss_100mm_f5.json";
 
-TEST(LensCommand, PrintsJsonWithFirstOrderFiguresAndCalibration) {
+TEST(SlowLensCommand, PrintsJsonWithFirstOrderFiguresAndCalibration) {
   const Outcome run = run_command("lens '" + kLens + "' --focus-distance-m 3 --json");
   ASSERT_EQ(run.status, 0) << run.err;
   const nlohmann::json json = nlohmann::json::parse(run.out);

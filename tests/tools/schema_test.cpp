@@ -308,7 +308,7 @@ TEST(SlowSchema, SaysOfCapturesWhatTheReaderSays) {
   expect_agreement("capture", read_json_file(path + "/capture.json"), {}, read, reasons);
 }
 
-TEST(Schema, SaysOfResultsWhatTheReaderSays) {
+TEST(SlowSchema, SaysOfResultsWhatTheReaderSays) {
   const TemporaryFolder folder;
   const std::string path = folder / "result";
   pipeline::write_result(pipeline::synthetic_result(pipeline::synthetic_capture()),

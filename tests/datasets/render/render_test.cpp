@@ -106,7 +106,7 @@ TEST(SlowRender, GoesOnWhereASampleCannotBeRendered) {
   EXPECT_TRUE(state_of(set).reasons.empty());
 }
 
-TEST(Render, EndsAfterTheSampleInWhichItIsStopped) {
+TEST(SlowRender, EndsAfterTheSampleInWhichItIsStopped) {
   const TemporaryFolder folder;
   plan_into(folder / "set", small_recipe(3));
   std::atomic<int> stopped = 0;
@@ -198,7 +198,7 @@ TEST(SlowRender, VerifyFindsWhatIsKeptAndNotThere) {
 }
 
 // A linked folder of samples may be another data set's, whose samples are not this plan's.
-TEST(Render, ClearsNothingBehindALinkedFolder) {
+TEST(SlowRender, ClearsNothingBehindALinkedFolder) {
   const TemporaryFolder folder;
   const std::string set = folder / "set", other = folder / "other";
   plan_into(set, small_recipe(1));

@@ -57,7 +57,7 @@ TEST(Merge, SaysWhereRenderingIsNoisierThanTheSensor) {
 }
 
 // A data set that somebody else has made must not reach what lies beside it.
-TEST(Merge, ReadsNoFileThatThePlanDoesNotKeep) {
+TEST(SlowMerge, ReadsNoFileThatThePlanDoesNotKeep) {
   const TemporaryFolder folder;
   const std::string set = folder / "set", file = set + "/samples/000000/sample.json";
   make(set, small_recipe(1));

@@ -241,9 +241,7 @@ TEST_P(CalibratedScene, HasAnErrorAtThePeripheryLikeTheCenters) {
 
 constexpr const char* kLenses[] = {"phone_aberrated_4.4mm_f1.8", "phone_6p_4.2mm_f1.8", "phone_7p_4.9mm_f1.85"};
 INSTANTIATE_TEST_SUITE_P(Slow, CalibrationLens, testing::ValuesIn(kLenses));
-// One lens in every run, the others by hand: they take minutes each.
-INSTANTIATE_TEST_SUITE_P(Slow, CalibratedScene, testing::Values("phone_aberrated_4.4mm_f1.8"));
-INSTANTIATE_TEST_SUITE_P(Sweep, CalibratedScene, testing::Values("phone_6p_4.2mm_f1.8", "phone_7p_4.9mm_f1.85"));
+INSTANTIATE_TEST_SUITE_P(Sweep, CalibratedScene, testing::ValuesIn(kLenses));
 
 /// Half the photosites along each side, on the same sensor.
 simulator::Simulation small_camera(const std::string& lens) {

@@ -95,7 +95,7 @@ KnownCamera known_camera(double noise) {
 }
 
 // What the fit's rays err by is under a hundredth of each range.
-TEST(CameraFit, FindsACameraThatIsKnown) {
+TEST(SlowCameraFit, FindsACameraThatIsKnown) {
   const auto [known, m] = known_camera(0);
   const CameraFit fit = fit_camera(m);
   EXPECT_LT(fit.after, 1e-2);
@@ -332,7 +332,7 @@ TEST(SlowCameraFit, OtherStartsLeaveAFalseMinimum) {
 // k = 1.19 gives .21 and .50 everywhere but for vignetting. In the middle the lenses must be as measured, to the 4 %
 // that disparity is asked for; over the field they are other lenses: those ranges are regressions, those of
 // lens_models/README.md, whose share lies evenly about a half since their microlenses follow each chief ray.
-TEST(PhoneLenses, SplitAsThePhoneThatWasMeasured) {
+TEST(SlowPhoneLenses, SplitAsThePhoneThatWasMeasured) {
   struct Stated {
     const char* name;
     double least_alpha, most_alpha, uneven;
@@ -349,7 +349,7 @@ TEST(PhoneLenses, SplitAsThePhoneThatWasMeasured) {
 
 // Why the seven-element lens keeps the ramp (lens_models/README.md): behind the others' microlens its alpha varies over
 // the field twice as much as theirs, and 3.6 times as much as was measured.
-TEST(PhoneLenses, TheMicrolensDoesNotSuitTheSevenElements) {
+TEST(SlowPhoneLenses, TheMicrolensDoesNotSuitTheSevenElements) {
   simulator::Lens lens = phone_lens("phone_7p_4.9mm_f1.85");
   EXPECT_EQ(lens.split.kind, SplitKind::ramp);
   lens.split = phone_lens("phone_6p_4.2mm_f1.8").split;

@@ -131,7 +131,7 @@ double lamp_light(const Capture& capture, bool recover) {
 // view's white in a picture made of views, and at less where dark current has filled two fifths of the wells, so that
 // no channel reaches white by its gain. The factor of clipped pixels is 1.9 and more (highlights.h); half of the lamp's
 // at the least are clipped.
-TEST(BlownHighlights, AreRecoveredWhereTheWellsAreFull) {
+TEST(SlowBlownHighlights, AreRecoveredWhereTheWellsAreFull) {
   simulator::Scene scene;
   scene.cameras = {{"camera", glm::mat4(1), {}}};
   scene.materials = {simulator::testing::glowing(1e5)};

@@ -30,7 +30,7 @@ TEST(SlowBurstExperiment, AtRestTheMergeKeepsTheNoiseThatItStates) {
 }
 
 // 64 of 1920 squares of the first frame are off by some twelve times their noise.
-TEST(BurstExperiment, CountsGhosts) {
+TEST(SlowBurstExperiment, CountsGhosts) {
   Capture burst = wall_at_rest(1);
   const Exposure& exposure = burst.exposure;
   const double mean_dn = 0.5 * kAtlasLevel * (exposure.white_level_dn - exposure.black_level_dn);

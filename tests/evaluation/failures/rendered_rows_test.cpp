@@ -41,7 +41,7 @@ TEST(RenderedRows, AWallIsAsBlurredAsAsked) {
   }
 }
 
-TEST(RenderedRows, TruthIsAlphaTimesTheBlur) {
+TEST(SlowRenderedRows, TruthIsAlphaTimesTheBlur) {
   for (const double blur : {-8.0, 4.0}) {
     AtlasScene scene = scene_of("thin");
     add_wall(scene, gray(scene), blur);

@@ -56,7 +56,7 @@ double slope_error() {
   return std::sqrt(variance) / (sxx - sx * sx / sw);
 }
 
-TEST(ImageStatistics, FindTheSlopeOfASpectrumUnderNoise) {
+TEST(SlowImageStatistics, FindTheSlopeOfASpectrumUnderNoise) {
   constexpr int kPictures = 4;
   for (const double slope : {-1.0, -1.4}) {
     double clean = 0, noisy = 0;

@@ -71,7 +71,7 @@ TEST(Align, IsTheSameForAnotherBase) {
   EXPECT_LT(median_error(motions[0], kFrameWidth, kFrameHeight, back), 0.15);
 }
 
-TEST(Align, FindsMotionUpToTheReachAndStaysFiniteBeyond) {
+TEST(SlowAlign, FindsMotionUpToTheReachAndStaysFiniteBeyond) {
   const Exposure exposure = exposure_at(100);
   const Target target(4);
   const Frame base = expose(see(target, 512, 384, {}), exposure, 1);

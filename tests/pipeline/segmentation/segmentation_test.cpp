@@ -403,7 +403,7 @@ void expect_on_drawn_face(const Face& face, double center_x, double center_y, do
   EXPECT_TRUE(bottom < 0.66 + step_y && bottom > 0.33 - step_y) << bottom;
 }
 
-TEST(Faces, AreFoundWhereTheyAreLargestFirst) {
+TEST(SlowFaces, AreFoundWhereTheyAreLargestFirst) {
   NEEDS_FACES();
   Image picture(1280, 960, 3, 0.2F);
   draw_face(picture, 900, 480, 200);
@@ -426,7 +426,7 @@ TEST(Faces, SmallOnesAreFoundAtTwiceTheSize) {
   expect_on_drawn_face(faces[0], 320, 240, 60);
 }
 
-TEST(Faces, NoneWhereThereIsNone) {
+TEST(SlowFaces, NoneWhereThereIsNone) {
   NEEDS_FACES();
   std::mt19937 random(1);
   Image noise(320, 240, 3);

@@ -40,7 +40,7 @@ TEST(SlowLensModels, EveryRowReadsTheModelOfItsName) {
 }
 
 // Another split behind the same rays is the lens with that split.
-TEST(LensModels, AnotherSplitSharesTheLens) {
+TEST(SlowLensModels, AnotherSplitSharesTheLens) {
   for (const LensModelRow& row : kLensModels) {
     Lens lens = shipped_lens(row.name);
     const SensorGrid sensor = phone_sensor(16, 12, 1e-4);

@@ -150,7 +150,7 @@ TEST(GlassPaths, LampThroughASolidSlab) {
 }
 
 // A glass ball in an even sky neither adds nor takes light: it is invisible. Clear and rough.
-TEST(GlassPaths, BallInAFurnaceIsInvisible) {
+TEST(SlowGlassPaths, BallInAFurnaceIsInvisible) {
   for (const float roughness : {0.0f, 0.2f}) {
     Scene scene;
     scene.materials = {glass(glm::vec3(1), true)};

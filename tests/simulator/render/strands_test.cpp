@@ -14,8 +14,9 @@ namespace {
 Mesh comb(int strands, float spacing_m) {
   Mesh mesh;
   mesh.object_id = 1;
+  const int middle = strands / 2;
   for (int i = 0; i < strands; ++i) {
-    const float x = (i - strands / 2) * spacing_m;
+    const float x = static_cast<float>(i - middle) * spacing_m;
     const auto first = static_cast<unsigned>(mesh.positions.size());
     mesh.positions.insert(mesh.positions.end(), {{x, -0.2f, 1}, {x + 0.01f, 0, 1.01f}, {x, 0.2f, 1}});
     mesh.radii.insert(mesh.radii.end(), 3, 0.0005f);

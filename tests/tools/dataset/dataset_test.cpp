@@ -26,7 +26,7 @@ Outcome plan(const TemporaryFolder& folder, const json& recipe) {
   return run_command("dataset plan '" + (folder / "recipe.json") + "' -o" + in_set(folder));
 }
 
-TEST(Dataset, PlansRendersAndVerifies) {
+TEST(SlowDataset, PlansRendersAndVerifies) {
   const TemporaryFolder folder;
   const Outcome planned = plan(folder, small_recipe(3));
   ASSERT_EQ(planned.status, 0) << planned.err;
@@ -65,7 +65,7 @@ TEST(SlowDataset, TakesItsShardFromTheBatchSystem) {
             "dualpixel: AWS_BATCH_JOB_ARRAY_INDEX is set without AWS_BATCH_JOB_ARRAY_SIZE: give --shard I/N\n");
 }
 
-TEST(Dataset, SaysByItsStatusThatSomeFailed) {
+TEST(SlowDataset, SaysByItsStatusThatSomeFailed) {
   const TemporaryFolder folder;
   json recipe = small_recipe(4);
   folder.write("mine.glb", read_bytes(DUALPIXEL_SCENES_DIR "/slanted_planes.glb"));

@@ -75,7 +75,7 @@ TEST(SlowOwnScenes, AModelAloneIsFramedAndItsSceneFilePrinted) {
   EXPECT_FALSE(std::filesystem::exists(folder / "dry"));
 }
 
-TEST(OwnScenes, InfoSaysWhatAModelHolds) {
+TEST(SlowOwnScenes, InfoSaysWhatAModelHolds) {
   const TemporaryFolder folder;
   write_model(folder / "model.glb");
   const json info = json::parse(run_command("info '" + (folder / "model.glb") + "' --json").out);

@@ -99,7 +99,7 @@ TEST(Photograph, DngIsDeveloped) {
   }
 }
 
-TEST(Photograph, UnusableFilesAreOneClearLine) {
+TEST(SlowPhotograph, UnusableFilesAreOneClearLine) {
   const TemporaryFolder folder;
   const std::string whole = jpeg(ramp(64, 48), 90);
   write_bytes(folder / "cut.jpg", whole.substr(0, whole.size() - 40));

@@ -109,7 +109,7 @@ Image portrait_of(const TemporaryFolder& folder, const std::string& left, const 
 }
 
 // Made into a mosaic and back, it would lose resolution.
-TEST(PlainPair, WhatIsInFocusStaysAsSharpAsItWas) {
+TEST(SlowPlainPair, WhatIsInFocusStaysAsSharpAsItWas) {
   const TemporaryFolder folder;
   const Image view = pipeline::textured(pipeline::Texture(5, 0.2), 96, 96, 0);
   write_view(folder / "view.png", view);

@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "capture/files.h"
+#include "capture/names.h"
 #include "evaluation/experiments/paper_figures.h"
 #include "evaluation/report/calibration_page.h"
 #include "pipeline/disparity/matchers.h"

@@ -60,7 +60,7 @@ double leak(const LightCacheOptions& options) {
 
 // The truth is none. Allowed is what one cell of four points adds that leaks in one of the pictures, .016; .089 leaked
 // while noise of 64 samples hid what they found.
-TEST(ContactShadow, KeepsItsDarknessWhereFewSamplesArrive) {
+TEST(SlowContactShadow, KeepsItsDarknessWhereFewSamplesArrive) {
   EXPECT_EQ(leak({.light_spacing_px = 0}), 0);
   EXPECT_LT(leak({}), 0.02);
 }

@@ -56,7 +56,7 @@ double deviation_of_sample(const Environment& sky, const EnvironmentLight& light
 
 // .86 to .95 were found; cells of 16 x 32 without bins give 8. Bins that miss the light that reaches into them from the
 // sun's pixel give 2.2 where its row lies badly.
-TEST(EnvironmentLight, FindsASunOfOnePixel) {
+TEST(SlowEnvironmentLight, FindsASunOfOnePixel) {
   for (const int row : {20, 23, 26, 29}) {
     const Environment sky = sky_with_sun(row, 130 + row);
     EXPECT_LT(deviation_of_sample(sky, EnvironmentLight(sky), {0, 1, 0}), 1) << row;

@@ -122,7 +122,7 @@ TEST(GltfInstance, NodesThatMoveHaveCopies) {
   EXPECT_EQ(moving.meshes[2].positions[0].x, -0.5f);
 }
 
-TEST(GltfInstance, TooManyAndSingularAndTooFarPlacementsAreRefused) {
+TEST(SlowGltfInstance, TooManyAndSingularAndTooFarPlacementsAreRefused) {
   // 1024 primitives of one mesh, 1025 nodes: 2^20 placements and 1024 more
   json nodes = json::array();
   for (int i = 0; i < 1025; ++i) nodes.push_back(json::object());
