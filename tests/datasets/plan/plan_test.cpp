@@ -255,7 +255,7 @@ TEST(Plan, GroupsOfScenesAreDealtOutByChance) {
     ASSERT_EQ(assets[0].scenes.size() + assets[2].scenes.size(), 18U);
     in_train += assets[0].scenes.size() > 9 ? 1 : 0;
   }
-  EXPECT_NEAR(in_train, kSeeds / 2, 4 * 0.5 * std::sqrt(kSeeds));  // four deviations of a fair coin's
+  EXPECT_NEAR(in_train, 0.5 * kSeeds, 4 * 0.5 * std::sqrt(kSeeds));  // four deviations of a fair coin's
 }
 
 TEST(Plan, SplitsShareNoEnvironment) {

@@ -127,7 +127,7 @@ struct OneCapture {
   SetScore score(const Image& found) const {
     write_npy(folder / "found.npy", found);
     const DisparityMethod method = method_named("fixed=cp '" + (folder / "found.npy") + "' {out}; : {left} {right}");
-    const SetScore scored = evaluate_set(sample_folders(folder / "set", ""), {method}).front();
+    SetScore scored = evaluate_set(sample_folders(folder / "set", ""), {method}).front();
     std::filesystem::remove(folder / "found.npy");
     return scored;
   }
