@@ -300,7 +300,7 @@ TEST(SlowPortraitPeople, ATapOnAWallFindsNobody) {
   const auto result_of = [&](bool with_face) {
     const Outcome outcome = run_command(write_pair(folder, with_face) + "--mode dp+seg --tap 150,110");
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    const nlohmann::json provenance = nlohmann::json::parse(read_bytes(folder / "out/result.json"))["provenance"];
+    nlohmann::json provenance = nlohmann::json::parse(read_bytes(folder / "out/result.json"))["provenance"];
     EXPECT_EQ(outcome.err.find("no person found at the tap") == std::string::npos, provenance["mode"] == "dp+seg");
     return provenance;
   };

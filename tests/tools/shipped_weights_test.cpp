@@ -38,7 +38,7 @@ bool has_shipped_network() {
 
 /// A held-out people set; each rendered picture comes with one composite at most.
 std::string make_set(const TemporaryFolder& folder, int count) {
-  const std::string set = folder / "people";
+  std::string set = folder / "people";
   const Outcome outcome =
       run_command("people -o '" + set + "' --count " + std::to_string(count) + " --seed 1 --held-out --composites 1");
   EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -105,7 +105,7 @@ std::vector<Person> people_alone(const std::string& folder, std::size_t count) {
   std::vector<Person> people;
   std::set<std::uint64_t> scenes_taken;  // a composite shows its rendered picture's person
   for (std::size_t i = 0; i < set.size() && people.size() < count; ++i) {
-    const scenes::PersonSample sample = set[i];
+    const scenes::PersonSample& sample = set[i];
     if (sample.people > 1 || !scenes_taken.insert(sample.seed).second) continue;
     const float* const face = sample.face;
     people.push_back(

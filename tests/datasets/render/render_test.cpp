@@ -149,7 +149,7 @@ TEST(Render, WritesNoPictureWithAValueThatIsNotFinite) {
   Truth& truth = *sample.capture.truth;
   const auto refusal = [&](float& value, float bad) {
     const float good = std::exchange(value, bad);
-    const std::string message = message_of<InputError>([&] { write_sample(line, sample, folder / "set"); });
+    std::string message = message_of<InputError>([&] { write_sample(line, sample, folder / "set"); });
     value = good;
     return message;
   };
