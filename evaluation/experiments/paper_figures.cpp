@@ -8,6 +8,7 @@
 #include "evaluation/report/page.h"
 #include "evaluation/report/plot.h"
 #include "evaluation/report/report_images.h"
+#include "evaluation/study/crops.h"
 #include "pipeline/burst/merge.h"
 #include "pipeline/defocus/scatter.h"
 #include "pipeline/disparity/paper/normalize.h"
@@ -129,25 +130,17 @@ std::string disc_section() {
                  "maps");
 }
 
-/// The square of the picture that is blurred most, of a quarter of its height.
+/// The square of the picture that is blurred most, of a quarter of its shorter side.
 std::string noise_section(const PaperFigures& figures, PortraitOptions options, const PortraitResult& with) {
   options.synthetic_noise = false;
   const PortraitResult without = run_portrait(figures.capture, options);
   const Image& radius = with.blur_radius_px;
-  const int side = std::max(1, radius.height / 4);
-  const Image means = resized(radius, std::max(1, radius.width / side), std::max(1, radius.height / side));
+  const int square = std::max(1, std::min(radius.width, radius.height) / 4);
+  const Image means = resized(radius, radius.width / square, radius.height / square);
   const auto most = std::max_element(means.data.begin(), means.data.end()) - means.data.begin();
   const int x0 = static_cast<int>(most % means.width) * (radius.width / means.width);
   const int y0 = static_cast<int>(most / means.width) * (radius.height / means.height);
-  const auto part = [&](const Image& picture) {
-    Image cut(std::min(side, picture.width - x0), std::min(side, picture.height - y0), picture.channels);
-    for (int y = 0; y < cut.height; ++y) {
-      for (int x = 0; x < cut.width; ++x) {
-        for (int c = 0; c < cut.channels; ++c) cut.at(x, y, c) = picture.at(x0 + x, y0 + y, c);
-      }
-    }
-    return cut;
-  };
+  const auto part = [&](const Image& picture) { return cropped(picture, {x0, y0, square}); };
   return section("Fig. 14: synthetic noise", "Blur takes the noise away, and what is blurred looks pasted in.",
                  figure("The picture", "before blurring", part(encode_for_display(with.input, options.display))) +
                      figure("Without noise", "portrait", part(without.portrait_srgb)) +
