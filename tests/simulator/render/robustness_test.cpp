@@ -103,8 +103,8 @@ Mesh placed(Mesh mesh, float size, glm::vec3 origin) {
   return mesh;
 }
 
-// One path of a packet meets an unlit surface; the others ended earlier and hold NaN, as what ended paths carry is never
-// set. They must keep what they had gathered.
+// One path of a packet meets an unlit surface; the others ended earlier and hold NaN, as what ended paths carry is
+// never set. They must keep what they had gathered.
 TEST(Robustness, UnlitSurfacesLeaveEndedPathsAlone) {
   Scene scene;
   scene.materials = {diffuse(1)};
