@@ -70,8 +70,10 @@ BilateralSpaceEnergy::BilateralSpaceEnergy(const BilateralGrid& grid, const Matc
   n_ = bistochastize(grid, options.bistochastic_iterations);
   diagonal_.resize(vertices_);
   for (int v = 0; v < vertices_; ++v) diagonal_[v] = n_[v] * blurred(grid, n_, v);
+  pixels_.resize(vertices_);
   table_.assign(static_cast<std::size_t>(vertices_) * labels, 0.0);
   for (std::size_t i = 0; i < grid.vertex_of_pixel.size(); ++i) {
+    pixels_[grid.vertex_of_pixel[i]] += 1;
     double* const g = table_.data() + static_cast<std::size_t>(grid.vertex_of_pixel[i]) * labels;
     const double first = intervals.first.data[i], last = intervals.last.data[i];
     for (int k = 0; k < labels; ++k) g[k] += std::max({0.0, first - k, k - last});
@@ -80,7 +82,12 @@ BilateralSpaceEnergy::BilateralSpaceEnergy(const BilateralGrid& grid, const Matc
 
 double BilateralSpaceEnergy::data(int vertex, double label, double& slope) const {
   const double* const g = table_.data() + static_cast<std::size_t>(vertex) * labels_;
-  const int k = std::clamp(static_cast<int>(std::floor(label)), 0, labels_ - 2);
+  const int last = labels_ - 1;
+  if (label < 0 || label > last) {
+    slope = label < 0 ? -pixels_[vertex] : pixels_[vertex];
+    return label < 0 ? g[0] + slope * label : g[last] + slope * (label - last);
+  }
+  const int k = std::min(static_cast<int>(label), last - 1);
   slope = g[k + 1] - g[k];
   return g[k] + slope * (label - k);
 }

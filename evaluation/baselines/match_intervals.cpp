@@ -32,19 +32,21 @@ void require(const Image& left, const Image& right, const MatchIntervalOptions& 
   }
 }
 
-/// The view between its pixels, linear.
+/// The view between its pixels: cubic convolution (Keys 1981, a = -1/2), the view continued beyond its ends.
 float intensity(const float* row, int width, float x) {
   const float inside = std::clamp(x, 0.0f, static_cast<float>(width - 1));
   const int left = std::min(static_cast<int>(inside), std::max(width - 2, 0));
-  const float share = inside - static_cast<float>(left);
-  return row[left] + share * (row[std::min(left + 1, width - 1)] - row[left]);
+  const float t = inside - static_cast<float>(left);
+  const auto at = [&](int i) { return row[std::clamp(left + i, 0, width - 1)]; };
+  const float a = at(-1), b = at(0), c = at(1), d = at(2);
+  return b + 0.5f * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
 }
 
 struct Range {
   float low, high;
 };
 
-/// Within half a pixel of the enlarged view about x, in pixels of the view. Linear between: the ends and the middle.
+/// Within half a pixel of the enlarged view about x, in pixels of the view: at the ends and in the middle.
 Range range_about(const float* row, int width, float x, float half) {
   const float middle = intensity(row, width, x);
   const float before = intensity(row, width, x - half), after = intensity(row, width, x + half);

@@ -24,10 +24,10 @@ struct MatchIntervals {
 };
 
 /// `left` and `right` are one channel, 0..255, encoded so that noise is about even (guide.h). Views are enlarged
-/// horizontally, linearly, steps_per_dp_px times, so that each label shifts by a whole pixel of theirs. A pixel matches
-/// at a label where the ranges of intensity half a pixel to either side overlap (Birchfield and Tomasi 1998), widened
-/// by noise_levels; a label explains it where its whole window matches. What lies outside of the views is as at their
-/// borders. Throws InputError where sizes differ or an option is out of its range.
+/// horizontally, by cubic convolution, steps_per_dp_px times, so that each label shifts by a whole pixel of theirs. A
+/// pixel matches at a label where the ranges of intensity half a pixel to either side overlap (Birchfield and Tomasi
+/// 1998), widened by noise_levels; a label explains it where its whole window matches. What lies outside of the views
+/// is as at their borders. Throws InputError where sizes differ or an option is out of its range.
 MatchIntervals match_intervals(const Image& left, const Image& right, const MatchIntervalOptions& options = {});
 
 }  // namespace dualpixel::evaluation

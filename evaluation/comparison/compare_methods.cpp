@@ -1,6 +1,7 @@
 #include "evaluation/comparison/compare_methods.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -36,6 +37,7 @@ constexpr double kEqual_db = 100;  // for a picture without an error, whose rati
 struct Linear {
   std::vector<Image> pictures;  ///< as compared_methods(), and the picture as it is
   FoundPeople people;
+  bool by_stated_face = false;
 };
 
 Image shen(const Image& picture, const FoundPeople& people) {
@@ -56,13 +58,30 @@ Image barron(const Image& picture, const Capture& shot, double pupil_mm) {
       .rgb;
 }
 
-Linear pictures_of(const Capture& shot, double pupil_mm, pipeline::PersonNetwork& network) {
+/// Those of the faces that are detected; where there is nobody, of the face that the camera states.
+FoundPeople find(const Image& picture, const std::vector<pipeline::Face>& stated, const pipeline::SeedOptions& options,
+                 pipeline::PersonNetwork& network, bool& by_stated_face) {
+  FoundPeople found = pipeline::find_people(picture, {}, network, options);
+  by_stated_face = !anybody_seen(found) && !stated.empty();
+  return by_stated_face ? pipeline::find_people(picture, stated, network, options) : found;
+}
+
+Linear pictures_of(const Capture& capture, double pupil_mm, pipeline::PersonNetwork& network) {
+  Capture shot = capture;
+  shot.truth.reset();
+  shot.face_px.reset();  // find() has it
+  std::vector<pipeline::Face> stated;
+  if (capture.face_px) {
+    const std::array<double, 4>& face = *capture.face_px;
+    stated.push_back({face[0], face[1], face[2], face[3]});
+  }
   std::optional<FoundPeople> people;
+  Linear linear;
   PortraitOptions options;
   options.match_pupil_mm = pupil_mm;
   options.synthetic_noise = false;
-  options.find_people = [&](const Image& picture, const std::vector<pipeline::Face>& seeds) {
-    if (!people) people = pipeline::find_people(picture, seeds, network, options.seed_faces);
+  options.find_people = [&](const Image& picture, const std::vector<pipeline::Face>&) {
+    if (!people) people = find(picture, stated, options.seed_faces, network, linear.by_stated_face);
     return *people;
   };
   const auto run = [&](Mode mode) {
@@ -74,7 +93,6 @@ Linear pictures_of(const Capture& shot, double pupil_mm, pipeline::PersonNetwork
   PortraitResult dp = run(Mode::dp);
   const bool found = seg.mode == Mode::seg;
   const Image& input = dp.input;
-  Linear linear;
   linear.pictures = {std::move(both.portrait),      found ? std::move(seg.portrait) : input,
                      std::move(dp.portrait),        found ? shen(input, *people) : input,
                      barron(input, shot, pupil_mm), input};
@@ -120,11 +138,8 @@ std::vector<std::string> compared_methods() { return {"dp+seg", "seg", "dp", "Sh
 
 ComparedPictures compare_methods(const Capture& capture, const std::string& name, pipeline::PersonNetwork& network) {
   const Truth& truth = *capture.truth;
-  Capture shot = capture;
-  shot.truth.reset();
-  shot.face_px.reset();
   const double pupil_mm = truth.photograph_aperture_scale * capture.camera.focal_length_mm / capture.camera.f_number;
-  const Linear linear = pictures_of(shot, pupil_mm, network);
+  const Linear linear = pictures_of(capture, pupil_mm, network);
 
   ComparedPictures compared;
   SceneComparison& figures = compared.figures;
@@ -133,6 +148,7 @@ ComparedPictures compare_methods(const Capture& capture, const std::string& name
   figures.shows_people = std::any_of(person.begin(), person.end(), [](float share) { return share > 0.5f; });
   const Image& mask = linear.people.mask;
   figures.found_people = !mask.empty();
+  figures.by_stated_face = figures.found_people && linear.by_stated_face;
   if (figures.found_people && figures.shows_people) {
     figures.mask_iou = mask_iou(mask, resize_area(truth.person_mask, mask.width, mask.height));
   }
@@ -154,6 +170,7 @@ Json to_json(const SceneComparison& scene) {
   Json json = {{"scene", scene.scene},
                {"shows_people", scene.shows_people},
                {"found_people", scene.found_people},
+               {"by_stated_face", scene.by_stated_face},
                {"mask_iou", scene.mask_iou},
                {"crops", Json::array()},
                {"methods", Json::array()}};
@@ -173,6 +190,7 @@ SceneComparison read_scene_comparison(const std::string& path) {
   fields.required("scene").text("scene", scene.scene);
   fields.required("shows_people").boolean("shows_people", scene.shows_people);
   fields.required("found_people").boolean("found_people", scene.found_people);
+  fields.required("by_stated_face").boolean("by_stated_face", scene.by_stated_face);
   fields.required("mask_iou").number("mask_iou", scene.mask_iou, 0, 1);
   for (Fields& crop : fields.objects("crops")) {
     Crop& read = scene.crops.emplace_back();

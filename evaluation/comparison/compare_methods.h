@@ -29,7 +29,8 @@ struct SceneComparison {
   std::string scene;
   bool shows_people = false;  ///< truth
   bool found_people = false;  ///< by the detector and the network; else seg and Shen et al. leave the picture as it is
-  double mask_iou = 0;        ///< of the mask that was found, at its own size; 0 where there is none, or nobody
+  bool by_stated_face = false;  ///< no face was detected there; the network was told where the capture states one
+  double mask_iou = 0;          ///< of the mask that was found, at its own size; 0 where there is none, or nobody
   std::vector<Crop> crops;
   std::vector<MethodFigures> methods;  ///< the five, and "not blurred" as the last
 };
@@ -43,8 +44,9 @@ struct ComparedPictures {
   std::vector<Image> pictures_srgb;  ///< as figures.methods
 };
 
-/// Each method knows the capture without its truth. People are those that find_faces and the network find. Blur of all
-/// that have disparity is the photograph's lens (match_lens.h); that of the two that have a mask alone follows the
+/// Each method knows the capture without its truth. People are those that find_faces and the network find; where they
+/// find nobody, whom the network finds at the face that the capture states, as a camera's own detector would. Blur of
+/// all that have disparity is the photograph's lens (match_lens.h); that of the two that have a mask alone follows the
 /// face (blur_for_face), as the product's does: no radius is chosen with the photograph in view. No synthetic noise.
 ///   dp+seg, seg, dp   the pipeline's modes
 ///   Shen et al.       the mask that was found, unfiltered; the whole picture blurred by one disc, the person laid over

@@ -41,8 +41,10 @@ std::string scene_section(const ComparedPictures& scene) {
   const SceneComparison& figures = scene.figures;
   std::string html = fmt::format("<h2>{}</h2>", escape_name(figures.scene));
   if (figures.shows_people) {
-    html += figures.found_people ? fmt::format("<p>IoU of the mask that was found: {:.3f}</p>", figures.mask_iou)
-                                 : "<p>No person was found.</p>";
+    html += figures.found_people
+                ? fmt::format("<p>IoU of the mask that was found{}: {:.3f}</p>",
+                              figures.by_stated_face ? " at the face that the capture states" : "", figures.mask_iou)
+                : "<p>No person was found.</p>";
   }
   html += "<div class=\"pictures\">";
   const auto picture = [&](const std::string& title, const std::string& caption, const Image& srgb) {

@@ -30,7 +30,7 @@ std::span<const ComparisonScene> comparison_scenes() {
       {"portrait_street_overcast", "portrait", 213, {"people=1", "place=street", "light=overcast", "distance_m=0.8"}},
       {"room_window", "room", 402, {"light=window"}},
       {"pair_street_dusk", "portrait", 214, {"people=2", "place=street", "light=dusk", "distance_m=1"}},
-      {"still_life_plants", "still_life", 308, {"light=sun", "distance_m=0.45"}},
+      {"still_life_bright", "still_life", 308, {"light=sun", "distance_m=0.45"}},
   };
   return scenes;
 }

@@ -16,7 +16,7 @@ namespace {
 
 /// PSNR as given for the five, 10 dB for the picture as it is; SSIM and FLIP follow it.
 SceneComparison scene_of(const std::string& name, bool people, const std::vector<double>& psnr_db) {
-  SceneComparison scene{name, people, people, 0.9, {{1, 2, 128}}, {}};
+  SceneComparison scene{name, people, people, false, 0.9, {{1, 2, 128}}, {}};
   std::vector<std::string> names = compared_methods();
   names.emplace_back("not blurred");
   for (std::size_t i = 0; i < names.size(); ++i) {
