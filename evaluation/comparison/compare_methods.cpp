@@ -32,10 +32,11 @@ using pipeline::Mode;
 using pipeline::PortraitOptions;
 using pipeline::PortraitResult;
 
+constexpr int kReferences = 2;     // true disparity, not blurred: beside the methods, and in no ranking
 constexpr double kEqual_db = 100;  // for a picture without an error, whose ratio is infinite
 
 struct Linear {
-  std::vector<Image> pictures;  ///< as compared_methods(), and the picture as it is
+  std::vector<Image> pictures;  ///< as compared_methods(), and the references
   FoundPeople people;
   bool by_stated_face = false;
 };
@@ -50,12 +51,16 @@ Image shen(const Image& picture, const FoundPeople& people) {
   return uniform.render({picture, no_disparity, mask, {}}, options).rgb;
 }
 
+Image blurred_by(const Image& disparity, const Image& picture, const Camera& camera, double pupil_mm) {
+  const Image no_mask;
+  return pipeline::defocus_method_named("layers")
+      .render({picture, disparity, no_mask, pipeline::match_lens(camera, pupil_mm, 0)}, {})
+      .rgb;
+}
+
 Image barron(const Image& picture, const Capture& shot, double pupil_mm) {
   const pipeline::MergedBurst burst = pipeline::align_and_merge(shot.frames, shot.exposure, {});
-  const Image disparity = bilateral_space_stereo(burst.left, burst.right, picture), no_mask;
-  return pipeline::defocus_method_named("layers")
-      .render({picture, disparity, no_mask, pipeline::match_lens(shot.camera, pupil_mm, 0)}, {})
-      .rgb;
+  return blurred_by(bilateral_space_stereo(burst.left, burst.right, picture), picture, shot.camera, pupil_mm);
 }
 
 /// Those of the faces that are detected; where there is nobody, of the face that the camera states.
@@ -93,9 +98,13 @@ Linear pictures_of(const Capture& capture, double pupil_mm, pipeline::PersonNetw
   PortraitResult dp = run(Mode::dp);
   const bool found = seg.mode == Mode::seg;
   const Image& input = dp.input;
-  linear.pictures = {std::move(both.portrait),      found ? std::move(seg.portrait) : input,
-                     std::move(dp.portrait),        found ? shen(input, *people) : input,
-                     barron(input, shot, pupil_mm), input};
+  linear.pictures = {std::move(both.portrait),
+                     found ? std::move(seg.portrait) : input,
+                     std::move(dp.portrait),
+                     found ? shen(input, *people) : input,
+                     barron(input, shot, pupil_mm),
+                     blurred_by(capture.truth->disparity_dp_px, input, shot.camera, pupil_mm),
+                     input};
   linear.people = found ? std::move(*people) : FoundPeople{};
   return linear;
 }
@@ -154,10 +163,10 @@ ComparedPictures compare_methods(const Capture& capture, const std::string& name
   }
   compared.photograph_srgb = displayed(clipped(truth.photograph));
   for (const Image& picture : linear.pictures) compared.pictures_srgb.push_back(displayed(clipped(picture)));
-  const std::vector<Image> five(compared.pictures_srgb.begin(), compared.pictures_srgb.end() - 1);
+  const std::vector<Image> five(compared.pictures_srgb.begin(), compared.pictures_srgb.end() - kReferences);
   figures.crops = crops_that_differ(five, truth.person_mask);
   std::vector<std::string> names = compared_methods();
-  names.emplace_back("not blurred");
+  names.insert(names.end(), {"true disparity", "not blurred"});
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Image& picture = compared.pictures_srgb[i];
     figures.methods.push_back({names[i], figures_of(picture, compared.photograph_srgb),
@@ -206,7 +215,7 @@ SceneComparison read_scene_comparison(const std::string& path) {
     read.crops = read_figures(method.required("crops").object("crops"));
     method.done();
   }
-  if (scene.methods.size() != compared_methods().size() + 1) fields.fail("methods", "must be six");
+  if (scene.methods.size() != compared_methods().size() + kReferences) fields.fail("methods", "must be seven");
   fields.done();
   return scene;
 }

@@ -32,7 +32,7 @@ struct SceneComparison {
   bool by_stated_face = false;  ///< no face was detected there; the network was told where the capture states one
   double mask_iou = 0;          ///< of the mask that was found, at its own size; 0 where there is none, or nobody
   std::vector<Crop> crops;
-  std::vector<MethodFigures> methods;  ///< the five, and "not blurred" as the last
+  std::vector<MethodFigures> methods;  ///< the five, and then "true disparity" and "not blurred"
 };
 
 /// In the order of tables.
@@ -53,6 +53,8 @@ struct ComparedPictures {
 ///                     it. Theirs is another network's mask
 ///   Barron et al.     bilateral_space_stereo.h on the merged views, blurred by the pipeline's renderer, as the paper
 ///   did
+/// "true disparity" is the pipeline's renderer with truth's: what errors of disparity cost is the distance to it. A
+/// method beyond it gains by blurring away the noise of what is in focus.
 ComparedPictures compare_methods(const Capture& capture, const std::string& name, pipeline::PersonNetwork& network);
 
 nlohmann::ordered_json to_json(const SceneComparison& scene);

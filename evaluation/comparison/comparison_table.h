@@ -24,7 +24,7 @@ struct ComparedMethod {
 struct ComparedGroup {
   std::string name;  ///< "all", "people", "things"
   std::size_t scenes = 0;
-  std::vector<ComparedMethod> methods;  ///< the five, and "not blurred", which cannot win
+  std::vector<ComparedMethod> methods;  ///< the five, and the two references, which cannot win
 };
 
 /// "PSNR, dB", "SSIM", "FLIP" of the whole picture, then of the crops.

@@ -7,9 +7,11 @@
 
 #include "capture/image/resample.h"
 #include "capture/names.h"
+#include "evaluation/baselines/bilateral_space_stereo.h"
 #include "evaluation/experiments/defocus_baselines.h"
 #include "evaluation/metrics/image_metrics.h"
 #include "evaluation/simulated_scene.h"
+#include "pipeline/burst/merge.h"
 #include "pipeline/defocus/mask_blur.h"
 #include "pipeline/defocus/match_lens.h"
 #include "pipeline/defocus/methods.h"
@@ -191,18 +193,16 @@ SceneDefocus measure_defocus(const Capture& capture, const std::string& name) {
   options.mode = pipeline::Mode::dp_seg;
   const pipeline::PortraitResult both = pipeline::run_portrait(shot, options, person);
   add("mask", render(both.input, both.disparity_dp_px, from_picture));
-  pipeline::SmoothOptions coarse;
-  coarse.grid.cell_px = coarse.grid.cell_luma = coarse.grid.cell_chroma = 16;
+  const pipeline::MergedBurst burst = pipeline::align_and_merge(shot.frames, shot.exposure, options.merge);
   const pipeline::DefocusMethod& uniform = *find_named(defocus_baselines(), "mask and uniform blur");
-  scene.ranked =
-      rank({{"dp+seg", scene.steps.back().picture},
-            {"dp", dp.portrait},
-            {"seg", blurred_by_mask(pipeline::defocus_method_named("mask"), capture, dp.input, person)},
-            {std::string(uniform.name), blurred_by_mask(uniform, capture, dp.input, person)},
-            {"bilateral space, coarse, unweighted",
-             render(dp.input, pipeline::smooth_disparity({matched, certain}, dp.input, coarse), from_picture)},
-            {"not blurred", dp.input}},
-           compare, person);
+  scene.ranked = rank({{"dp+seg", scene.steps.back().picture},
+                       {"dp", dp.portrait},
+                       {"seg", blurred_by_mask(pipeline::defocus_method_named("mask"), capture, dp.input, person)},
+                       {std::string(uniform.name), blurred_by_mask(uniform, capture, dp.input, person)},
+                       {"bilateral-space stereo",
+                        render(dp.input, bilateral_space_stereo(burst.left, burst.right, dp.input), from_picture)},
+                       {"not blurred", dp.input}},
+                      compare, person);
   return scene;
 }
 
