@@ -133,6 +133,7 @@ std::vector<double> solve_bilateral_space(const BilateralGrid& grid, const Match
   for (const auto& parent : parents) {
     begins.push_back(begins.back() + 1 + *std::max_element(parent.begin(), parent.end()));
   }
+  const int middle = labels / 2;
   // z holds the levels one after the other, the grid's own first
   const auto vertices_from = [&](std::vector<double> z) {
     for (std::size_t level = parents.size(); level-- > 0;) {
@@ -140,7 +141,7 @@ std::vector<double> solve_bilateral_space(const BilateralGrid& grid, const Match
         z[begins[level] + v] += z[begins[level + 1] + parents[level][v]];
     }
     z.resize(begins[1]);
-    for (double& label : z) label += labels / 2;
+    for (double& label : z) label += middle;
     return z;
   };
   const auto objective = [&](const std::vector<double>& z, std::vector<double>& gradient) {

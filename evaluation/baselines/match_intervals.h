@@ -13,7 +13,8 @@ struct MatchIntervalOptions {
   int window_rows = 3;      ///< DP px, odd
 
   float dp_px_of(float label) const {
-    return (label - static_cast<float>(labels / 2)) / static_cast<float>(steps_per_dp_px);
+    const int middle = labels / 2;
+    return (label - static_cast<float>(middle)) / static_cast<float>(steps_per_dp_px);
   }
 };
 
