@@ -105,7 +105,7 @@ Linear pictures_of(const Capture& capture, double pupil_mm, pipeline::PersonNetw
                      barron(input, shot, pupil_mm),
                      blurred_by(capture.truth->disparity_dp_px, input, shot.camera, pupil_mm),
                      input};
-  linear.people = found ? std::move(*people) : FoundPeople{};
+  if (found) linear.people = *people;
   return linear;
 }
 
