@@ -7,9 +7,12 @@
 
 #include "capture/image/resample.h"
 #include "capture/names.h"
+#include "evaluation/baselines/bilateral_space_stereo.h"
 #include "evaluation/experiments/defocus_baselines.h"
 #include "evaluation/metrics/image_metrics.h"
 #include "evaluation/simulated_scene.h"
+#include "pipeline/burst/merge.h"
+#include "pipeline/defocus/mask_blur.h"
 #include "pipeline/defocus/match_lens.h"
 #include "pipeline/defocus/methods.h"
 #include "pipeline/defocus/render.h"
@@ -108,21 +111,14 @@ Image fitted(const Image& map, const Image& truth, const Image& confidence) {
   return out;
 }
 
-/// The best picture that a method reaches which blurs the background by one radius, over radii.
-Image best_uniform(const Comparison& compare, const pipeline::DefocusMethod& method, const Image& rgb,
-                   const Image& person_mask) {
+/// By a method that blurs the background by one radius: the pipeline's own choice, which follows the face. The
+/// photograph has no say in it.
+Image blurred_by_mask(const pipeline::DefocusMethod& method, const Capture& capture, const Image& rgb,
+                      const Image& person_mask) {
   const Image no_disparity;
-  Image best;
-  double best_db = -1;
-  for (const double share : {0.0015, 0.003, 0.0045, 0.006, 0.008, 0.010}) {
-    pipeline::DefocusOptions options;
-    options.mask_blur = {static_cast<float>(share * rgb.width), static_cast<double>(rgb.width)};
-    Image picture = method.render({rgb, no_disparity, person_mask, {}}, options).rgb;
-    const double db = compare.db(picture, compare.all());
-    if (db > best_db) best = std::move(picture);
-    best_db = std::max(db, best_db);
-  }
-  return best;
+  pipeline::DefocusOptions options;
+  options.mask_blur = pipeline::blur_for_face(capture.face_px ? (*capture.face_px)[2] : 0, rgb.width);
+  return method.render({rgb, no_disparity, person_mask, {}}, options).rgb;
 }
 
 MarkedPixels mask_of(const Image& image) {
@@ -197,18 +193,16 @@ SceneDefocus measure_defocus(const Capture& capture, const std::string& name) {
   options.mode = pipeline::Mode::dp_seg;
   const pipeline::PortraitResult both = pipeline::run_portrait(shot, options, person);
   add("mask", render(both.input, both.disparity_dp_px, from_picture));
-  pipeline::SmoothOptions coarse;
-  coarse.grid.cell_px = coarse.grid.cell_luma = coarse.grid.cell_chroma = 16;
+  const pipeline::MergedBurst burst = pipeline::align_and_merge(shot.frames, shot.exposure, options.merge);
   const pipeline::DefocusMethod& uniform = *find_named(defocus_baselines(), "mask and uniform blur");
-  scene.ranked =
-      rank({{"dp+seg", scene.steps.back().picture},
-            {"dp", dp.portrait},
-            {"seg", best_uniform(compare, pipeline::defocus_method_named("mask"), dp.input, person)},
-            {std::string(uniform.name), best_uniform(compare, uniform, dp.input, person)},
-            {"bilateral space, coarse, unweighted",
-             render(dp.input, pipeline::smooth_disparity({matched, certain}, dp.input, coarse), from_picture)},
-            {"not blurred", dp.input}},
-           compare, person);
+  scene.ranked = rank({{"dp+seg", scene.steps.back().picture},
+                       {"dp", dp.portrait},
+                       {"seg", blurred_by_mask(pipeline::defocus_method_named("mask"), capture, dp.input, person)},
+                       {std::string(uniform.name), blurred_by_mask(uniform, capture, dp.input, person)},
+                       {"bilateral-space stereo",
+                        render(dp.input, bilateral_space_stereo(burst.left, burst.right, dp.input), from_picture)},
+                       {"not blurred", dp.input}},
+                      compare, person);
   return scene;
 }
 

@@ -44,6 +44,7 @@ void add_experiment_calibration(CLI::App& experiment);
 void add_experiment_defocus(CLI::App& experiment);
 void add_experiment_failures(CLI::App& experiment);
 void add_experiment_figures(CLI::App& experiment);
+void add_experiment_methods(CLI::App& experiment);
 void add_experiment_noise(CLI::App& experiment);
 void add_experiment_scenes(CLI::App& experiment);
 void add_experiment_segmentation(CLI::App& experiment);

@@ -13,6 +13,7 @@ void add_experiment(CLI::App& program) {
   add_experiment_defocus(*experiment);
   add_experiment_failures(*experiment);
   add_experiment_figures(*experiment);
+  add_experiment_methods(*experiment);
   add_experiment_noise(*experiment);
   add_experiment_scenes(*experiment);
   add_experiment_segmentation(*experiment);
