@@ -297,7 +297,8 @@ TEST_F(ToyPeople, AugmentationKeepsItsRangesAndThePaddingBlack) {
 TEST_F(ToyPeople, BatchesAreThoseOfTheSeedWhereverTheyStart) {
   const scenes::PeopleSet set({folder.path.string() + "/toy"}, false);
   const std::vector<std::size_t> all = {0, 1, 2, 3, 4, 5};
-  AugmentedBatches from_start(set, all, 3, true, 9, 0), later(set, all, 3, true, 9, 6), other(set, all, 3, true, 8, 6);
+  const auto make = [&](const std::vector<Draw>& draws) { return augmented_batch(set, draws, true); };
+  AugmentedBatches from_start(all, 3, 9, 0, make), later(all, 3, 9, 6, make), other(all, 3, 8, 6, make);
   from_start.next();
   from_start.next();
   const Batch a = from_start.next(), b = later.next(), c = other.next();
