@@ -41,7 +41,7 @@ class Backgrounds {
 };
 
 /// Of the pictures of a set for a face detector, those without anybody.
-constexpr float kNobodyShare = 0.25f;
+constexpr float kNobodyShare = 0.4f;
 
 PeopleSample sample_of_nobody(RandomStream rng, int picture_index) {
   PeopleSample sample;

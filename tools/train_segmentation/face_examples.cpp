@@ -81,7 +81,7 @@ std::vector<FacePicture> face_pictures(const scenes::PeopleSet& set) {
   return pictures;
 }
 
-FaceAugmentation draw_face_augmentation(std::uint64_t key) {
+FaceAugmentation draw_face_augmentation(std::uint64_t key, const std::vector<TrueFace>& faces) {
   Draws draw{key};
   FaceAugmentation a;
   for (Augmentation* part : {&a.picture, &a.behind}) {
@@ -96,6 +96,15 @@ FaceAugmentation draw_face_augmentation(std::uint64_t key) {
   const double room = 0.12 + 0.35 * std::max(0.0, 1 - a.picture.scale);
   a.picture.shift_x_px = draw(-room, room) * kSize;
   a.picture.shift_y_px = draw(-room, room) * kSize;
+  if (!faces.empty() && draw(0, 1) < 0.25) {
+    const TrueFace& face = faces[std::min(faces.size() - 1, static_cast<std::size_t>(draw(0, 1) * faces.size()))];
+    a.picture.scale = draw(0.35, 0.95) * kSize / face.side;
+    const double room_px = 0.15 * kSize, middle = kSize / 2.0;
+    a.picture.shift_x_px = a.picture.shift_y_px = 0;
+    const auto [x, y] = Warp(a.picture).forward(face.x + face.side / 2, face.y + face.side / 2);
+    a.picture.shift_x_px = middle - x + draw(-room_px, room_px);
+    a.picture.shift_y_px = middle - y + draw(-room_px, room_px);
+  }
   a.picture.blur_passes = std::max(0, static_cast<int>(draw(-4, 5)));
   a.has_behind = draw(0, 1) < 0.6;
   a.behind.rotation_rad = 0;
@@ -178,7 +187,7 @@ Batch FaceExamples::augmented(const std::vector<Draw>& draws) const {
   float* const targets = batch.heatmaps.data_ptr<float>();
   tbb::parallel_for(std::size_t{0}, draws.size(), [&](std::size_t i) {
     const FacePicture& picture = pictures_[draws[i].index];
-    const FaceAugmentation a = draw_face_augmentation(draws[i].key);
+    const FaceAugmentation a = draw_face_augmentation(draws[i].key, picture.faces);
     const scenes::PersonSample* behind = nullptr;
     if (a.has_behind && !of_nobody_.empty()) {
       behind = &set_[of_nobody_[simulator::hash(draws[i].key, 3) % of_nobody_.size()]];

@@ -34,8 +34,9 @@ struct FaceAugmentation {
   std::array<float, 3> patch_color{};
 };
 
-/// Rotated by up to 30 degrees, scaled by .3 to 1.5, blurred and lit more harshly than draw_augmentation() has it.
-FaceAugmentation draw_face_augmentation(std::uint64_t key);
+/// Rotated by up to 30 degrees, scaled by .3 to 1.5, or in one of four pictures such that a face fills .35 to .95 of
+/// the square; blurred and lit more harshly than draw_augmentation() has it.
+FaceAugmentation draw_face_augmentation(std::uint64_t key, const std::vector<TrueFace>& faces);
 
 /// Channels first, of 256 x 256 pixels and 64 x 64 cells:
 ///   input    3: sRGB - 0.5

@@ -17,8 +17,8 @@ NetworkShape face_network_shape() {
   shape.faces = true;
   shape.stages = 1;
   shape.pose = false;
-  shape.fine_channels = 8;
-  shape.channels = {24, 32, 48, 48};
+  shape.fine_channels = 16;
+  shape.channels = {32, 48, 64, 64};
   return shape;
 }
 
