@@ -11,7 +11,7 @@
 namespace dualpixel::pipeline {
 namespace {
 
-constexpr double kLeastScore = 0.4;  // chosen on drawn people (docs/segmentation.md)
+constexpr double kLeastScore = 0.5;  // chosen on drawn people (docs/segmentation.md)
 
 /// A picture in the middle of the network's square.
 struct Framed {

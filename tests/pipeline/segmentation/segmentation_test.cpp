@@ -451,8 +451,8 @@ TEST(FaceMap, IsReadAsItIsWritten) {
   // of two that overlap by more than .3, the better is kept
   set(7, 1, -0.1F, 0, 0, -1);
   set(6, 1, -9, 0, 0, -1);
-  set(5, 1, 0, 0.125F, 0, -1);  // center (24, 6); the other's at (30, 6): 10/22
-  EXPECT_EQ(faces_of_map(map.data(), kCells, 0.4).size(), 1U);
+  set(5, 1, 0, 0.125F, 0, -1);                                  // center (24, 6); the other's at (30, 6): 10/22
+  EXPECT_EQ(faces_of_map(map.data(), kCells, 0.4).size(), 2U);  // and that at (2, 5)
   EXPECT_NEAR(overlap({0, 0, 16, 16}, {6, 0, 16, 16}), 10.0 / 22, 1e-12);
   EXPECT_EQ(overlap({0, 0, 16, 16}, {16, 0, 16, 16}), 0);
 }
@@ -473,10 +473,10 @@ TEST(SlowFaces, NoneWhereThereIsNone) {
 
 TEST(SlowFaces, TwentyAndHalfOnes) {
   NEEDS_FACES();
-  Image crowd(640, 480, 1, 0.2F);
+  Image crowd(640, 640, 1, 0.2F);
   for (int i = 0; i < 20; ++i) {
     const int column = i % 5, row = i / 5;
-    draw_face(crowd, 64 + 128 * column, 70 + 115 * row, 50);
+    draw_face(crowd, 64 + 128 * column, 80 + 160 * row, 84);
   }
   EXPECT_EQ(find_faces(crowd).size(), 20U);
   if (has_person_network()) {
