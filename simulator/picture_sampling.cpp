@@ -71,6 +71,17 @@ PictureSampling sample_to(RenderScene& world, const CameraView& view, const Rend
   return sampling;
 }
 
+/// Calls visit(x, y, the error of samples over the target's).
+template <typename Visit>
+void for_each_photosite(const PictureSampling& sampling, Visit visit) {
+  for (std::size_t i = 0; i < sampling.map.samples.size(); ++i) {
+    const Tile tile = tile_at(sampling.map, static_cast<int>(i));
+    for (int y = tile.y0; y < tile.y1; ++y) {
+      for (int x = tile.x0; x < tile.x1; ++x) visit(x, y, static_cast<double>(sampling.map.error_ratio[i]));
+    }
+  }
+}
+
 }  // namespace
 
 std::optional<ErrorTarget> goal_of(const Simulation& s, const ErrorTarget& noise, double unit_per_nit) {
@@ -128,20 +139,23 @@ double expected_error(const PictureSampling& sampling, int count) {
 
 Image standard_error(const PictureSampling& sampling, int count, const Image& half_nits) {
   if (!sampling.target) return {};
-  const ErrorTarget& target = *sampling.target;
   Image sigma(half_nits.width, half_nits.height);
-  for (std::size_t i = 0; i < sampling.map.samples.size(); ++i) {
-    const Tile tile = tile_at(sampling.map, static_cast<int>(i));
-    const double ratio = sampling.map.error_ratio[i];
+  for_each_photosite(sampling, [&](int x, int y, double ratio) {
+    const int c = cfa_color(x, y);
     const double error2 = ratio * ratio / count + sampling.light;
-    for (int y = tile.y0; y < tile.y1; ++y) {
-      for (int x = tile.x0; x < tile.x1; ++x) {
-        const int c = cfa_color(x, y);
-        sigma.at(x, y) = static_cast<float>(std::sqrt(error2 * target.at(c, half_nits.at(x, y, c))));
-      }
-    }
-  }
+    sigma.at(x, y) = static_cast<float>(std::sqrt(error2 * sampling.target->at(c, half_nits.at(x, y, c))));
+  });
   return sigma;
+}
+
+double sample_variance(const PictureSampling& sampling, int count, const Image& half_nits, const ErrorTarget& noise) {
+  double sum = 0;
+  for_each_photosite(sampling, [&](int x, int y, double ratio) {
+    const int c = cfa_color(x, y);
+    const double nits = half_nits.at(x, y, c);
+    sum += ratio * ratio / count * sampling.target->at(c, nits) / noise.at(c, nits);
+  });
+  return sum / static_cast<double>(half_nits.width) / half_nits.height;
 }
 
 double measure_error(RenderScene& world, const CameraView& view, const RenderOptions& picture, int count,

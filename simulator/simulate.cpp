@@ -420,6 +420,25 @@ void add_truth_views(const Job& job, const Views& views, Truth& truth) {
   truth.right = with_neutral_white(in_units(views.right, job.unit_per_nit), white);
 }
 
+/// What half a photosite of the first frame sees, from the views in `truth`.
+Image half_nits_of(const Job& job, const Truth& truth) {
+  const std::array<double, 3>& white = job.simulation.sensor.illuminant;
+  Image half_nits = truth.left;
+  for (std::size_t i = 0; i < half_nits.data.size(); ++i) half_nits.data[i] += truth.right.data[i];
+  half_nits = with_neutral_white(std::move(half_nits), {1 / white[0], 1 / white[1], 1 / white[2]});
+  scale(half_nits, 0.5 / job.unit_per_nit);
+  return half_nits;
+}
+
+/// What frames differ by is noise or motion, and the merge tells them apart by the noise that the capture states. So it
+/// states what each frame draws anew: the sensor's variance, and so many times that from rendering.
+void add_rendering_noise(double over_sensor, Exposure& exposure) {
+  for (NoiseProfile* noise : {&exposure.mosaic_noise, &exposure.dp_noise}) {
+    noise->shot_dn *= 1 + over_sensor;
+    noise->read_dn2 *= 1 + over_sensor;
+  }
+}
+
 /// What is known of the first frame's samples and error, and of truth's views', which are in `truth`.
 void describe_sampling(const Job& job, const PictureSampling& sampling, Truth& truth) {
   const Simulation& s = job.simulation;
@@ -439,13 +458,8 @@ void describe_sampling(const Job& job, const PictureSampling& sampling, Truth& t
       }
     }
   }
-  Image half_nits = truth.left;
-  for (std::size_t i = 0; i < half_nits.data.size(); ++i) half_nits.data[i] += truth.right.data[i];
-  const std::array<double, 3>& white = s.sensor.illuminant;
-  half_nits = with_neutral_white(std::move(half_nits), {1 / white[0], 1 / white[1], 1 / white[2]});
-  scale(half_nits, 0.5 / job.unit_per_nit);
-  truth.views_sigma =
-      with_neutral_white(in_units(standard_error(sampling, pictures, half_nits), job.unit_per_nit), white);
+  truth.views_sigma = with_neutral_white(
+      in_units(standard_error(sampling, pictures, half_nits_of(job, truth)), job.unit_per_nit), s.sensor.illuminant);
   truth.render_sigma = truth.views_sigma;
   truth.noise->views = rms(truth.views_sigma);
 }
@@ -556,8 +570,9 @@ Capture simulate(const Simulation& s, RenderScene& world, const CameraView& view
   const ErrorTarget noise = sensor_noise(s, view.lens.lux_per_nit());
   const Job job{s, world, view, unit_per_nit, goal_of(s, noise, unit_per_nit), stage};
   prepare_light(s, world, view, job.goal);
+  RenderError error;
   if (!job.goal && !s.time_budget_s) {
-    const RenderError error = estimate_error(world, view, s.render, noise, s.render.samples_per_pixel);
+    error = estimate_error(world, view, s.render, noise, s.render.samples_per_pixel);
     capture.provenance.noise_fraction_reached = std::sqrt(error.both());
   }
   Truth& truth = capture.truth.emplace(first_truth(s, world, view));
@@ -585,6 +600,8 @@ Capture simulate(const Simulation& s, RenderScene& world, const CameraView& view
         row_major(glm::inverse(moment(s, view, middle_s(s, i)).view.world_from_camera));
     if (stage) stage("sensor", (i + 1.0) / s.burst_frames);
   }
+  if (sampling.target) error.samples = sample_variance(sampling, poses_of(s), half_nits_of(job, truth), noise);
+  if (moves(s)) add_rendering_noise(error.samples, capture.exposure);
   describe_sampling(job, sampling, truth);
   capture.provenance.scene = s.json.dump();
   return capture;

@@ -23,8 +23,14 @@ PARTS = {"all": ("0", "1"), "as rendered": ("0",), "composites": ("1",)}
 
 
 def read(folder):
-    with open(f"{folder}/scores.csv", newline="") as file:
-        return list(csv.DictReader(file))
+    try:
+        with open(f"{folder}/scores.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+    except OSError as error:
+        raise SystemExit(f"compare_training.py: {error.filename}: {error.strerror}")
+    if len({row["seed"] for row in rows}) < 2:
+        raise SystemExit(f"compare_training.py: {folder}/scores.csv: must hold two pictures or more")
+    return rows
 
 
 def standard_error(values):
@@ -44,11 +50,10 @@ def error_of_mean_over_clusters(values, clusters):
 def compare(with_runs, without_runs, score):
     """The means of both, their difference, its standard errors over seeds and pictures, and the limit beyond which it
     counts. Runs are lists of rows; those of one index are a pair."""
-    differences = []
-    for a, b in zip(with_runs, without_runs):
-        if [row["sample"] + row["seed"] for row in a] != [row["sample"] + row["seed"] for row in b]:
-            raise SystemExit("compare_training.py: the runs were scored on different held-out sets")
-        differences.append([float(x[score]) - float(y[score]) for x, y in zip(a, b)])
+    held_out = [[(row["sample"], row["seed"]) for row in run] for run in (*with_runs, *without_runs)]
+    if any(samples != held_out[0] for samples in held_out):
+        raise SystemExit("compare_training.py: the runs were scored on different held-out sets")
+    differences = [[float(x[score]) - float(y[score]) for x, y in zip(a, b)] for a, b in zip(with_runs, without_runs)]
     of_samples = [statistics.fmean(values) for values in zip(*differences)]
     seeds = standard_error([statistics.fmean(d) for d in differences])
     pictures = error_of_mean_over_clusters(of_samples, [row["seed"] for row in with_runs[0]])

@@ -131,7 +131,7 @@ const std::vector<PictureKind>& pictures() {
       {"blur_px", kSensor, 1, of_truth<&Truth::blur_px>, "signed blur diameter, photosites"},
       {"disparity_dp_px", kSensor, 1, of_truth<&Truth::disparity_dp_px>, "disparity, DP pixels"},
       {"normal", kSensor, 3, of_truth<&Truth::normal>, "unit normal, camera axes: x right, y down, z forward"},
-      {"person", kSensor, 1, of_truth<&Truth::person_mask>, "1 on people"},
+      {"person", kSensor, 1, of_truth<&Truth::person_mask>, "share of the photosite that people cover"},
       {"valid", kSensor, 1, of_truth<&Truth::valid>, "1 where the ray hit something"},
       {"object_id", kSensor, 1, object_ids, "1-based index of the glTF node; 0: nothing"},
       {"view_depth_m", kViews, 1, of_truth_on_views<&Truth::depth_m>, "depth_m at the views' pixels", true},

@@ -141,8 +141,9 @@ std::string noise_warning(const std::vector<json>& index) {
   }
   if (noisy == 0) return "";
   return fmt::format(
-      "rendering noise is more than {:g} times the sensor's in {} of {} samples, {:.0f} times at most: set "
-      "render.noise_fraction or more samples, or a phone's sensor.full_well_e and electrons_per_lux_s, as the shipped "
+      "rendering noise is more than {:g} times the sensor's in {} of {} samples, {:.1f} times at most: set "
+      "render.noise_fraction or more render.samples_per_pixel, or a phone's sensor.full_well_e and "
+      "electrons_per_lux_s, as the shipped "
       "recipes do",
       kMuch, noisy, index.size(), most);
 }

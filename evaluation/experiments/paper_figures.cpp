@@ -58,8 +58,11 @@ std::string compared(const char* first_name, const PortraitResult& first, const 
 }
 
 std::string burst_section(const PaperFigures& figures, const PortraitOptions& options, const PortraitResult& whole) {
-  Capture single = figures.capture;
-  single.frames.resize(1);
+  Capture single;
+  single.camera = figures.capture.camera;
+  single.exposure = figures.capture.exposure;
+  single.face_px = figures.capture.face_px;
+  single.frames = {figures.capture.frames.front()};
   const PortraitResult one = run_portrait(single, options);
   return section("Fig. 7: a burst denoised", "Matches before smoothing, from one frame and from all.",
                  compared("One frame", one, fmt::format("{} frames", figures.capture.frames.size()).c_str(), whole));
@@ -130,7 +133,8 @@ std::string disc_section() {
                  "maps");
 }
 
-/// The square of the picture that is blurred most, of a quarter of its shorter side.
+/// Of the square that is blurred most, a quarter of the shorter side wide: the picture, and portraits without and with
+/// noise.
 std::string noise_section(const PaperFigures& figures, PortraitOptions options, const PortraitResult& with) {
   options.synthetic_noise = false;
   const PortraitResult without = run_portrait(figures.capture, options);
@@ -161,8 +165,7 @@ std::string normalization_section(const PaperFigures& figures, const PortraitOpt
     return Plot{title, "column of the view, DP px", unit, {trace("left", left), trace("right", right)}};
   };
   const Image left = pipeline::normalize_locally(merged.left), right = pipeline::normalize_locally(merged.right);
-  return "<h2>Fig. S2: normalization</h2>\n<p>A row of both views, whose light differs, and the same after each "
-         "window's "
+  return "<h2>Fig. S2: normalization</h2>\n<p>The middle row of both views, and the same after each window's "
          "mean and deviation are made equal.</p>\n" +
          html_plots({plot("Views", "signal over white", merged.left, merged.right),
                      plot("Normalized", "deviations from the window's mean", left, right)});

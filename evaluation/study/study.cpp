@@ -28,6 +28,15 @@ constexpr int kWidest_px = 900;   // of a whole picture on the page
 constexpr int kJpegQuality = 95;  // its own artifacts must not decide
 constexpr std::size_t kMostMethods = 32, kMostScenes = 4096;
 
+/// Names are kept as JSON, which holds UTF-8 alone.
+void require_utf8(const std::string& where, const std::string& name) {
+  try {
+    (void)Json(name).dump();
+  } catch (const Json::exception&) {
+    throw InputError(fmt::format("{}: {}: must be UTF-8", printable(where), printable(name)));
+  }
+}
+
 std::set<std::string> scenes_in(const std::string& folder) {
   std::error_code error;
   std::set<std::string> names;
@@ -103,17 +112,19 @@ std::string page_of(const Json& pictures) {
 
 StudyFiles make_study(const std::vector<MethodFolder>& methods, std::uint64_t seed) {
   if (methods.size() < 2 || methods.size() > kMostMethods) {
-    throw InputError(fmt::format("a study: {} methods; must be 2 to {}", methods.size(), kMostMethods));
+    throw InputError(fmt::format("--portraits: {} methods; must be 2 to {}", methods.size(), kMostMethods));
   }
   StudyFiles files;
   std::set<std::string> names;
   for (const auto& [name, folder] : methods) {
-    if (!names.insert(name).second) throw InputError(fmt::format("method '{}' is given twice", printable(name)));
+    require_utf8("--portraits", name);
+    if (!names.insert(name).second) throw InputError(fmt::format("--portraits: {}: is given twice", printable(name)));
     files.study.methods.push_back(name);
   }
   std::mt19937_64 random(seed);
   Json scenes = Json::array();
   for (const std::string& scene : common_scenes(methods)) {
+    require_utf8(methods.front().second, scene);
     std::vector<int> order(methods.size());
     std::iota(order.begin(), order.end(), 0);
     for (std::size_t i = order.size() - 1; i > 0; --i) std::swap(order[i], order[random() % (i + 1)]);
@@ -146,26 +157,32 @@ Study read_study(const std::string& path) {
   fields.required("format").choice("format", format, {"dualpixel study"});
   fields.required("version").integer("version", version, 1, 1);
   fields.required("study").text("study", study.id);
-  for (const nlohmann::json& name : fields.required("methods").raw("methods")) {
-    if (!name.is_string()) fields.fail("methods", "must be an array of names");
-    study.methods.push_back(name.get<std::string>());
+  const nlohmann::json& methods = fields.required("methods").raw("methods");
+  const auto is_name = [](const nlohmann::json& value) { return value.is_string(); };
+  if (!methods.is_array() || !std::all_of(methods.begin(), methods.end(), is_name)) {
+    fields.fail("methods", "must be an array of names");
+  }
+  study.methods = methods.get<std::vector<std::string>>();
+  if (std::set<std::string>(study.methods.begin(), study.methods.end()).size() != study.methods.size()) {
+    fields.fail("methods", "must be different names");
   }
   if (study.methods.size() < 2 || study.methods.size() > kMostMethods) {
     fields.fail("methods", fmt::format("{}: must be 2 to {}", study.methods.size(), kMostMethods));
   }
-  for (Fields& scene : fields.objects("scenes")) {
+  for (Fields& scene : fields.required("scenes").objects("scenes")) {
     Study::Scene read;
     std::vector<double> order;
     scene.required("name").text("name", read.name);
     scene.required("method_of_picture").list("method_of_picture", order, 0, 31, kMostMethods);
-    read.method_of_picture.assign(order.begin(), order.end());
-    std::vector<int> sorted = read.method_of_picture, all(study.methods.size());
+    std::vector<double> sorted = order, all(study.methods.size());
     std::sort(sorted.begin(), sorted.end());
     std::iota(all.begin(), all.end(), 0);
+    read.method_of_picture.assign(order.begin(), order.end());
     if (sorted != all) scene.fail("method_of_picture", fmt::format("must hold each of 0 to {} once", all.size() - 1));
     scene.done();
     study.scenes.push_back(std::move(read));
   }
+  if (study.scenes.empty()) fields.fail("scenes", "must be one or more");
   fields.done();
   return study;
 }

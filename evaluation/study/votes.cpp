@@ -48,6 +48,7 @@ Votes::Scene read_scene(Fields& fields, const Study& study) {
   Votes::Scene scene;
   fields.required("scene").integer("scene", scene.scene, 0, static_cast<std::int64_t>(study.scenes.size()) - 1);
   const nlohmann::json& comparisons = fields.required("comparisons").raw("comparisons");
+  if (!comparisons.is_array()) fields.fail("comparisons", "must be an array");
   for (const nlohmann::json& pair : comparisons) {
     const auto whole = [&](const nlohmann::json& value) {
       return value.is_number_integer() && value >= 0 && value < pictures;
@@ -78,12 +79,16 @@ Votes read_votes(const std::string& path, const Study& study) {
     fields.fail("study", fmt::format("\"{}\": must be \"{}\", the study's own", printable(id), printable(study.id)));
   }
   fields.required("participant").text("participant", votes.participant);
+  if (votes.participant.empty()) fields.fail("participant", "must be a name");
   std::set<int> scenes;
-  for (Fields& scene : fields.objects("scenes")) {
+  for (Fields& scene : fields.required("scenes").objects("scenes")) {
     votes.scenes.push_back(read_scene(scene, study));
     if (!scenes.insert(votes.scenes.back().scene).second) {
       scene.fail("scene", fmt::format("{}: is there twice", votes.scenes.back().scene));
     }
+  }
+  if (votes.scenes.size() != study.scenes.size()) {
+    fields.fail("scenes", fmt::format("{}: must be {}, all of the study's", votes.scenes.size(), study.scenes.size()));
   }
   fields.done();
   return votes;
@@ -93,10 +98,6 @@ VoteTable count_votes(const Study& study, const std::vector<Votes>& votes) {
   VoteTable table;
   for (const std::string& method : study.methods) table.rows.push_back({method, std::vector<int>(votes.size(), 0)});
   for (std::size_t i = 0; i < votes.size(); ++i) {
-    const auto& known = table.participants;
-    if (std::find(known.begin(), known.end(), votes[i].participant) != known.end()) {
-      throw InputError(fmt::format("participant '{}' is there twice", printable(votes[i].participant)));
-    }
     table.participants.push_back(votes[i].participant);
     for (const Votes::Scene& scene : votes[i].scenes) {
       const auto row = [&](int picture) -> VoteTable::Row& {

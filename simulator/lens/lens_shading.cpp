@@ -18,7 +18,7 @@ Image relative_light(const LensSampler& lens) {
     const DisparityCoefficients at = trace_disparity(lens, x, y, kRays);
     return static_cast<float>(at.left_light + at.right_light);
   };
-  // asked of every sample of a data set: 221 places took longer than all else of a small one but its pixels
+  // Every sample of a data set needs this; tracing 221 places took longer than the rest of a small sample.
   if (same_everywhere(lens.lens()) && is_even(light_at(0, 0))) return {};
   const SensorGrid& sensor = lens.sensor();
   Image light(std::clamp(sensor.width_px, 2, kColumns), std::clamp(sensor.height_px, 2, kRows));

@@ -42,17 +42,27 @@ float person_share(const RenderScene& world, const CameraView& camera, int x, in
   return static_cast<float>(met) / kRays;
 }
 
+constexpr int kReach_px = 2;
+
+/// What the middles of photosites meet, from row `first_row` on.
+struct Meetings {
+  int first_row, end_row, width;
+  std::vector<std::uint8_t> met{};
+
+  std::uint8_t& at(int x, int y) { return met[static_cast<std::size_t>(y - first_row) * width + x]; }
+  std::uint8_t at(int x, int y) const { return met[static_cast<std::size_t>(y - first_row) * width + x]; }
+};
+
 /// Person masks of rows [first_row, end_row): 0 or 1 by what the middles of photosites meet, and shares within reach of
 /// an outline or of hair, whose strands are narrower than a photosite.
 void fill_person_mask(const RenderScene& world, const CameraView& camera, int first_row, int end_row,
-                      const std::vector<std::uint8_t>& met, Image& mask) {
-  constexpr int kReach_px = 2;
+                      const Meetings& met, Image& mask) {
   const int width = mask.width;
   const auto is_mixed = [&](int x, int y) {
     std::uint8_t any = 0, all = kPerson;
-    for (int v = std::max(y - kReach_px, first_row); v <= std::min(y + kReach_px, end_row - 1); ++v) {
+    for (int v = std::max(y - kReach_px, met.first_row); v <= std::min(y + kReach_px, met.end_row - 1); ++v) {
       for (int u = std::max(x - kReach_px, 0); u <= std::min(x + kReach_px, width - 1); ++u) {
-        const std::uint8_t here = met[static_cast<std::size_t>(v - first_row) * width + u];
+        const std::uint8_t here = met.at(u, v);
         any |= here;
         all &= here;
       }
@@ -61,7 +71,7 @@ void fill_person_mask(const RenderScene& world, const CameraView& camera, int fi
   };
   tbb::parallel_for(first_row, end_row, [&](int y) {
     for (int x = 0; x < width; ++x) {
-      const bool person = (met[static_cast<std::size_t>(y - first_row) * width + x] & kPerson) != 0;
+      const bool person = (met.at(x, y) & kPerson) != 0;
       mask.at(x, y) = is_mixed(x, y) ? person_share(world, camera, x, y) : person ? 1.0f : 0.0f;
     }
   });
@@ -93,7 +103,16 @@ Truth empty_truth(const SensorGrid& sensor) {
 void trace_truth_rows(const RenderScene& world, const CameraView& camera, int first_row, int end_row, Truth& truth) {
   const DisparityField field(camera.lens);
   const int width = truth.depth_m.width;
-  std::vector<std::uint8_t> met(static_cast<std::size_t>(end_row - first_row) * width);
+  // an outline may lie in the rows beside, which another scene may fill
+  Meetings met{std::max(first_row - kReach_px, 0), std::min(end_row + kReach_px, truth.depth_m.height), width};
+  met.met.resize(static_cast<std::size_t>(met.end_row - met.first_row) * width);
+  tbb::parallel_for(met.first_row, met.end_row, [&](int y) {
+    if (y >= first_row && y < end_row) return;
+    for (int x = 0; x < width; ++x) {
+      const std::optional<Hit> hit = seen_surface(world, chief_ray(camera, x, y));
+      if (hit) met.at(x, y) = person_met(world.scene, *hit);
+    }
+  });
   tbb::parallel_for(first_row, end_row, [&](int y) {
     const glm::mat3 rotation(camera.pose(y));
     for (int x = 0; x < width; ++x) {
@@ -104,7 +123,7 @@ void trace_truth_rows(const RenderScene& world, const CameraView& camera, int fi
         truth.depth_m.at(x, y) = hit->t;
         const bool placed = !mesh.placements.empty();
         truth.object_id.at(x, y) = placed ? mesh.placements[hit->placement].object_id : mesh.object_id;
-        met[static_cast<std::size_t>(y - first_row) * width + x] = person_met(world.scene, *hit);
+        met.at(x, y) = person_met(world.scene, *hit);
         truth.valid.at(x, y) = 1;
         for (int c = 0; c < 3; ++c) truth.normal.at(x, y, c) = normal[c];
       }

@@ -52,6 +52,9 @@ class Study(unittest.TestCase):
         self.assertEqual(self.browser.run("document.querySelectorAll('.choice').length"), 0)  # it waits for a name
         self.browser.run("document.getElementById('participant').value = 'Ada L.'")
         self.browser.run("document.querySelector('button').click()")
+        # The browser's own keys, and the second half of a double click, choose nothing.
+        self.browser.run("""document.dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowLeft', altKey: true}));
+          document.querySelector('.choice').dispatchEvent(new MouseEvent('click', {detail: 2}));""")
         for scene in (1, 2):
             for pair, key in ((1, "ArrowLeft"), (2, "ArrowRight")):
                 self.assertEqual(self.text_of("#study p"), f"Scene {scene} of 2, pair {pair} of 2")

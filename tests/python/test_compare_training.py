@@ -59,3 +59,14 @@ def test_other_held_out_sets_are_refused():
     without_runs[1][0]["seed"] = "77"
     with pytest.raises(SystemExit, match="different held-out sets"):
         compare_training.compare(with_runs, without_runs, "iou")
+    with_runs[1] = without_runs[1]  # the pair agrees, the pairs do not
+    with pytest.raises(SystemExit, match="different held-out sets"):
+        compare_training.compare(with_runs, without_runs, "iou")
+
+
+def test_missing_and_too_few_scores_are_named(tmp_path):
+    with pytest.raises(SystemExit, match="scores.csv: No such file"):
+        compare_training.read(tmp_path)
+    (tmp_path / "scores.csv").write_text("sample,seed,composite,iou\n0,7,0,.9\n1,7,1,.8\n")
+    with pytest.raises(SystemExit, match="two pictures or more"):
+        compare_training.read(tmp_path)

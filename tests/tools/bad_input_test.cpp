@@ -195,6 +195,16 @@ TEST_F(BadInput, OutputFolderThatIsNotOurs) {
   EXPECT_EQ(read_bytes(folder / "precious" + "/thesis.txt"), "words");
 }
 
+TEST_F(BadInput, AStudyInPlaceOfAnotherWithItsVotes) {
+  std::filesystem::create_directory(folder / "study");
+  for (const char* name : {"/study.json", "/votes_A.json"}) write_bytes(folder / "study" + name, "{}");
+  const Outcome outcome =
+      run_command("experiment votes --portraits a=x --portraits b=y -o '" + (folder / "study") + "'");
+  expect_one_line_refusal(outcome);
+  EXPECT_NE(outcome.err.find("holds a study"), std::string::npos) << outcome.err;
+  EXPECT_EQ(read_bytes(folder / "study" + "/votes_A.json"), "{}");
+}
+
 TEST_F(BadInput, OutputIntoAReadOnlyFolder) {
   if (geteuid() == 0) GTEST_SKIP() << "root may write into read-only folders";
   std::filesystem::create_directory(folder / "locked");

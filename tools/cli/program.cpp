@@ -55,14 +55,23 @@ std::optional<std::string> unknown_command(const CLI::App& program, int argc, ch
   return {};
 }
 
+struct Chosen {
+  const CLI::App* command;
+  std::string words;  ///< that call it, each with a space after it
+};
+
+Chosen chosen_command(const CLI::App& program) {
+  Chosen chosen{&program, "dualpixel "};
+  while (!chosen.command->get_subcommands().empty()) {
+    chosen.command = chosen.command->get_subcommands().front();
+    chosen.words += chosen.command->get_name() + " ";
+  }
+  return chosen;
+}
+
 /// What to say of the first word that looks like a long option and is none of the command's.
 std::optional<std::string> unknown_option(const CLI::App& program, int argc, char** argv) {
-  const CLI::App* command = &program;
-  std::string see = "dualpixel ";
-  while (!command->get_subcommands().empty()) {
-    command = command->get_subcommands().front();
-    see += command->get_name() + " ";
-  }
+  const auto [command, see] = chosen_command(program);
   std::vector<std::string> names;
   for (const CLI::Option* option : command->get_options()) {
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
@@ -110,12 +119,11 @@ int program_main(int argc, char** argv) {
     return status.get_exit_code();
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return printed(program.exit(error));  // --help, --version
-    const auto chosen = program.get_subcommands();
     for (const auto& explain : {unknown_command, unknown_option}) {
       if (const auto unknown = explain(program, argc, argv)) return report(kBadInput, *unknown);
     }
-    return report(kBadInput, fmt::format("{} (see 'dualpixel {}--help')", printable(error.what()),
-                                         chosen.empty() ? "" : chosen.front()->get_name() + " "));
+    return report(kBadInput,
+                  fmt::format("{} (see '{}--help')", printable(error.what()), chosen_command(program).words));
   } catch (const InputError& error) {
     return report(kBadInput, error.what());
   } catch (const std::bad_alloc&) {

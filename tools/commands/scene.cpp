@@ -57,14 +57,20 @@ void list_options(const std::string& kind, bool json) {
   std::cout << (json ? all.dump(2) + "\n" : text);
 }
 
-/// A definition, tried at once so that what is wrong with it names the file.
-scenes::SceneOrder order_in(const std::string& file) {
-  scenes::SceneOrder order = scenes::read_scene_order(file);
+/// Calls act(), whose faults are those of `file`.
+template <typename Act>
+auto naming(const std::string& file, Act act) {
   try {
-    scenes::scene_file_start(scenes::scene_kind(order.kind), order);
+    return act();
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", printable(file), error.what()));
   }
+}
+
+/// A definition, tried at once, before the command line's own settings come after it.
+scenes::SceneOrder order_in(const std::string& file) {
+  scenes::SceneOrder order = scenes::read_scene_order(file);
+  naming(file, [&] { return scenes::scene_file_start(scenes::scene_kind(order.kind), order); });
   return order;
 }
 
@@ -83,7 +89,9 @@ void run(const SceneArguments& arguments) {
   const scenes::SceneKind& kind = scenes::scene_kind(order.kind);
   if (arguments.folder.empty()) throw InputError("scene: give a folder to write by -o DIR");
   NewFolder out(arguments.folder, "scene.json");
-  for (const std::string& fault : draw_scene(kind, order, out.path()))
+  const auto draw = [&] { return draw_scene(kind, order, out.path()); };
+  const bool by_file = arguments.kind.ends_with(".json") && arguments.assignments.empty();
+  for (const std::string& fault : by_file ? naming(arguments.kind, draw) : draw())
     std::cerr << fmt::format("dualpixel: warning: scene {}, seed {}: {}\n", kind.name, order.seed, fault);
   out.commit();
 }

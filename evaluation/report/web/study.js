@@ -20,7 +20,8 @@ class StudyPage {
     this.choose = null;  // what the arrow keys call
     document.addEventListener('keydown', event => {
       const side = {ArrowLeft: 0, ArrowRight: 1}[event.key];
-      if (side === undefined || !this.choose || event.repeat) return;
+      const combined = event.altKey || event.ctrlKey || event.metaKey;  // the browser's own, such as 'back'
+      if (side === undefined || !this.choose || event.repeat || combined) return;
       event.preventDefault();
       this.choose(side);
     });
@@ -40,6 +41,7 @@ class StudyPage {
         element('p', {}, 'Click on a picture, or press ← or →. At the end, save your choices as a file.'),
         element('p', {}, element('label', {for: 'participant'}, 'Your name or letter '), name, ' ',
                 element('button', {onclick: start}, 'Start')));
+    name.addEventListener('keydown', event => event.key === 'Enter' && start());
     name.focus();
   }
 
@@ -75,7 +77,8 @@ class StudyPage {
   choice({whole, crops}, side) {
     const name = ['left', 'right'][side];
     return element('button', {class: 'choice', 'aria-label': `Prefer the ${name} picture`,
-                              onclick: () => this.choose?.(side)},
+                              // a double click is one choice
+                              onclick: event => event.detail > 1 || this.choose?.(side)},
                    element('img', {src: whole, alt: `The ${name} picture`}),
                    element('span', {class: 'crops'},
                            ...crops.map((src, i) => element('img', {src, alt: `Part ${i + 1}, ${name}`}))));

@@ -52,8 +52,8 @@ TEST(Merge, SaysWhereRenderingIsNoisierThanTheSensor) {
   };
   EXPECT_EQ(warning({0.25, 2.0, nullptr}), "");
   EXPECT_TRUE(
-      warning({0.25, 64.4, 2.5, nullptr})
-          .starts_with("rendering noise is more than 2 times the sensor's in 2 of 4 samples, 64 times at most"));
+      warning({0.25, 2.3, 2.1, nullptr})
+          .starts_with("rendering noise is more than 2 times the sensor's in 2 of 4 samples, 2.3 times at most"));
 }
 
 // A data set that somebody else has made must not reach what lies beside it.

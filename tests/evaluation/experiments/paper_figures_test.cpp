@@ -9,9 +9,24 @@
 namespace dualpixel::evaluation {
 namespace {
 
+/// The pictures between a section's title and the next.
+std::vector<std::string> pictures_of(const std::string& page, const std::string& title) {
+  const std::size_t end = page.find("<h2>", page.find(title));
+  std::vector<std::string> pictures;
+  for (std::size_t at = page.find(title); (at = page.find("src=\"data:", at)) < end;) {
+    const std::size_t first = at + 5;
+    at = page.find('"', first);
+    pictures.push_back(page.substr(first, at - first));
+  }
+  return pictures;
+}
+
 TEST(PaperFigures, AreThoseThatTheCaptureAllows) {
   AtlasScene scene{focused_for(atlas_camera("thin"), 12), 0};
   add_wall(scene, add_paint(scene, pink_paint(scene, 0)), 3);
+  Window side = whole_picture(scene);
+  side.left = side.right / 3;
+  add_surface(scene, add_paint(scene, pink_paint(scene, 1)), side, at_blur(scene, 1.5));
   scene.document["burst"] = {{"frames", 2}};
   PaperFigures figures{take_burst(scene)};
   const std::string of_burst = paper_figures_page(figures);
@@ -19,6 +34,17 @@ TEST(PaperFigures, AreThoseThatTheCaptureAllows) {
     EXPECT_NE(of_burst.find(title), std::string::npos) << title;
   }
   EXPECT_EQ(of_burst.find("Fig. 8"), std::string::npos);  // no calibration was given
+  // what a step is left out of differs from what it is not: pairs of pictures, by their places in the section
+  const struct {
+    const char* title;
+    std::size_t count;
+    std::vector<std::pair<std::size_t, std::size_t>> differ;
+  } sections[] = {{"Fig. 7", 4, {{0, 1}, {2, 3}}}, {"Fig. 11", 4, {{2, 3}}}, {"Fig. 14", 3, {{0, 1}, {1, 2}}}};
+  for (const auto& [title, count, differ] : sections) {
+    const std::vector<std::string> pictures = pictures_of(of_burst, title);
+    ASSERT_EQ(pictures.size(), count) << title;
+    for (const auto& [a, b] : differ) EXPECT_TRUE(pictures[a] != pictures[b]) << title << ": " << a << " and " << b;
+  }
   figures.capture.frames.resize(1);
   EXPECT_EQ(paper_figures_page(figures).find("Fig. 7"), std::string::npos);
   figures.capture.frames[0].left = figures.capture.frames[0].right = {};

@@ -136,7 +136,9 @@ TEST(StudyVotes, AreRefusedWhereTheyAreNoneOfTheStudys) {
                                        R"(", "participant": "A", "scenes": )" + scenes + "}");
     return message_of<InputError>([&] { read_votes(folder / "v.json", study); });
   };
-  EXPECT_EQ(message(R"([{"scene": 1, "comparisons": [[0, 1, 1], [1, 2, 2]]}])"), "");
+  EXPECT_EQ(message(R"([{"scene": 1, "comparisons": [[0, 1, 1], [1, 2, 2]]},
+                        {"scene": 0, "comparisons": [[2, 1, 1], [1, 0, 0]]}])"),
+            "");
   EXPECT_NE(message("[]", "ffff").find("/study: \"ffff\": must be \"0123456789abcdef\""), std::string::npos);
   const std::pair<const char*, const char*> bad[] = {
       {R"([{"scene": 2, "comparisons": []}])", "must be an integer in [0, 1]"},
@@ -147,7 +149,9 @@ TEST(StudyVotes, AreRefusedWhereTheyAreNoneOfTheStudys) {
       {R"([{"scene": 0, "comparisons": [[0, 1], [1, 2, 2]]}])", "[0,1]: must be three integers in [0, 2]"},
       {R"([{"scene": 0, "comparisons": [[0, 3, 3], [3, 2, 2]]}])", "must be three integers in [0, 2]"},
       {R"([{"scene": 0, "comparisons": [[0, 1, 1], [1, 2, 2]]}, {"scene": 0, "comparisons": [[0, 1, 1], [1, 2, 2]]}])",
-       "is there twice"}};
+       "is there twice"},
+      {"[]", "/scenes: 0: must be 2, all of the study's"},
+      {R"([{"scene": 0, "comparisons": {"x": [0, 1, 1]}}])", "/comparisons: must be an array"}};
   for (const auto& [scenes, part] : bad) EXPECT_NE(message(scenes).find(part), std::string::npos) << message(scenes);
 }
 

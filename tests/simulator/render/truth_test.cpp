@@ -74,6 +74,25 @@ TEST(Truth, PersonMaskIsTheShareOfEachPhotosite) {
   EXPECT_NEAR(sum / mixed, 0, 0.01);
 }
 
+// Bands of rows are traced one by one where the shutter rolls past animated things: an outline that lies at their
+// border is that of the whole picture.
+TEST(Truth, PersonMaskOfBandsIsThatOfTheWholePicture) {
+  constexpr int kSide = 48, kBand = 16;
+  const CameraView camera = phone_camera(1, kSide, kSide);
+  const double photosite_m = 1.4e-6 / thin(camera).image_distance_m();  // at 1 m
+  for (const double top : {15.3, 16.4, 31.7}) {
+    Scene scene;
+    scene.materials = {diffuse(0.5f)};
+    scene.meshes = {make_quad({-1, static_cast<float>((top - kSide / 2.0) * photosite_m), 1}, {2, 0, 0}, {0, 1, 0}, 0)};
+    scene.meshes[0].person = true;
+    const RenderScene world(scene);
+    Truth bands = empty_truth(camera.lens.sensor());
+    for (int row = 0; row < kSide; row += kBand) trace_truth_rows(world, camera, row, row + kBand, bands);
+    EXPECT_EQ(bands.person_mask.data, trace_truth(world, camera).person_mask.data) << top;
+    EXPECT_NEAR(bands.person_mask.at(5, static_cast<int>(top)), 1 - (top - std::floor(top)), 1.0 / 16) << top;
+  }
+}
+
 TEST(Truth, NothingHitIsInfinitelyFarAndNotValid) {
   Scene scene;
   scene.materials = {diffuse(0.5f)};

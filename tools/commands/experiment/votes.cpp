@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -29,6 +31,10 @@ void make_study(const StudyCommand& command) {
     }
     methods.emplace_back(given.substr(0, equals), given.substr(equals + 1));
   }
+  if (std::filesystem::exists(command.output + "/study.json")) {
+    throw InputError(printable(command.output) +
+                     ": holds a study, and perhaps votes that belong to it: give another folder by -o");
+  }
   NewFolder out(command.output, "study.json");
   const evaluation::StudyFiles files = evaluation::make_study(methods, command.seed);
   write_file(out.path() + "/study.html", files.page_html);
@@ -40,7 +46,15 @@ void count_study(const StudyCommand& command) {
   if (command.votes.empty()) throw InputError("experiment votes: --study needs files of votes");
   const evaluation::Study study = evaluation::read_study(command.study + "/study.json");
   std::vector<evaluation::Votes> votes;
-  for (const std::string& path : command.votes) votes.push_back(evaluation::read_votes(path, study));
+  std::map<std::string, std::string> file_of;
+  for (const std::string& path : command.votes) {
+    votes.push_back(evaluation::read_votes(path, study));
+    const auto [other, is_new] = file_of.emplace(votes.back().participant, path);
+    if (!is_new) {
+      throw InputError(fmt::format("{}: /participant: \"{}\": must be another than that of {}", printable(path),
+                                   printable(votes.back().participant), printable(other->second)));
+    }
+  }
   const evaluation::VoteTable table = evaluation::count_votes(study, votes);
   std::cout << (command.json ? to_json(table).dump(2) + "\n" : to_text(table));
 }
