@@ -1,6 +1,5 @@
-# What people are found with: oneDNN (libdnnl-dev) as dualpixel_onednn, dlib (libdlib-dev, and liblapack-dev, which its
-# headers use) as dualpixel_dlib; no target where one is not installed or not asked for by DUALPIXEL_ONEDNN and
-# DUALPIXEL_DLIB. Their own CMake packages are not used: they ask for OpenCL and for much else that we do not need.
+# What people and faces are found with: oneDNN (libdnnl-dev) as dualpixel_onednn; no target where it is not installed or
+# not asked for by DUALPIXEL_ONEDNN. Its own CMake package is not used: it asks for OpenCL, which we do not need.
 if(DUALPIXEL_ONEDNN AND NOT TARGET dualpixel_onednn)
   find_path(DUALPIXEL_ONEDNN_HEADERS oneapi/dnnl/dnnl.hpp)
   find_library(DUALPIXEL_ONEDNN_LIBRARY dnnl)
@@ -19,16 +18,5 @@ if(DUALPIXEL_ONEDNN AND NOT TARGET dualpixel_onednn)
     else()
       message(STATUS "oneDNN ${dualpixel_onednn_version} found: dualpixel is written for versions 2 and 3")
     endif()
-  endif()
-endif()
-if(DUALPIXEL_DLIB AND NOT TARGET dualpixel_dlib)
-  find_path(DUALPIXEL_DLIB_HEADERS dlib/image_processing/frontal_face_detector.h)
-  find_library(DUALPIXEL_DLIB_LIBRARY dlib)
-  find_library(DUALPIXEL_LAPACK_LIBRARY lapack)
-  if(DUALPIXEL_DLIB_HEADERS AND DUALPIXEL_DLIB_LIBRARY AND DUALPIXEL_LAPACK_LIBRARY)
-    add_library(dualpixel_dlib UNKNOWN IMPORTED GLOBAL)
-    set_target_properties(dualpixel_dlib PROPERTIES IMPORTED_LOCATION ${DUALPIXEL_DLIB_LIBRARY}
-                          INTERFACE_INCLUDE_DIRECTORIES ${DUALPIXEL_DLIB_HEADERS}
-                          INTERFACE_LINK_LIBRARIES ${DUALPIXEL_LAPACK_LIBRARY})
   endif()
 endif()

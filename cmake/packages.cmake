@@ -5,9 +5,6 @@ set(pc_libraries -lembree${embree_VERSION_MAJOR})
 if(TARGET dualpixel_onednn)
   string(APPEND pc_libraries " -ldnnl -lgomp")
 endif()
-if(TARGET dualpixel_dlib)
-  string(APPEND pc_libraries " -ldlib -llapack")
-endif()
 # From the folder of the file to the prefix, so that the tree may be moved.
 file(RELATIVE_PATH pc_prefix /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 configure_file(cmake/dualpixel.pc.in ${PROJECT_BINARY_DIR}/dualpixel.pc @ONLY)
@@ -41,5 +38,5 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # For programs that link the libraries.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
     "libembree-dev, libopenimageio-dev, openimageio-tools, libopenexr-dev, libtiff-dev, zlib1g-dev, libtinygltf-dev, \
-libglm-dev, libtbb-dev, nlohmann-json3-dev, libfmt-dev, libdnnl-dev, libdlib-dev, liblapack-dev")
+libglm-dev, libtbb-dev, nlohmann-json3-dev, libfmt-dev, libdnnl-dev")
 include(CPack)

@@ -1,67 +1,60 @@
 #include "pipeline/segmentation/faces.h"
 
-#ifdef DUALPIXEL_DLIB
-#include <dlib/image_processing/frontal_face_detector.h>
-
 #include <algorithm>
-#include <cmath>
+#include <mutex>
 
 #include "capture/image/display.h"
+#include "pipeline/segmentation/face_network.h"
 #include "pipeline/segmentation/fit.h"
+#include "pipeline/segmentation/network.h"
 
 namespace dualpixel::pipeline {
 namespace {
 
-constexpr int kDetectorSize_px = 640;
+constexpr double kLeastScore = 0.5;  // chosen on drawn people (docs/segmentation.md)
 
-/// Luma of the picture as a display would show it, `longer_side_px` on its longer side.
-dlib::array2d<unsigned char> gray_picture(const Image& linear_rgb, int longer_side_px) {
-  const Image srgb = encode_for_display(fitted(linear_rgb, longer_side_px));
-  dlib::array2d<unsigned char> gray(srgb.height, srgb.width);
-  for (int y = 0; y < srgb.height; ++y) {
-    for (int x = 0; x < srgb.width; ++x) {
-      const float luma = 0.299F * srgb.at(x, y, 0) + 0.587F * srgb.at(x, y, 1) + 0.114F * srgb.at(x, y, 2);
-      gray[y][x] = static_cast<unsigned char>(std::lround(255 * luma));
+/// A picture in the middle of the network's square.
+struct Framed {
+  Image square;
+  int left, top, width, height;
+};
+
+Framed framed(const Image& linear_rgb) {
+  const Image small = encode_for_display(fitted(linear_rgb, kFacePicture_px));
+  Framed result{Image(kFacePicture_px, kFacePicture_px, 3, -0.5F), (kFacePicture_px - small.width) / 2,
+                (kFacePicture_px - small.height) / 2, small.width, small.height};
+  for (int y = 0; y < small.height; ++y) {
+    for (int x = 0; x < small.width; ++x) {
+      for (int c = 0; c < 3; ++c) result.square.at(result.left + x, result.top + y, c) = small.at(x, y, c) - 0.5F;
     }
   }
-  return gray;
+  return result;
 }
 
 }  // namespace
 
-bool has_face_detector() { return true; }
+bool has_face_detector() { return has_person_network(); }
 
 std::vector<Face> find_faces(const Image& linear_rgb) {
-  static const dlib::frontal_face_detector kDetector = dlib::get_frontal_face_detector();  // 0.3 s to unpack
-  dlib::frontal_face_detector detector = kDetector;
+  static std::mutex one_at_a_time;
+  const std::scoped_lock lock(one_at_a_time);
+  static FaceNetwork network;
+  return find_faces(linear_rgb, network, kLeastScore);
+}
+
+std::vector<Face> find_faces(const Image& linear_rgb, FaceNetwork& network, double least_score) {
+  const Framed in = framed(linear_rgb);
+  const double per_x = static_cast<double>(linear_rgb.width) / in.width;
+  const double per_y = static_cast<double>(linear_rgb.height) / in.height;
   std::vector<Face> faces;
-  for (const int size_px : {kDetectorSize_px, 2 * kDetectorSize_px}) {
-    const dlib::array2d<unsigned char> gray = gray_picture(linear_rgb, size_px);
-    const double per_x = static_cast<double>(linear_rgb.width) / static_cast<double>(gray.nc());
-    const double per_y = static_cast<double>(linear_rgb.height) / static_cast<double>(gray.nr());
-    for (const dlib::rectangle& box : detector(gray)) {
-      faces.push_back({static_cast<double>(box.left()) * per_x, static_cast<double>(box.top()) * per_y,
-                       static_cast<double>(box.width()) * per_x, static_cast<double>(box.height()) * per_y});
-    }
-    if (!faces.empty()) break;
+  for (const auto& [face, score] :
+       faces_of_map(network(in.square).data(), kFacePicture_px / kFaceCell_px, least_score)) {
+    const double center_x = face.x + face.width / 2 - in.left, center_y = face.y + face.height / 2 - in.top;
+    if (!(center_x >= 0 && center_x <= in.width && center_y >= 0 && center_y <= in.height)) continue;
+    faces.push_back({(face.x - in.left) * per_x, (face.y - in.top) * per_y, face.width * per_x, face.height * per_y});
   }
   std::stable_sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.area() > b.area(); });
   return faces;
 }
 
 }  // namespace dualpixel::pipeline
-
-#else
-#include "capture/error.h"
-
-namespace dualpixel::pipeline {
-
-bool has_face_detector() { return false; }
-
-std::vector<Face> find_faces(const Image&) {
-  throw InputError("face detector: this build has no dlib; name the face, or install libdlib-dev and build again");
-}
-
-}  // namespace dualpixel::pipeline
-
-#endif

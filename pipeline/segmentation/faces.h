@@ -6,18 +6,23 @@
 /// The faces that seed the segmentation (Wadhwa et al. 2018, section 3.3).
 namespace dualpixel::pipeline {
 
+class FaceNetwork;
+
 /// A box from brow to chin, in pixels of the picture it was found in; it may reach over the border.
 struct Face {
   double x = 0, y = 0, width = 0, height = 0;
   double area() const { return width * height; }
 };
 
-/// Whether this build has dlib; without it, find_faces throws InputError.
+/// Whether this build has oneDNN; without it, find_faces throws InputError.
 bool has_face_detector();
 
-/// The frontal faces of a picture, linear RGB, largest first: dlib's detector (histograms of oriented gradients, King
-/// 2015) on the picture scaled to 640 px on its longer side, where it finds faces of 80 px and more; where it finds
-/// none, again on twice that size. Negative values and NaN count as black.
+/// The faces of a picture, linear RGB, largest first, turned up to 90 degrees from the camera: those of the network
+/// (face_network.h) on the picture scaled to 320 px on its longer side, where it finds faces of 8 px and more. Negative
+/// values and NaN count as black.
 std::vector<Face> find_faces(const Image& linear_rgb);
+
+/// The same with other weights, and with faces of `least_score` (0..1) and more.
+std::vector<Face> find_faces(const Image& linear_rgb, FaceNetwork& network, double least_score);
 
 }  // namespace dualpixel::pipeline

@@ -119,11 +119,12 @@ struct ConvolutionLayer {
   int out, in, kernel;
 };
 
-std::vector<ConvolutionLayer> layers_of(const NetworkWeights& weights) {
+std::vector<ConvolutionLayer> layers_of(const NetworkWeights& weights, NetworkKind kind) {
   const int fine = weights.fine_channels;
   const std::vector<int>& c = weights.unet_channels;
-  std::vector<ConvolutionLayer> layers = {
-      {"stem_half", fine, 4, 3}, {"stem_fine", fine, fine, 3}, {"stem_quarter", c[0], fine, 3}};
+  std::vector<ConvolutionLayer> layers = {{"stem_half", fine, kind == NetworkKind::faces ? 3 : 4, 3},
+                                          {"stem_fine", fine, fine, 3},
+                                          {"stem_quarter", c[0], fine, 3}};
   for (int s = 0; s < weights.stages; ++s) {
     for (int level = 0; level < kUnetLevels; ++level) {
       const auto name = [&](const char* part) { return fmt::format("stage{}.{}{}", s, part, level); };
@@ -135,6 +136,10 @@ std::vector<ConvolutionLayer> layers_of(const NetworkWeights& weights) {
     }
     if (s + 1 < weights.stages) layers.push_back({fmt::format("between{}", s), c[0], c[0], 1});
   }
+  if (kind == NetworkKind::faces) {
+    layers.push_back({"face_map", 4, c[0], 3});
+    return layers;
+  }
   const std::string mask = fmt::format("mask{}.", weights.stages - 1);
   layers.push_back({mask + "coarse", fine, c[0], 1});
   layers.push_back({mask + "mix", fine, fine, 3});
@@ -144,7 +149,9 @@ std::vector<ConvolutionLayer> layers_of(const NetworkWeights& weights) {
 
 }  // namespace
 
-NetworkWeights parse_weights(std::string_view bytes, const std::string& file) {
+NetworkWeights parse_weights(std::string_view bytes, const std::string& file, NetworkKind kind) {
+  const char* const network = kind == NetworkKind::faces ? "face network" : "person network";
+  const int most_stages = kind == NetworkKind::faces ? 1 : kMostStages;
   std::map<std::string, Tensor> tensors = parse_tensors(bytes, file);
   // Widths are the first dimension of some layers; all others must agree.
   const auto width_of = [&](const std::string& layer) {
@@ -155,16 +162,16 @@ NetworkWeights parse_weights(std::string_view bytes, const std::string& file) {
     return found->second.shape[0];
   };
   NetworkWeights weights;
-  while (weights.stages < kMostStages && tensors.count(fmt::format("stage{}.across0.weight", weights.stages)) != 0) {
+  while (weights.stages < most_stages && tensors.count(fmt::format("stage{}.across0.weight", weights.stages)) != 0) {
     ++weights.stages;
   }
-  if (weights.stages == 0) fail(file, "holds no stage of a person network");
+  if (weights.stages == 0) fail(file, fmt::format("holds no stage of a {}", network));
   weights.fine_channels = width_of("stem_half");
   for (int level = 0; level < kUnetLevels; ++level) {
     weights.unet_channels.push_back(width_of(fmt::format("stage0.across{}", level)));
   }
 
-  for (const ConvolutionLayer& layer : layers_of(weights)) {
+  for (const ConvolutionLayer& layer : layers_of(weights, kind)) {
     const auto take = [&](const std::string& part, const std::vector<int>& shape) {
       const auto found = tensors.find(layer.name + part);
       if (found == tensors.end()) fail(file, fmt::format("tensor {}{}: is missing", layer.name, part));
@@ -182,12 +189,14 @@ NetworkWeights parse_weights(std::string_view bytes, const std::string& file) {
     weights.layers.emplace(layer.name, std::move(conv));
   }
   if (!tensors.empty())
-    fail(file, fmt::format("tensor {}: is not a part of a person network", printable(tensors.begin()->first)));
+    fail(file, fmt::format("tensor {}: is not a part of a {}", printable(tensors.begin()->first), network));
   weights.file = file;
   weights.file_hash = hash_of(bytes);
   return weights;
 }
 
-NetworkWeights read_weights(const std::string& path) { return parse_weights(read_file(path, kLargestFile), path); }
+NetworkWeights read_weights(const std::string& path, NetworkKind kind) {
+  return parse_weights(read_file(path, kLargestFile), path, kind);
+}
 
 }  // namespace dualpixel::pipeline

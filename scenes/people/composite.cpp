@@ -40,18 +40,22 @@ Image composite_of(const Rendering& rendering, Image background, RandomStream rn
   return out;
 }
 
-void add_samples(const PeoplePicture& picture, const std::vector<Subject>& subjects, Image light, RandomStream rng,
-                 std::vector<PeopleSample>& out) {
-  const Image& coverage = picture.rendering.coverage;
+std::vector<std::uint8_t> photograph_of(Image light, const Image& coverage, RandomStream rng) {
   // automatic exposure, for the people as much as for the picture, with its errors
-  Image weight(coverage.width, coverage.height, 1);
+  Image weight(light.width, light.height, 1);
   for (std::size_t i = 0; i < weight.data.size(); ++i) {
     float shown = 0.3f;
     for (int p = 0; p < coverage.channels; ++p) shown += coverage.data[i * coverage.channels + p];
     weight.data[i] = shown;
   }
   set_mean_luminance(light, weight, 0.19f * std::exp2(0.6f * rng.normal()));
-  const std::vector<std::uint8_t> photograph = process_photo(std::move(light), rng.substream(1));
+  return process_photo(std::move(light), rng.substream(1));
+}
+
+void add_samples(const PeoplePicture& picture, const std::vector<Subject>& subjects, Image light, RandomStream rng,
+                 std::vector<PeopleSample>& out) {
+  const Image& coverage = picture.rendering.coverage;
+  const std::vector<std::uint8_t> photograph = photograph_of(std::move(light), coverage, rng);
   const int left = (kPictureSide_px - coverage.width) / 2, top = (kPictureSide_px - coverage.height) / 2;
   for (const auto& [truth, person] : subjects) {
     PeopleSample sample = truth;

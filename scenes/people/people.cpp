@@ -40,11 +40,28 @@ class Backgrounds {
   std::array<Image, kCount> images_;
 };
 
+/// Of the pictures of a set for a face detector, those without anybody.
+constexpr float kNobodyShare = 0.4f;
+
+PeopleSample sample_of_nobody(RandomStream rng, int picture_index) {
+  PeopleSample sample;
+  sample.seed = rng.substream(7).seed();
+  sample.picture_index = picture_index;
+  sample.people = 0;
+  if (rng.substream(8).chance(0.5f)) rng.set_domain_randomized();
+  sample.picture = photograph_of(render_background(rng), {}, rng.substream(50));
+  sample.mask.assign(sample.picture.size() / 3, 0);
+  return sample;
+}
+
 /// A rendered picture's samples and those of its composites.
 std::vector<PeopleSample> make_samples(const PeopleOptions& options, const RandomStream& rng, int index,
                                        Backgrounds& backgrounds) {
   std::vector<PeopleSample> out;
-  const PeoplePicture picture = render_people(rng, options.makehuman.get());
+  if (options.faces && rng.substream(9).chance(kNobodyShare)) {
+    return {sample_of_nobody(rng, index * (1 + options.composites))};
+  }
+  const PeoplePicture picture = render_people(rng, options.makehuman.get(), options.faces);
   if (picture.subjects.empty()) return out;
   add_samples(picture, picture.subjects, picture.rendering.light, rng.substream(50), out);
   const int rendered = static_cast<int>(out.size());

@@ -24,13 +24,15 @@ namespace dualpixel::scenes {
 
 inline constexpr int kShardSamples = 512;
 /// Raised whenever the same options give other samples.
-inline constexpr int kTrainingGenerator = 8, kHeldOutGenerator = 2, kHeldOutMakeHumanGenerator = 3;
+inline constexpr int kTrainingGenerator = 8, kHeldOutGenerator = 2, kHeldOutMakeHumanGenerator = 3, kFacesGenerator = 1;
 
 struct PeopleOptions {
   int count = kShardSamples;  ///< samples
   std::uint64_t seed = 1;
   bool held_out = false;  ///< from pools and intervals that training sets never draw from: see random_stream.h
   int composites = 4;     ///< of each rendered picture in front of other backgrounds
+  /// For a face detector: heads turned anyhow, a sample of each face however small or hidden, and pictures of nobody.
+  bool faces = false;
   /// Set: half of the people are made from these, and the set's bytes depend on them.
   std::shared_ptr<const MakeHumanAssets> makehuman;
 };

@@ -1,5 +1,7 @@
 #include "scenes/people/picture.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -125,9 +127,17 @@ vec3 middle_of(const std::vector<Figure>& figures) {
   return {0, 0.5f * (lowest->skeleton.head.origin.y + tallest->skeleton.head.origin.y), 0};
 }
 
+/// Turns a person anyhow, more often towards the camera than away from it.
+void turn_anyhow(FigureOptions& options, RandomStream& rng) {
+  constexpr float kSideways = 1.75f, kBack = 3.1415927f;
+  const float turn = rng.chance(0.85f) ? rng.uniform(-kSideways, kSideways) : kBack + rng.uniform(-1.4f, 1.4f);
+  options.head_yaw = 0.4f * rng.normal();
+  options.yaw = turn - options.head_yaw;
+}
+
 /// Draws the people of a picture and adds them to the scene.
 std::vector<Figure> add_people(SceneModel& scene, RandomStream rng, RandomStream& framing_rng, const Framing& framing,
-                               const MakeHumanAssets* makehuman) {
+                               const MakeHumanAssets* makehuman, bool faces) {
   const int people = framing.people;
   std::vector<FigureOptions> planned;
   std::vector<Figure> figures;  // their poses at first
@@ -141,6 +151,7 @@ std::vector<Figure> add_people(SceneModel& scene, RandomStream rng, RandomStream
     options.position = vec3(x, 0, people > 1 ? 0.12f * framing_rng.normal() : 0);
     options.yaw = people > 1 ? -0.5f * x + 0.25f * framing_rng.normal() : 0.35f * framing_rng.normal();
     options.head_yaw = -0.75f * options.yaw + 0.16f * framing_rng.normal();
+    if (faces) turn_anyhow(options, framing_rng);
     RandomStream gesture = rng.substream(10 + i);
     options.gesture = random_gesture(gesture);
     figures.push_back(pose_figure(rng.substream(20 + i), options));
@@ -193,12 +204,32 @@ std::vector<Subject> subjects_of(const RayTracer& tracer, const simulator::Camer
   return subjects;
 }
 
+/// The truth of all whose face would be in the picture, also where it is hidden or turned away.
+std::vector<Subject> all_subjects_of(const RayTracer& tracer, const simulator::CameraView& camera,
+                                     const std::vector<Figure>& figures, const Rendering& rendering) {
+  std::vector<Subject> subjects;
+  for (const Figure& figure : figures) {
+    PeopleSample truth = truth_of(tracer, camera, figure, rendering);
+    const vec2 center = vec2(truth.face) + 0.5f * truth.face.z;
+    const auto width = static_cast<float>(rendering.coverage.width),
+               height = static_cast<float>(rendering.coverage.height);
+    if (!(center.x >= 0 && center.x <= width && center.y >= 0 && center.y <= height)) continue;
+    truth.people = static_cast<int>(figures.size());
+    truth.tags.push_back(fmt::format("turn:{:.0f}", glm::degrees(turn_of(figure, camera))));
+    constexpr float kAnySide = 1.75f;
+    if (!is_face_detectable(figure, camera, truth, rendering.coverage, kAnySide))
+      truth.tags.emplace_back("face:hidden");
+    subjects.push_back({std::move(truth), figure.person});
+  }
+  return subjects;
+}
+
 /// The share of training pictures that are domain-randomized.
 constexpr float kDomainRandomizedShare = 0.45f;
 
 }  // namespace
 
-PeoplePicture render_people(RandomStream rng, const MakeHumanAssets* makehuman) {
+PeoplePicture render_people(RandomStream rng, const MakeHumanAssets* makehuman, bool faces) {
   if (rng.substream(8).chance(kDomainRandomizedShare)) rng.set_domain_randomized();
   PeoplePicture picture;
   picture.domain_randomized = rng.domain_randomized();
@@ -208,7 +239,7 @@ PeoplePicture render_people(RandomStream rng, const MakeHumanAssets* makehuman) 
   SceneModel scene;
   picture.tags.push_back(set_lighting(scene, rng.substream(2)));
   draw_camera(framing, framing_rng);
-  const std::vector<Figure> figures = add_people(scene, rng, framing_rng, framing, makehuman);
+  const std::vector<Figure> figures = add_people(scene, rng, framing_rng, framing, makehuman, faces);
   const vec3 head = middle_of(figures);
   const CameraSetup setup = camera_towards(head, framing);
 
@@ -216,7 +247,8 @@ PeoplePicture render_people(RandomStream rng, const MakeHumanAssets* makehuman) 
   picture.tags.push_back(add_environment(scene, rng.substream(3), back));
   RandomStream extras = rng.substream(4);
   if (extras.chance(0.15f)) match_background(scene, extras);
-  add_bystanders(scene, extras, framing, back - 0.4f, makehuman);  // most environments have a wall at `back`
+  // most environments have a wall at `back`; a bystander's face would be one without truth
+  if (!faces) add_bystanders(scene, extras, framing, back - 0.4f, makehuman);
   if (extras.chance(0.12f)) {
     const float bottom = head.y - (1 - framing.head_y) * framing.height_m;
     add_foreground(scene, rng.substream(5), setup.eye, bottom + extras.uniform(0.05f, 0.3f) * framing.height_m);
@@ -236,7 +268,8 @@ PeoplePicture render_people(RandomStream rng, const MakeHumanAssets* makehuman) 
   }
   RandomStream sampling = rng.substream(6);
   picture.rendering = render(tracer, camera, framing.people, sampling.seed());
-  picture.subjects = subjects_of(tracer, camera, figures, picture.rendering);
+  picture.subjects = faces ? all_subjects_of(tracer, camera, figures, picture.rendering)
+                           : subjects_of(tracer, camera, figures, picture.rendering);
   return picture;
 }
 

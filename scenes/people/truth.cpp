@@ -6,10 +6,7 @@
 namespace dualpixel::scenes {
 namespace {
 
-/// A face detector finds faces that are turned less than this from the camera ...
-const float kMostTurned = std::cos(1.15f);
-
-/// ... and larger than this.
+/// A face detector finds faces larger than this.
 constexpr float kSmallestFace_px = 9;
 
 /// Whether the first surface on the ray to a joint belongs to that person and is close to the joint.
@@ -76,11 +73,15 @@ glm::vec4 face_box(const Figure& figure, const simulator::CameraView& camera) {
   return {corner, side, side};
 }
 
-bool is_face_detectable(const Figure& figure, const simulator::CameraView& camera, const PeopleSample& sample,
-                        const Image& coverage) {
+float turn_of(const Figure& figure, const simulator::CameraView& camera) {
   const vec3 eye(camera.world_from_camera[3]);
   const vec3 to_eye = glm::normalize(eye - figure.skeleton.head.origin);
-  if (glm::dot(to_eye, figure.skeleton.head.axes[2]) < kMostTurned) return false;
+  return std::acos(std::clamp(glm::dot(to_eye, figure.skeleton.head.axes[2]), -1.0f, 1.0f));
+}
+
+bool is_face_detectable(const Figure& figure, const simulator::CameraView& camera, const PeopleSample& sample,
+                        const Image& coverage, float most_turned_rad) {
+  if (turn_of(figure, camera) > most_turned_rad) return false;
   if (sample.face.z < kSmallestFace_px) return false;
   // nothing in front of it: the mask also holds the umbrella, hand or phone that may hide a face
   if (sample.keypoints[0].z != 2 || (sample.keypoints[1].z != 2 && sample.keypoints[2].z != 2)) return false;

@@ -18,8 +18,11 @@ PeopleSample truth_of(const RayTracer& tracer, const simulator::CameraView& came
 /// The square that a frontal face detector would report: x, y, width, height.
 glm::vec4 face_box(const Figure& figure, const simulator::CameraView& camera);
 
-/// Whether a detector would find this face.
+/// The angle between where the head looks and the camera, 0 to pi.
+float turn_of(const Figure& figure, const simulator::CameraView& camera);
+
+/// Whether a detector would find this face, where it finds those that are turned less than `most_turned_rad`.
 bool is_face_detectable(const Figure& figure, const simulator::CameraView& camera, const PeopleSample& sample,
-                        const Image& coverage);
+                        const Image& coverage, float most_turned_rad = 1.15f);
 
 }  // namespace dualpixel::scenes

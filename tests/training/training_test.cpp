@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "capture/error.h"
+#include "pipeline/segmentation/face_map.h"
+#include "pipeline/segmentation/face_network.h"
 #include "pipeline/segmentation/network.h"
 #include "tests/scenes/people/toy_people.h"
 #include "tests/temporary_folder.h"
@@ -17,7 +19,9 @@
 #include "tools/train_segmentation/checkpoint.h"
 #include "tools/train_segmentation/evaluate.h"
 #include "tools/train_segmentation/export.h"
+#include "tools/train_segmentation/face_examples.h"
 #include "tools/train_segmentation/train.h"
+#include "tools/train_segmentation/train_faces.h"
 #include "tools/train_segmentation/unfold.h"
 
 namespace dualpixel::tools {
@@ -297,7 +301,8 @@ TEST_F(ToyPeople, AugmentationKeepsItsRangesAndThePaddingBlack) {
 TEST_F(ToyPeople, BatchesAreThoseOfTheSeedWhereverTheyStart) {
   const scenes::PeopleSet set({folder.path.string() + "/toy"}, false);
   const std::vector<std::size_t> all = {0, 1, 2, 3, 4, 5};
-  AugmentedBatches from_start(set, all, 3, true, 9, 0), later(set, all, 3, true, 9, 6), other(set, all, 3, true, 8, 6);
+  const auto make = [&](const std::vector<Draw>& draws) { return augmented_batch(set, draws, true); };
+  AugmentedBatches from_start(all, 3, 9, 0, make), later(all, 3, 9, 6, make), other(all, 3, 8, 6, make);
   from_start.next();
   from_start.next();
   const Batch a = from_start.next(), b = later.next(), c = other.next();
@@ -305,6 +310,101 @@ TEST_F(ToyPeople, BatchesAreThoseOfTheSeedWhereverTheyStart) {
   EXPECT_TRUE(torch::equal(a.mask, b.mask));
   EXPECT_TRUE(torch::equal(a.heatmaps, b.heatmaps));
   EXPECT_FALSE(torch::equal(a.input, c.input));
+}
+
+/// A detector's map that says what the targets ask for.
+std::vector<float> perfect_map(const std::vector<float>& targets) {
+  std::vector<float> map(targets.begin(), targets.begin() + 4 * 64 * 64);
+  for (int i = 0; i < 64 * 64; ++i) map[i] = map[i] == 1 ? 20.F : -20.F;
+  return map;
+}
+
+TEST_F(ToyPeople, FaceTargetsAreReadBackAsTheMovedFaces) {
+  const scenes::PeopleSet set({folder.path.string() + "/toy"}, false);
+  const std::vector<TrueFace> faces = {{60, 70, 40, 0, true}, {150, 90, 30, 0, true}, {20, 200, 30, 0, false}};
+  FaceAugmentation a;
+  a.picture.mirror = true;
+  a.picture.scale = 0.8;
+  a.picture.rotation_rad = 0.2;
+  a.picture.shift_x_px = 9;
+  a.picture.shift_y_px = -14;
+  std::vector<float> input(3 * 256 * 256), targets(kFaceTargets * 64 * 64);
+  const std::vector<TrueFace> moved = make_face_example(set[0], faces, nullptr, a, input.data(), targets.data());
+  ASSERT_EQ(moved.size(), 3U);
+  const std::vector<pipeline::ScoredFace> read = pipeline::faces_of_map(perfect_map(targets).data(), 64, 0.5);
+  ASSERT_EQ(read.size(), 2U);
+  for (int i = 0; i < 2; ++i) {
+    const double u = 0.8 * (128 - (faces[i].x + faces[i].side / 2)), v = 0.8 * (faces[i].y + faces[i].side / 2 - 128);
+    const double x = 128 + std::cos(0.2) * u - std::sin(0.2) * v + 9;
+    const double y = 128 + std::sin(0.2) * u + std::cos(0.2) * v - 14;
+    const auto near = std::count_if(read.begin(), read.end(), [&](const pipeline::ScoredFace& found) {
+      const pipeline::Face& box = found.face;  // 24-bit numbers of up to 256
+      return std::hypot(box.x + box.width / 2 - x, box.y + box.height / 2 - y) < 1e-3 &&
+             std::abs(box.width - 0.8 * faces[i].side) < 1e-3;
+    });
+    EXPECT_EQ(near, 1) << i;
+  }
+  // where a face is uncertain, no score counts
+  const double u = moved[2].x + moved[2].side / 2, v = moved[2].y + moved[2].side / 2;
+  EXPECT_EQ(targets[5 * 64 * 64 + static_cast<int>(v / 4) * 64 + static_cast<int>(u / 4)], 0);
+  EXPECT_EQ(targets[5 * 64 * 64], 1);
+}
+
+TEST_F(ToyPeople, FaceLossIsLeastWhereTheMapIsRight) {
+  const scenes::PeopleSet set({folder.path.string() + "/toy"}, false);
+  std::vector<float> input(3 * 256 * 256), targets(kFaceTargets * 64 * 64);
+  make_face_example(set[0], {{60, 70, 40, 0, true}}, nullptr, {}, input.data(), targets.data());
+  std::vector<float> right = perfect_map(targets), beside = right, missed = right;
+  std::rotate(beside.begin(), beside.begin() + 1, beside.begin() + 64 * 64);
+  std::fill_n(missed.begin(), 64 * 64, -20.F);
+  const auto loss = [&](std::vector<float>& map) {
+    return face_loss(torch::from_blob(map.data(), {1, 4, 64, 64}),
+                     torch::from_blob(targets.data(), {1, kFaceTargets, 64, 64}))
+        .item<double>();
+  };
+  EXPECT_LT(loss(right), 1e-6);
+  EXPECT_NEAR(loss(missed), 20, 1e-3);  // -log sigmoid(-20), of one face
+  EXPECT_GT(loss(beside), 20);
+  for (float& value : targets) value = &value < targets.data() + 5 * 64 * 64 ? value : 0;  // no score counts
+  EXPECT_LT(loss(missed), 1e-6);
+}
+
+TEST(Faces, RecallIsWhatIsFoundAboveTheBorneAlarms) {
+  const std::vector<FaceFound> found = {{0, true, 0, 20, 0.9},  {1, true, 0, 20, 0.5},  {2, true, 0, 20, 0},
+                                        {0, false, 0, 20, 0.8}, {1, false, 0, 20, 0.4}, {3, true, 0, 20, 0.6}};
+  EXPECT_EQ(recall_at(found, 10, 0), 0.25);    // above .8
+  EXPECT_EQ(recall_at(found, 10, 0.1), 0.75);  // above .4, one alarm in ten pictures
+  EXPECT_EQ(recall_at(found, 10, 1), 0.75);
+}
+
+TEST(Faces, InferenceEqualsTraining) {
+  if (!pipeline::has_person_network()) GTEST_SKIP() << "built without oneDNN";
+  Network network = trained(face_network_shape());
+  std::vector<FoldedConv> layers = folded_layers(network);
+  const std::string file = safetensors(layers);
+  EXPECT_LT(file.size(), 560'000U);
+  for (FoldedConv& layer : layers) {
+    layer.weight = layer.weight.to(torch::kHalf).to(torch::kFloat32);
+    layer.bias = layer.bias.to(torch::kHalf).to(torch::kFloat32);
+  }
+  set_folded(network, layers);
+  pipeline::FaceNetwork inference(pipeline::parse_weights(file, "weights", pipeline::NetworkKind::faces));
+  const torch::Tensor input = torch::rand({1, 320, 320, 3}) - 0.5;
+  Image picture(320, 320, 3);
+  std::copy_n(input.data_ptr<float>(), picture.data.size(), picture.data.begin());
+  const std::vector<float> map = inference(picture);
+  const torch::NoGradGuard no_gradients;
+  network->eval();
+  const torch::Tensor expected = network->face_map(input.permute({0, 3, 1, 2})).contiguous();
+  ASSERT_EQ(static_cast<std::size_t>(expected.numel()), map.size());
+  const float* const values = expected.data_ptr<float>();
+  double worst = 0, largest = 0;
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    worst = std::max(worst, static_cast<double>(std::abs(map[i] - values[i])));
+    largest = std::max(largest, static_cast<double>(std::abs(values[i])));
+  }
+  EXPECT_LT(worst, 1e-4 * std::max(1.0, largest));  // 17 layers of sums of up to 576 products, each of 24 bits
+  EXPECT_GT(largest, 0.1);
 }
 
 TEST_F(ToyPeople, ScoresAreTheirFormulas) {

@@ -187,9 +187,12 @@ json describe_calibration(const std::string& path) {
 
 json describe_people(const std::string& path) {
   const std::string index = path + "/" + scenes::kSetFile;
-  bool held_out = false;
-  if (fs::exists(index)) Fields(read_json_file(index), index).required("held_out").boolean("held_out", held_out);
-  const scenes::PeopleSet set({path}, held_out);
+  bool held_out = false, faces = false;
+  if (fs::exists(index)) {
+    const nlohmann::json document = read_json_file(index);
+    Fields(document, index).required("held_out").boolean("held_out", held_out).boolean("faces", faces);
+  }
+  const scenes::PeopleSet set({path}, held_out, faces ? scenes::PeopleSetKind::faces : scenes::PeopleSetKind::masks);
   scenes::require_unchanged(path);
   std::size_t composites = 0, groups = 0;
   for (std::size_t i = 0; i < set.size(); ++i) {

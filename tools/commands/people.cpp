@@ -81,6 +81,8 @@ void add_people(CLI::App& program) {
                    "How many copies of each rendered picture to cut out and place in front of other backgrounds")
       ->capture_default_str()
       ->type_name("K");
+  command->add_flag("--faces", arguments->options.faces,
+                    "For a face detector: heads turned anyhow, a sample of each face, and pictures of nobody");
   command
       ->add_option("--preview", arguments->preview,
                    "Contact sheet (PNG) of the first samples that this run makes (of a whole set: its first): masks "

@@ -263,7 +263,7 @@ bool can_find_people(const PortraitCommand& command, bool faces_known) {
   if (faces_known || pipeline::has_face_detector()) return true;
   if (command.mode == "auto" && !command.photograph()) return false;
   throw InputError(
-      fmt::format("--mode {}: this build has no face detector (dlib): give --face or --mask", command.mode));
+      fmt::format("--mode {}: this build has no face detector (oneDNN): give --face or --mask", command.mode));
 }
 
 void run(const PortraitCommand& command) {

@@ -17,8 +17,6 @@ constexpr double kHalveBelowScale = 0.6;  // scaled down further, a picture is h
 // COCO's order: nose, eyes, ears, shoulders, elbows, wrists, hips, knees, ankles; left before right.
 constexpr std::array<int, scenes::kKeypoints> kMirrored = {0, 2, 1, 4, 3, 6, 5, 8, 7, 10, 9, 12, 11, 14, 13, 16, 15};
 
-/// Red, green, blue, mask, and 1 inside the photograph, which tells it from its padding.
-constexpr int kPlanes = 5;
 using Planes = std::vector<float>;
 
 /// The photograph's frame: what is left of the picture without its black rows and columns.
@@ -89,30 +87,6 @@ Planes halved(const Planes& planes, int size) {
   }
   return result;
 }
-
-/// Picture coordinates before and after the geometric part, and back.
-struct Warp {
-  explicit Warp(const Augmentation& a)
-      : cos_scaled(a.scale * std::cos(a.rotation_rad)),
-        sin_scaled(a.scale * std::sin(a.rotation_rad)),
-        flip(a.mirror ? -1 : 1),
-        shift_x(a.shift_x_px),
-        shift_y(a.shift_y_px) {}
-
-  std::array<double, 2> forward(double x, double y) const {
-    const double u = flip * (x - kSize / 2.0), v = y - kSize / 2.0;
-    return {cos_scaled * u - sin_scaled * v + shift_x + kSize / 2.0,
-            sin_scaled * u + cos_scaled * v + shift_y + kSize / 2.0};
-  }
-  std::array<double, 2> back(double x, double y) const {
-    const double u = x - shift_x - kSize / 2.0, v = y - shift_y - kSize / 2.0;
-    const double scale2 = cos_scaled * cos_scaled + sin_scaled * sin_scaled;
-    return {flip * (cos_scaled * u + sin_scaled * v) / scale2 + kSize / 2.0,
-            (cos_scaled * v - sin_scaled * u) / scale2 + kSize / 2.0};
-  }
-
-  double cos_scaled, sin_scaled, flip, shift_x, shift_y;
-};
 
 /// Reads bilinearly, black outside.
 Planes warped(const Planes& source, int source_size, const Warp& warp) {
@@ -189,16 +163,51 @@ void draw_heatmaps(const scenes::PersonSample& sample, bool mirror, const Warp& 
   }
 }
 
-/// The next uniform value in [low, high) of a key's sequence.
-struct Draws {
-  std::uint64_t key;
-  std::uint64_t count = 0;
-  double operator()(double low, double high) {
-    return low + (high - low) * simulator::unit_float(static_cast<std::uint32_t>(simulator::hash(key, count++) >> 32));
+/// To the photograph's colors, not to its padding.
+void add_noise(Planes& planes, const Augmentation& a) {
+  const auto noise = static_cast<float>(a.noise);
+  for (int i = 0; i < kSize * kSize; ++i) {
+    float* p = planes.data() + kPlanes * i;
+    for (int c = 0; c < 3; ++c) {
+      p[c] = std::clamp(p[c] + p[4] * noise * normal(simulator::hash(a.noise_key + 3 * i + c)), 0.F, 1.F);
+    }
   }
-};
+}
 
 }  // namespace
+
+Warp::Warp(const Augmentation& a)
+    : cos_scaled_(a.scale * std::cos(a.rotation_rad)),
+      sin_scaled_(a.scale * std::sin(a.rotation_rad)),
+      flip_(a.mirror ? -1 : 1),
+      shift_x_(a.shift_x_px),
+      shift_y_(a.shift_y_px) {}
+
+std::array<double, 2> Warp::forward(double x, double y) const {
+  const double u = flip_ * (x - kSize / 2.0), v = y - kSize / 2.0;
+  return {cos_scaled_ * u - sin_scaled_ * v + shift_x_ + kSize / 2.0,
+          sin_scaled_ * u + cos_scaled_ * v + shift_y_ + kSize / 2.0};
+}
+
+std::array<double, 2> Warp::back(double x, double y) const {
+  const double u = x - shift_x_ - kSize / 2.0, v = y - shift_y_ - kSize / 2.0;
+  const double scale2 = cos_scaled_ * cos_scaled_ + sin_scaled_ * sin_scaled_;
+  return {flip_ * (cos_scaled_ * u + sin_scaled_ * v) / scale2 + kSize / 2.0,
+          (cos_scaled_ * v - sin_scaled_ * u) / scale2 + kSize / 2.0};
+}
+
+double Draws::operator()(double low, double high) {
+  return low + (high - low) * simulator::unit_float(static_cast<std::uint32_t>(simulator::hash(key, count++) >> 32));
+}
+
+std::vector<float> varied_picture(const scenes::PersonSample& sample, const Augmentation& a) {
+  const Warp warp(a);
+  Planes planes = relit(sample, a);
+  planes = a.scale < kHalveBelowScale ? warped(halved(planes, kSize), kSize / 2, warp) : warped(planes, kSize, warp);
+  for (int i = 0; i < a.blur_passes; ++i) blur_colors(planes);
+  if (a.noise > 0) add_noise(planes, a);
+  return planes;
+}
 
 Augmentation draw_augmentation(std::uint64_t key) {
   Draws draw{key};
@@ -224,9 +233,7 @@ Augmentation draw_augmentation(std::uint64_t key) {
 void make_example(const scenes::PersonSample& sample, const Augmentation& a, float* input, float* mask,
                   float* heatmaps) {
   const Warp warp(a);
-  Planes planes = relit(sample, a);
-  planes = a.scale < kHalveBelowScale ? warped(halved(planes, kSize), kSize / 2, warp) : warped(planes, kSize, warp);
-  for (int i = 0; i < a.blur_passes; ++i) blur_colors(planes);
+  const Planes planes = varied_picture(sample, a);
 
   const double face_x = sample.face[0] + (0.5 + a.face_shift_x) * sample.face[2];
   const double face_y = sample.face[1] + (0.5 + a.face_shift_y) * sample.face[3];
@@ -238,15 +245,9 @@ void make_example(const scenes::PersonSample& sample, const Augmentation& a, flo
     down[i] = static_cast<float>(std::exp(-dy * dy / (2 * kFaceSigma_px * kFaceSigma_px)));
   }
 
-  const auto noise = static_cast<float>(a.noise);
   for (int i = 0; i < kSize * kSize; ++i) {
     const float* p = planes.data() + kPlanes * i;
-    for (int c = 0; c < 3; ++c) {
-      float value = p[c];
-      if (noise > 0)
-        value = std::clamp(value + p[4] * noise * normal(simulator::hash(a.noise_key + 3 * i + c)), 0.F, 1.F);
-      input[4 * i + c] = value - 0.5F;
-    }
+    for (int c = 0; c < 3; ++c) input[4 * i + c] = p[c] - 0.5F;
     input[4 * i + 3] = across[i % kSize] * down[i / kSize];
     mask[i] = p[3];
   }

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "scenes/people/data_set/read_people_set.h"
 
@@ -23,6 +24,30 @@ struct Augmentation {
   int blur_passes = 0;  ///< of a 3 x 3 binomial kernel
   double noise = 0;     ///< standard deviation
   std::uint64_t noise_key = 0;
+};
+
+/// Picture coordinates before and after an augmentation's geometry, and back.
+class Warp {
+ public:
+  explicit Warp(const Augmentation& augmentation);
+  std::array<double, 2> forward(double x, double y) const;
+  std::array<double, 2> back(double x, double y) const;
+
+ private:
+  double cos_scaled_, sin_scaled_, flip_, shift_x_, shift_y_;
+};
+
+/// Red, green, blue, mask, and 1 inside the photograph, which tells it from its padding.
+inline constexpr int kPlanes = 5;
+
+/// A sample's picture and mask, varied: 256 x 256 pixels of kPlanes values, 0..1.
+std::vector<float> varied_picture(const scenes::PersonSample& sample, const Augmentation& augmentation);
+
+/// The next uniform value in [low, high) of a key's sequence.
+struct Draws {
+  std::uint64_t key;
+  std::uint64_t count = 0;
+  double operator()(double low, double high);
 };
 
 /// The paper's ranges for geometry: rotation +-10 degrees, scale 0.4 to 1.2, shift +-10 % of the side. It says nothing

@@ -32,8 +32,8 @@ struct Buffers {
 }  // namespace
 
 Batch on(torch::Device device, const Batch& batch) {
-  return {batch.input.to(device), batch.mask.to(device),
-          batch.heatmaps.defined() ? batch.heatmaps.to(device) : batch.heatmaps};
+  const auto there = [&](const torch::Tensor& tensor) { return tensor.defined() ? tensor.to(device) : tensor; };
+  return {there(batch.input), there(batch.mask), there(batch.heatmaps)};
 }
 
 Batch halved(const Batch& batch) {
@@ -47,14 +47,21 @@ Batch plain_batch(const scenes::PeopleSet& set, const std::vector<std::size_t>& 
   return buffers.batch();
 }
 
-AugmentedBatches::AugmentedBatches(const scenes::PeopleSet& set, std::vector<std::size_t> kept, int batch_size,
-                                   bool heatmaps, std::uint64_t seed, std::uint64_t first_sample)
-    : set_(set),
-      kept_(std::move(kept)),
+Batch augmented_batch(const scenes::PeopleSet& set, const std::vector<Draw>& draws, bool heatmaps) {
+  Buffers buffers(static_cast<std::int64_t>(draws.size()), heatmaps);
+  for (std::size_t i = 0; i < draws.size(); ++i) {
+    buffers.fill(static_cast<std::int64_t>(i), set[draws[i].index], draw_augmentation(draws[i].key));
+  }
+  return buffers.batch();
+}
+
+AugmentedBatches::AugmentedBatches(std::vector<std::size_t> kept, int batch_size, std::uint64_t seed,
+                                   std::uint64_t first_sample, Make make)
+    : kept_(std::move(kept)),
       batch_size_(batch_size),
-      heatmaps_(heatmaps),
       seed_(seed),
       sample_(first_sample),
+      make_(std::move(make)),
       thread_([this] { produce(); }) {}
 
 AugmentedBatches::~AugmentedBatches() {
@@ -66,8 +73,8 @@ AugmentedBatches::~AugmentedBatches() {
   thread_.join();
 }
 
-Batch AugmentedBatches::make() {
-  Buffers buffers(batch_size_, heatmaps_);
+std::vector<Draw> AugmentedBatches::next_draws() {
+  std::vector<Draw> draws;
   for (int i = 0; i < batch_size_; ++i, ++sample_) {
     const std::uint64_t pass = sample_ / kept_.size();
     if (pass != shuffled_pass_) {
@@ -77,15 +84,15 @@ Batch AugmentedBatches::make() {
       }
       shuffled_pass_ = pass;
     }
-    buffers.fill(i, set_[order_[sample_ % kept_.size()]], draw_augmentation(simulator::hash(seed_, sample_)));
+    draws.push_back({order_[sample_ % kept_.size()], simulator::hash(seed_, sample_)});
   }
-  return buffers.batch();
+  return draws;
 }
 
 void AugmentedBatches::produce() {
   try {
     while (true) {
-      Batch batch = make();
+      Batch batch = make_(next_draws());
       std::unique_lock lock(mutex_);
       changed_.wait(lock, [&] { return ending_ || ready_.size() < kBatchesAhead; });
       if (ending_) return;

@@ -24,13 +24,19 @@ std::vector<FoldedConv> folded_layers(Network& network) {
     if (name.rfind("mask", 0) == 0 && name.rfind(last_mask, 0) != 0) continue;
     if (const auto conv = std::dynamic_pointer_cast<ConvImpl>(item.value())) layers.push_back(folded(name, Conv(conv)));
   }
+  if (network->shape.faces) {
+    layers.push_back({"face_map", network->face_head->weight.detach(), network->face_head->bias.detach()});
+    return layers;
+  }
   const torch::nn::Conv2d& sub_pixels = network->mask_heads.back()->sub_pixels;
   layers.push_back({last_mask + ".sub_pixels", sub_pixels->weight.detach(), sub_pixels->bias.detach()});
   return layers;
 }
 
 std::string safetensors(const std::vector<FoldedConv>& layers) {
-  nlohmann::ordered_json header = {{"__metadata__", {{"format", "dualpixel person network 1"}}}};
+  const char* const format =
+      layers.back().name == "face_map" ? "dualpixel face network 1" : "dualpixel person network 1";
+  nlohmann::ordered_json header = {{"__metadata__", {{"format", format}}}};
   std::string data;
   const auto add = [&](const std::string& name, const torch::Tensor& tensor) {
     const torch::Tensor half = tensor.cpu().to(torch::kHalf).contiguous();

@@ -5,6 +5,7 @@
 
 #include "tools/cli/small_program.h"
 #include "tools/train_segmentation/train.h"
+#include "tools/train_segmentation/train_faces.h"
 
 #include <malloc.h>
 
@@ -26,7 +27,9 @@ int main(int argc, char** argv) {
   // Keep what is freed: each sample and each layer needs megabytes for a moment, and new pages cost more than the work.
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
   mallopt(M_MMAP_THRESHOLD, 32 << 20);  // as large as may be
-  CLI::App program("Trains the person segmentation network of the portrait pipeline.", "dualpixel_train");
+  CLI::App program(
+      "Trains the networks of the portrait pipeline: that which segments people, and that which finds faces.",
+      "dualpixel_train");
   dualpixel::tools::TrainOptions options;
   bool no_pose = false;
   program.add_option("--data", options.data, "People sets to learn from, as `dualpixel people` writes them")
@@ -43,12 +46,13 @@ int main(int argc, char** argv) {
                                  ->check(CLI::Range(1e-4, 1e4))
                                  ->excludes(samples)
                                  ->type_name("H");
-  program.add_flag("--resume", options.resume, "Resume from the folder's checkpoint; a finished run is scored again");
+  CLI::Option* const resume = program.add_flag("--resume", options.resume,
+                                               "Resume from the folder's checkpoint; a finished run is scored again");
   CLI::Option* const stages = program.add_option("--stages", options.shape.stages, "Stacked U-Nets")
                                   ->check(CLI::Range(1, 3))
                                   ->capture_default_str();
-  program.add_flag("!--no-composites", options.composites,
-                   "Leave out the composites (people in front of other backgrounds)");
+  CLI::Option* const no_composites = program.add_flag(
+      "!--no-composites", options.composites, "Leave out the composites (people in front of other backgrounds)");
   CLI::Option* const half_size =
       program
           .add_option("--half-size", options.half_size,
@@ -78,14 +82,19 @@ int main(int argc, char** argv) {
   program.add_option("--seed", options.seed, "Seed of the initial weights, the sample order and the augmentation")
       ->type_name("N")
       ->capture_default_str();
-  program.add_flag("--sgd", options.sgd,
-                   "Train as the paper did: stochastic gradient descent at a rate of 0.1, and of 1e-4 for the last "
-                   "tenth, in place of Adam and one cycle of rates");
+  CLI::Option* const sgd =
+      program.add_flag("--sgd", options.sgd,
+                       "Train as the paper did: stochastic gradient descent at a rate of 0.1, and of 1e-4 for the last "
+                       "tenth, in place of Adam and one cycle of rates");
   std::string device = "cpu";
   program.add_option("--device", device, "Where the network is trained: cuda where LibTorch has it")
       ->check(CLI::IsMember({"cpu", "cuda"}))
       ->capture_default_str();
-  program.add_flag("--bf16", options.bf16, "Convolve in 16-bit floats: faster where the processor has AMX");
+  CLI::Option* const bf16 =
+      program.add_flag("--bf16", options.bf16, "Convolve in 16-bit floats: faster where the processor has AMX");
+  bool faces = false;
+  program.add_flag("--faces", faces, "Train the face detector instead, on sets of `dualpixel people --faces`")
+      ->excludes(resume, stages, no_composites, half_size, pose, fcn, fine_tune, sgd, bf16);
   program.add_option("--threads", options.threads, "0: one for each core")->check(CLI::Range(0, 1024))->type_name("N");
   program.footer(
       "Example:\n  dualpixel_train --data out/people --held-out out/people_held_out -o out/run --hours 3\n"
@@ -97,7 +106,8 @@ int main(int argc, char** argv) {
     options.device = torch::Device(device);
     signal(SIGINT, end_after_checkpoint);
     signal(SIGTERM, end_after_checkpoint);
-    dualpixel::tools::train(options, [](std::uint64_t) { return stop.load(); });
+    (faces ? dualpixel::tools::train_faces : dualpixel::tools::train)(options,
+                                                                      [](std::uint64_t) { return stop.load(); });
     return stopped_by == 0 ? 0 : 128 + stopped_by;
   });
 }

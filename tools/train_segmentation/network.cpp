@@ -12,6 +12,16 @@ torch::Tensor twice_as_large(const torch::Tensor& x) {
 
 }  // namespace
 
+NetworkShape face_network_shape() {
+  NetworkShape shape;
+  shape.faces = true;
+  shape.stages = 1;
+  shape.pose = false;
+  shape.fine_channels = 16;
+  shape.channels = {32, 48, 64, 64};
+  return shape;
+}
+
 ConvImpl::ConvImpl(int in, int out, int kernel, int stride, bool relu_) : relu(relu_) {
   const auto options = torch::nn::Conv2dOptions(in, out, kernel).stride(stride).padding(kernel / 2).bias(false);
   conv = register_module("conv", torch::nn::Conv2d(options));
@@ -109,12 +119,13 @@ NetworkImpl::NetworkImpl(const NetworkShape& shape_) : shape(shape_) {
     return;
   }
   const int fine = shape.fine_channels, wide = shape.channels[0];
-  stem_half = register_module("stem_half", Conv(4, fine, 3, 2, true));
+  stem_half = register_module("stem_half", Conv(shape.faces ? 3 : 4, fine, 3, 2, true));
   stem_fine = register_module("stem_fine", Conv(fine, fine, 3, 1, true));
   stem_quarter = register_module("stem_quarter", Conv(fine, wide, 3, 2, true));
   for (int s = 0; s < shape.stages; ++s) {
     const std::string n = std::to_string(s);
     stages.push_back(register_module("stage" + n, UNet(shape)));
+    if (shape.faces) continue;
     mask_heads.push_back(register_module("mask" + n, MaskHead(shape)));
     if (s + 1 < shape.stages) between.push_back(register_module("between" + n, Conv(wide, wide, 1, 1, false)));
     if (!shape.pose) continue;
@@ -123,6 +134,14 @@ NetworkImpl::NetworkImpl(const NetworkShape& shape_) : shape(shape_) {
     // Heatmaps are black nearly everywhere: start there, so that the pose loss does not swamp the mask's.
     torch::nn::init::constant_(pose_heads.back()->bias, -5);
   }
+  if (!shape.faces) return;
+  face_head = register_module("face_map", torch::nn::Conv2d(torch::nn::Conv2dOptions(wide, 4, 3).padding(1)));
+  const torch::NoGradGuard no_gradients;
+  face_head->bias[0] = -5;  // nearly no cell is a face's center
+}
+
+torch::Tensor NetworkImpl::face_map(const torch::Tensor& input) {
+  return face_head(stages[0](stem_quarter(stem_fine(stem_half(input)))));
 }
 
 std::vector<StageOutput> NetworkImpl::forward(const torch::Tensor& input, bool last_only) {

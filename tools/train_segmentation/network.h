@@ -27,11 +27,17 @@ struct NetworkShape {
   /// A baseline in place of the U-Nets, of one stage and without pose: layers to 1/32 of the size, of which those at
   /// 1/8, 1/16 and 1/32 vote on the mask (FCN-8 of Long et al. 2015, as the portraits of Shen et al. 2016 had it).
   bool fcn = false;
+  /// The face detector (pipeline/segmentation/face_network.h) in place of masks: one stage, without pose and without
+  /// the seed's channel; its head is a map of four channels at 64 x 64.
+  bool faces = false;
   int stages = 3;
   bool pose = true;  ///< heatmaps after each stage; they cost nothing at inference
   int fine_channels = 16;
   std::array<int, 4> channels = {32, 64, 96, 64};  ///< at 64, 32, 16 and 8 px
 };
+
+/// Small enough for a few milliseconds of one core and 300 kB.
+NetworkShape face_network_shape();
 
 /// Convolution (odd kernel, padded to keep the size), batch normalization, and ReLU where asked for.
 struct ConvImpl : torch::nn::Module {
@@ -86,12 +92,16 @@ struct NetworkImpl : torch::nn::Module {
   std::vector<StageOutput> forward(const torch::Tensor& input, bool last_only = false);
 
   NetworkShape shape;
+  /// Of a face detector: (batch, 4, height / 4, width / 4); the score is a logit.
+  torch::Tensor face_map(const torch::Tensor& input);
+
   Fcn fcn{nullptr};  ///< where the shape asks for it; then there is nothing else
   Conv stem_half{nullptr}, stem_fine{nullptr}, stem_quarter{nullptr};
   std::vector<UNet> stages;
   std::vector<Conv> between;
   std::vector<MaskHead> mask_heads;
   std::vector<torch::nn::Conv2d> pose_heads;
+  torch::nn::Conv2d face_head{nullptr};
 };
 TORCH_MODULE(Network);
 

@@ -45,6 +45,16 @@ double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock:
 
 }  // namespace
 
+int ready_threads(const TrainOptions& options) {
+  const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
+  torch::set_num_threads(threads);
+  if (options.device.is_cuda() && !torch::cuda::is_available()) {
+    throw InputError("--device: cuda: LibTorch finds no such device here; give cpu");
+  }
+  at::globalContext().setBenchmarkCuDNN(options.device.is_cuda());  // all batches are alike
+  return threads;
+}
+
 double learning_rate(double done, double peak, bool sgd) {
   if (sgd) return done < 1 - kSgdLastShare ? peak : kSgdLastRate;
   if (done < kWarmUp) return peak * done / kWarmUp;
@@ -267,17 +277,6 @@ Checkpoint start_of(const TrainOptions& options, const std::string& path, const 
   return state;
 }
 
-/// Makes LibTorch ready; how many threads it uses.
-int ready_threads(const TrainOptions& options) {
-  const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
-  torch::set_num_threads(threads);
-  if (options.device.is_cuda() && !torch::cuda::is_available()) {
-    throw InputError("--device: cuda: LibTorch finds no such device here; give cpu");
-  }
-  at::globalContext().setBenchmarkCuDNN(options.device.is_cuda());  // all batches are alike
-  return threads;
-}
-
 std::vector<std::size_t> samples_to_learn_from(const TrainOptions& options, const scenes::PeopleSet& set) {
   std::vector<std::size_t> samples;
   for (std::size_t i = 0; i < set.size(); ++i) {
@@ -316,7 +315,8 @@ void train(const TrainOptions& options, const std::function<bool(std::uint64_t s
   const bool pose = state.network->shape.pose && !fine_tune;
   const double peak = peak_rate(options);
   const double half_size = fine_tune ? 0 : options.half_size;
-  AugmentedBatches batches(set, kept, kBatch, pose, options.seed, state.samples);
+  AugmentedBatches batches(kept, kBatch, options.seed, state.samples,
+                           [&](const std::vector<Draw>& draws) { return augmented_batch(set, draws, pose); });
   const double started_s = now_s() - state.seconds;
   const auto fraction = [&] {
     if (options.samples == 0) return state.seconds / (3600 * options.hours);

@@ -52,6 +52,9 @@ torch::Tensor soft_iou_loss(const torch::Tensor& logits, const torch::Tensor& ma
 /// `half_size` of its work, are at half the side and cost a quarter.
 double work_done(double samples, double total, double half_size);
 
+/// Makes LibTorch ready; how many threads it uses. Throws InputError where it has not the device.
+int ready_threads(const TrainOptions& options);
+
 /// After the share `done` of a run.
 double learning_rate(double done, double peak, bool sgd);
 

@@ -44,7 +44,7 @@ void require_unchanged(const std::string& folder) {
   }
 }
 
-void PeopleSet::add_shard(const std::string& shard) {
+void PeopleSet::add_shard(const std::string& shard, PeopleSetKind kind) {
   const auto map = [&](const char* name, const char* type, const std::vector<std::size_t>& rest) {
     arrays_.push_back(std::make_unique<MappedArray>(shard + "/" + name));
     arrays_.back()->require(type, rest);
@@ -75,14 +75,15 @@ void PeopleSet::add_shard(const std::string& shard) {
   }
   for (std::size_t i = 0; i < count; ++i) {
     PersonSample sample{pictures->bytes(i), masks->bytes(i), keypoints->floats(i), faces->floats(i), {}};
+    Fields fields(samples[i], list, fmt::format("/{}", i));
+    fields.required("people").integer("people", sample.people, kind == PeopleSetKind::faces ? 0 : 1, 1000);
     const float* const face = sample.face;
     const auto in_picture = [](float center) { return center >= 0 && center <= static_cast<float>(kSide); };
-    if (!(face[2] > 0 && face[3] > 0 && in_picture(face[0] + face[2] / 2) && in_picture(face[1] + face[3] / 2))) {
+    if (sample.people > 0 &&
+        !(face[2] > 0 && face[3] > 0 && in_picture(face[0] + face[2] / 2) && in_picture(face[1] + face[3] / 2))) {
       throw InputError(fmt::format("{}: face {}: {} {} {} {}: must have a size, and its center in the picture",
                                    printable(faces->path()), i, face[0], face[1], face[2], face[3]));
     }
-    Fields fields(samples[i], list, fmt::format("/{}", i));
-    fields.required("people").integer("people", sample.people, 1, 1000);
     fields.required("composite").boolean("composite", sample.composite);
     const nlohmann::json& tags = fields.raw("tags");
     if (!tags.is_array()) fields.fail("tags", "must be a list of words");
@@ -95,7 +96,7 @@ void PeopleSet::add_shard(const std::string& shard) {
   }
 }
 
-PeopleSet::PeopleSet(const std::vector<std::string>& folders, bool held_out) {
+PeopleSet::PeopleSet(const std::vector<std::string>& folders, bool held_out, PeopleSetKind kind) {
   std::string hashed;
   for (const std::string& folder : folders) {
     const std::string index = folder + "/" + kSetFile;
@@ -115,9 +116,15 @@ PeopleSet::PeopleSet(const std::vector<std::string>& folders, bool held_out) {
           fmt::format("{}: /held_out: {}: must be {}: a network is evaluated on data that it was not trained on",
                       printable(index), printable(field("held_out").dump()), held_out));
     }
+    if ((field("faces") == true) != (kind == PeopleSetKind::faces)) {
+      throw InputError(
+          fmt::format("{}: /faces: must be {}: sets of `dualpixel people --faces` train the face detector, "
+                      "others the person network",
+                      printable(index), kind == PeopleSetKind::faces));
+    }
     Fields fields(json, index);
     for (const char* name : {"format", "version", "size_px", "count", "generator", "seed", "held_out", "composites",
-                             "makehuman", "shards"}) {
+                             "makehuman", "faces", "shards"}) {
       fields.has(name);
     }
     fields.done();
@@ -131,7 +138,7 @@ PeopleSet::PeopleSet(const std::vector<std::string>& folders, bool held_out) {
     const std::size_t before = samples_.size();
     hashed += read_file(index);
     for (const std::string& shard : shards) {
-      add_shard(shard);
+      add_shard(shard, kind);
       hashed += read_file(shard + "/" + kShardFile);
     }
     if (field("count") != samples_.size() - before || samples_.size() == before) {

@@ -27,21 +27,24 @@ int samples_of_shard(const PeopleOptions& options, int shard) {
 }
 
 int generator_of(const PeopleOptions& options) {
+  if (options.faces) return kFacesGenerator;
   if (!options.held_out) return kTrainingGenerator;
   return options.makehuman ? kHeldOutMakeHumanGenerator : kHeldOutGenerator;
 }
 
 /// What a shard depends on: one with the same recipe is kept.
 nlohmann::ordered_json shard_recipe(const PeopleOptions& options, int shard) {
-  return {{"format", kShardFormat},
-          {"version", 1},
-          {"generator", generator_of(options)},
-          {"shard", shard},
-          {"count", samples_of_shard(options, shard)},
-          {"seed", options.seed},
-          {"held_out", options.held_out},
-          {"composites", options.composites},
-          {"makehuman", options.makehuman ? options.makehuman->hash : ""}};
+  nlohmann::ordered_json recipe = {{"format", kShardFormat},
+                                   {"version", 1},
+                                   {"generator", generator_of(options)},
+                                   {"shard", shard},
+                                   {"count", samples_of_shard(options, shard)},
+                                   {"seed", options.seed},
+                                   {"held_out", options.held_out},
+                                   {"composites", options.composites},
+                                   {"makehuman", options.makehuman ? options.makehuman->hash : ""}};
+  if (options.faces) recipe["faces"] = true;
+  return recipe;
 }
 
 /// A file's JSON object; an empty one where there is none, as after a killed run, whose shard is made again.
@@ -74,16 +77,22 @@ void refuse_shards_beyond(const std::string& folder, int shards) {
 
 /// What all samples of a set depend on, as people.json says it.
 nlohmann::ordered_json set_recipe(const PeopleOptions& options) {
-  return {{"generator", generator_of(options)},
-          {"seed", options.seed},
-          {"held_out", options.held_out},
-          {"composites", options.composites},
-          {"makehuman", options.makehuman != nullptr}};
+  nlohmann::ordered_json recipe = {{"generator", generator_of(options)},
+                                   {"seed", options.seed},
+                                   {"held_out", options.held_out},
+                                   {"composites", options.composites},
+                                   {"makehuman", options.makehuman != nullptr}};
+  if (options.faces) recipe["faces"] = true;
+  return recipe;
 }
 
 /// A set of other options, another generator or other assets may be hours of work: it is not overwritten.
 void refuse_another(const std::string& folder, nlohmann::json written, const nlohmann::ordered_json& recipe) {
   if (!written.contains("generator")) written["generator"] = 2;  // the last generator that sets did not name
+  if ((written["faces"] == true) != recipe.contains("faces")) {
+    throw InputError(printable(folder) +
+                     ": holds a set of the other kind (--faces): choose another folder, or remove this one");
+  }
   // the generator last: held-out sets have their own
   for (const char* name : {"held_out", "makehuman", "composites", "seed", "generator"}) {
     if (!written.contains(name) || written[name] == nlohmann::json(recipe[name])) continue;

@@ -37,7 +37,7 @@ Image portrait_of(std::uint64_t seed, bool from_behind) {
 }
 
 TEST(SlowPeopleFailures, TheBackOfAHeadIsNoFace) {
-  if (!pipeline::has_face_detector()) GTEST_SKIP() << "built without dlib";
+  if (!pipeline::has_face_detector()) GTEST_SKIP() << "built without oneDNN";
   constexpr int kFigures = 10;
   int from_front = 0, from_behind = 0;
   for (int seed = 1; seed <= kFigures; ++seed) {

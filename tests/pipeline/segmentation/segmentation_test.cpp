@@ -10,6 +10,7 @@
 
 #include "capture/error.h"
 #include "capture/image/image_io.h"
+#include "pipeline/segmentation/face_map.h"
 #include "pipeline/segmentation/network.h"
 #include "pipeline/segmentation/person_mask.h"
 #include "tests/pipeline/segmentation/drawn_face.h"
@@ -21,7 +22,7 @@ namespace {
 #define NEEDS_NETWORK() \
   if (!has_person_network()) GTEST_SKIP() << "built without oneDNN"
 #define NEEDS_FACES() \
-  if (!has_face_detector()) GTEST_SKIP() << "built without dlib"
+  if (!has_face_detector()) GTEST_SKIP() << "built without oneDNN"
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
@@ -417,13 +418,47 @@ TEST(SlowFaces, AreFoundWhereTheyAreLargestFirst) {
   EXPECT_NEAR(std::log(faces[0].width / faces[1].width), std::log(1.6), std::log(1.2));
 }
 
-TEST(Faces, SmallOnesAreFoundAtTwiceTheSize) {
+TEST(Faces, SmallOnesAreFound) {
   NEEDS_FACES();
   Image picture(640, 480, 3, 0.2F);
-  draw_face(picture, 320, 240, 60);  // under the detector's 80 px
+  draw_face(picture, 320, 240, 60);
   const std::vector<Face> faces = find_faces(picture);
   ASSERT_EQ(faces.size(), 1U);
   expect_on_drawn_face(faces[0], 320, 240, 60);
+}
+
+TEST(FaceMap, IsReadAsItIsWritten) {
+  constexpr int kCells = 8, kPlane = kCells * kCells;
+  std::vector<float> map(std::size_t{4} * kPlane, 0);
+  std::fill_n(map.begin(), kPlane, -9.F);
+  const auto set = [&](int x, int y, float score, float dx, float dy, float size) {
+    for (const auto& [plane, value] : {std::pair{0, score}, {1, dx}, {2, dy}, {3, size}}) {
+      map[plane * kPlane + y * kCells + x] = value;
+    }
+  };
+  set(2, 5, 2, 0.25F, -0.5F, -2);  // cell (2, 5): its center is at (10, 22); 8 px
+  set(3, 5, 1, 0.25F, -0.5F, -2);  // beside a better one
+  set(6, 1, 0, 0, 0, -1);          // a score of 1/2; center (26, 6), 16 px
+  const std::vector<ScoredFace> faces = faces_of_map(map.data(), kCells, 0.4);
+  ASSERT_EQ(faces.size(), 2U);
+  EXPECT_NEAR(faces[0].score, 1 / (1 + std::exp(-2.0)), 1e-9);
+  EXPECT_NEAR(faces[0].face.x, 10 + 0.25 * 8 - 4, 1e-6);
+  EXPECT_NEAR(faces[0].face.y, 22 - 0.5 * 8 - 4, 1e-6);
+  EXPECT_NEAR(faces[0].face.width, 8, 1e-6);
+  EXPECT_NEAR(faces[1].face.x, 26 - 8, 1e-6);
+  EXPECT_NEAR(faces[1].face.height, 16, 1e-6);
+  EXPECT_EQ(faces_of_map(map.data(), kCells, 0.6).size(), 1U);
+  // of two that overlap by more than .3, the better is kept
+  set(7, 1, -0.1F, 0, 0, -1);
+  set(6, 1, -9, 0, 0, -1);
+  set(5, 1, 0, 0.125F, 0, -1);                                  // center (24, 6); the other's at (30, 6): 10/22
+  EXPECT_EQ(faces_of_map(map.data(), kCells, 0.4).size(), 2U);  // and that at (2, 5)
+  EXPECT_NEAR(overlap({0, 0, 16, 16}, {6, 0, 16, 16}), 10.0 / 22, 1e-12);
+  EXPECT_EQ(overlap({0, 0, 16, 16}, {16, 0, 16, 16}), 0);
+}
+
+TEST(FaceWeights, AreNotThePersonNetworks) {
+  EXPECT_NE(error_of([] { parse_weights(as_safetensors(random_network(1, 1)), "x", NetworkKind::faces); }), "");
 }
 
 TEST(SlowFaces, NoneWhereThereIsNone) {
@@ -438,10 +473,10 @@ TEST(SlowFaces, NoneWhereThereIsNone) {
 
 TEST(SlowFaces, TwentyAndHalfOnes) {
   NEEDS_FACES();
-  Image crowd(640, 480, 1, 0.2F);
+  Image crowd(640, 640, 1, 0.2F);
   for (int i = 0; i < 20; ++i) {
     const int column = i % 5, row = i / 5;
-    draw_face(crowd, 64 + 128 * column, 70 + 115 * row, 84);
+    draw_face(crowd, 64 + 128 * column, 80 + 160 * row, 84);
   }
   EXPECT_EQ(find_faces(crowd).size(), 20U);
   if (has_person_network()) {

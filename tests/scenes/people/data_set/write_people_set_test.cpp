@@ -69,6 +69,34 @@ TEST(SlowWritePeopleSet, SetsAreReadAsTheyWereMade) {
   EXPECT_THROW(PeopleSet({folder / "set"}, true), InputError);
 }
 
+TEST(SweepPeopleForFaces, HoldFacesAtAnyTurnAndPicturesOfNobody) {
+  const TemporaryFolder folder;
+  write_people_set({.count = 48, .seed = 4, .composites = 0, .faces = true}, folder / "set");
+  const PeopleSet set({folder / "set"}, false, PeopleSetKind::faces);
+  int nobody = 0, turned = 0, away = 0;
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    const auto turn = std::find_if(set[i].tags.begin(), set[i].tags.end(),
+                                   [](const std::string& tag) { return tag.rfind("turn:", 0) == 0; });
+    ASSERT_EQ(turn == set[i].tags.end(), set[i].people == 0);
+    if (set[i].people == 0) {
+      ++nobody;
+      EXPECT_EQ(set[i].face[2], 0);
+      EXPECT_EQ(*std::max_element(set[i].mask, set[i].mask + 256 * 256), 0);
+      continue;
+    }
+    const int degrees = std::stoi(turn->substr(5));
+    const bool hidden = std::count(set[i].tags.begin(), set[i].tags.end(), "face:hidden") > 0;
+    if (degrees > 101) EXPECT_TRUE(hidden) << degrees;  // 1.75 radians
+    turned += degrees > 45 && !hidden;
+    away += degrees > 101;
+  }
+  EXPECT_GT(nobody, 4);
+  EXPECT_GT(turned, 2);
+  EXPECT_GT(away, 0);
+  EXPECT_THROW(PeopleSet({folder / "set"}, false), InputError);  // masks are not learned from these
+  EXPECT_THROW(write_people_set({.count = 48, .seed = 4, .composites = 0}, folder / "set"), InputError);
+}
+
 TEST(SlowWritePeopleSet, ASignalEndsItAfterTheShardThatIsBeingMade) {
   const TemporaryFolder folder;
   const PeopleOptions options{.count = kShardSamples + 1, .seed = 4, .composites = 100};
