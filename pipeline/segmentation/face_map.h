@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "pipeline/segmentation/faces.h"
+#include "pipeline/segmentation/face.h"
 
 /// What the face network says of a square picture, and the boxes that follow from it (after "Objects as Points", Zhou
 /// et al. 2019). For each cell of 4 x 4 pixels:

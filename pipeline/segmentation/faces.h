@@ -2,17 +2,12 @@
 #include <vector>
 
 #include "capture/image/image.h"
+#include "pipeline/segmentation/face.h"
 
 /// The faces that seed the segmentation (Wadhwa et al. 2018, section 3.3).
 namespace dualpixel::pipeline {
 
 class FaceNetwork;
-
-/// A box from brow to chin, in pixels of the picture it was found in; it may reach over the border.
-struct Face {
-  double x = 0, y = 0, width = 0, height = 0;
-  double area() const { return width * height; }
-};
 
 /// Whether this build has oneDNN; without it, find_faces throws InputError.
 bool has_face_detector();

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "capture/image/image.h"
+#include "pipeline/segmentation/precision.h"
 #include "pipeline/segmentation/weights.h"
 
 /// The person segmentation network of Wadhwa et al. 2018, section 3.2, at work: three stacked U-Nets, on oneDNN.
@@ -19,11 +20,6 @@ inline constexpr int kNetworkSize_px = 256;
 
 /// Whether this build has oneDNN; without it, PersonNetwork's constructor throws InputError.
 bool has_person_network();
-
-enum class Precision {
-  f32,  ///< with instructions up to AVX2 alone, so that every processor gives the same bytes
-  bf16  ///< with whatever the processor has, AVX-512 at least; much faster where that is AMX
-};
 
 /// The limit to AVX2 is oneDNN's, for the whole process and for good: bf16 can be had only by a process that has built
 /// no network in f32, and f32 only by one that has built none in bf16. A program that has run oneDNN before keeps what

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "pipeline/segmentation/network.h"
+#include "pipeline/segmentation/precision.h"
 #include "pipeline/segmentation/weights.h"
 
 /// What the networks have in common, on oneDNN: layers that are set up once, with their memory, and then run in order.

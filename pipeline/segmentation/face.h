@@ -1,0 +1,11 @@
+#pragma once
+
+namespace dualpixel::pipeline {
+
+/// A box from brow to chin, in pixels of the picture it was found in; it may reach over the border.
+struct Face {
+  double x = 0, y = 0, width = 0, height = 0;
+  double area() const { return width * height; }
+};
+
+}  // namespace dualpixel::pipeline
