@@ -94,12 +94,12 @@ Linear pictures_of(const Capture& capture, double pupil_mm, pipeline::PersonNetw
     return run_portrait(shot, options);
   };
   PortraitResult both = run(Mode::dp_seg);
-  PortraitResult seg = run(Mode::seg);
+  const PortraitResult seg = run(Mode::seg);
   PortraitResult dp = run(Mode::dp);
   const bool found = seg.mode == Mode::seg;
   const Image& input = dp.input;
   linear.pictures = {std::move(both.portrait),
-                     found ? std::move(seg.portrait) : input,
+                     found ? seg.portrait : input,
                      std::move(dp.portrait),
                      found ? shen(input, *people) : input,
                      barron(input, shot, pupil_mm),
