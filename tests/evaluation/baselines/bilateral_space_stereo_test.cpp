@@ -108,7 +108,10 @@ TEST(Lbfgs, FindsTheMinimumOfAQuadratic) {
 struct ThreeVertices {
   ThreeVertices() : guide(24, 8, 3), intervals{Image(24, 8), Image(24, 8, 1, 16.0f)} {
     for (int y = 0; y < 8; ++y) {
-      for (int x = 0; x < 24; ++x) std::fill_n(&guide.at(x, y), 3, 100.0f + 8.0f * static_cast<float>(x / 8));
+      for (int x = 0; x < 24; ++x) {
+        const int vertex = x / 8;
+        std::fill_n(&guide.at(x, y), 3, 100.0f + 8.0f * static_cast<float>(vertex));
+      }
     }
     // the first knows that it is at 3 to 5, the last at 11 to 12 with a quarter of its pixels at 14, the middle nothing
     for (int y = 0; y < 8; ++y) {
