@@ -14,7 +14,7 @@
 namespace dualpixel::tools {
 namespace {
 
-constexpr int kSize = kNetworkSize_px, kCells = kSize / pipeline::kFaceCell_px;
+constexpr int kSide = kNetworkSize_px, kCells = kSide / pipeline::kFaceCell_px;
 constexpr double kTurnedAway_deg = 105;  // an eye and the nose are seen up to about there
 constexpr double kLeastSigma_cells = 0.7, kSigma_sides = 0.1;
 
@@ -94,12 +94,12 @@ FaceAugmentation draw_face_augmentation(std::uint64_t key, const std::vector<Tru
   a.picture.rotation_rad = draw(0, 1) < 0.7 ? draw(-12, 12) * M_PI / 180 : draw(-30, 30) * M_PI / 180;
   a.picture.scale = std::exp(draw(std::log(0.3), std::log(1.5)));
   const double room = 0.12 + 0.35 * std::max(0.0, 1 - a.picture.scale);
-  a.picture.shift_x_px = draw(-room, room) * kSize;
-  a.picture.shift_y_px = draw(-room, room) * kSize;
+  a.picture.shift_x_px = draw(-room, room) * kSide;
+  a.picture.shift_y_px = draw(-room, room) * kSide;
   if (!faces.empty() && draw(0, 1) < 0.25) {
     const TrueFace& face = faces[std::min(faces.size() - 1, static_cast<std::size_t>(draw(0, 1) * faces.size()))];
-    a.picture.scale = draw(0.35, 0.95) * kSize / face.side;
-    const double room_px = 0.15 * kSize, middle = kSize / 2.0;
+    a.picture.scale = draw(0.35, 0.95) * kSide / face.side;
+    const double room_px = 0.15 * kSide, middle = kSide / 2.0;
     a.picture.shift_x_px = a.picture.shift_y_px = 0;
     const auto [x, y] = Warp(a.picture).forward(face.x + face.side / 2, face.y + face.side / 2);
     a.picture.shift_x_px = middle - x + draw(-room_px, room_px);
@@ -124,18 +124,18 @@ std::vector<TrueFace> make_face_example(const scenes::PersonSample& sample, cons
   const std::vector<float> planes = varied_picture(sample, a.picture);
   std::vector<float> around;
   if (behind != nullptr) around = varied_picture(*behind, a.behind);
-  for (int i = 0; i < kSize * kSize; ++i) {
+  for (int i = 0; i < kSide * kSide; ++i) {
     const float* const p = planes.data() + kPlanes * i;
     for (int c = 0; c < 3; ++c) {
       const float beyond = around.empty() ? 0 : (1 - p[4]) * around[kPlanes * i + c];
-      input[c * kSize * kSize + i] = p[c] + beyond - 0.5F;
+      input[c * kSide * kSide + i] = p[c] + beyond - 0.5F;
     }
   }
-  for (int y = 0; y < kSize; ++y) {
-    if (!(y >= a.patch[1] * kSize && y < (a.patch[1] + a.patch[3]) * kSize)) continue;
-    for (int x = 0; x < kSize; ++x) {
-      if (!(x >= a.patch[0] * kSize && x < (a.patch[0] + a.patch[2]) * kSize)) continue;
-      for (int c = 0; c < 3; ++c) input[(c * kSize + y) * kSize + x] = a.patch_color[c];
+  for (int y = 0; y < kSide; ++y) {
+    if (!(y >= a.patch[1] * kSide && y < (a.patch[1] + a.patch[3]) * kSide)) continue;
+    for (int x = 0; x < kSide; ++x) {
+      if (!(x >= a.patch[0] * kSide && x < (a.patch[0] + a.patch[2]) * kSide)) continue;
+      for (int c = 0; c < 3; ++c) input[(c * kSide + y) * kSide + x] = a.patch_color[c];
     }
   }
 
@@ -143,13 +143,13 @@ std::vector<TrueFace> make_face_example(const scenes::PersonSample& sample, cons
   std::vector<TrueFace> moved;
   for (const TrueFace& face : faces) {
     const auto [x, y] = warp.forward(face.x + face.side / 2, face.y + face.side / 2);
-    if (!(x >= 0 && y >= 0 && x < kSize && y < kSize)) continue;
+    if (!(x >= 0 && y >= 0 && x < kSide && y < kSide)) continue;
     const double side = face.side * a.picture.scale;
     // what is in front covers a part of the face, at most as much as it does of the square
     const double covered_x =
-        std::min(x + side / 2, (a.patch[0] + a.patch[2]) * kSize) - std::max(x - side / 2, a.patch[0] * kSize);
+        std::min(x + side / 2, (a.patch[0] + a.patch[2]) * kSide) - std::max(x - side / 2, a.patch[0] * kSide);
     const double covered_y =
-        std::min(y + side / 2, (a.patch[1] + a.patch[3]) * kSize) - std::max(y - side / 2, a.patch[1] * kSize);
+        std::min(y + side / 2, (a.patch[1] + a.patch[3]) * kSide) - std::max(y - side / 2, a.patch[1] * kSide);
     constexpr double kMostCovered = 0.4;
     const bool seen = !(covered_x > 0 && covered_y > 0 && covered_x * covered_y > kMostCovered * side * side);
     moved.push_back(
@@ -176,7 +176,7 @@ namespace {
 
 Batch empty_batch(std::size_t count) {
   const auto n = static_cast<std::int64_t>(count);
-  return {torch::empty({n, 3, kSize, kSize}), {}, torch::empty({n, kFaceTargets, kCells, kCells})};
+  return {torch::empty({n, 3, kSide, kSide}), {}, torch::empty({n, kFaceTargets, kCells, kCells})};
 }
 
 }  // namespace
@@ -192,7 +192,7 @@ Batch FaceExamples::augmented(const std::vector<Draw>& draws) const {
     if (a.has_behind && !of_nobody_.empty()) {
       behind = &set_[of_nobody_[simulator::hash(draws[i].key, 3) % of_nobody_.size()]];
     }
-    make_face_example(set_[picture.sample], picture.faces, behind, a, inputs + i * 3 * kSize * kSize,
+    make_face_example(set_[picture.sample], picture.faces, behind, a, inputs + i * 3 * kSide * kSide,
                       targets + i * kFaceTargets * kCells * kCells);
   });
   return batch;
@@ -203,7 +203,7 @@ Batch FaceExamples::plain(std::size_t first, std::size_t count) const {
   for (std::size_t i = 0; i < count; ++i) {
     const FacePicture& picture = pictures_[first + i];
     make_face_example(set_[picture.sample], picture.faces, nullptr, {},
-                      batch.input.data_ptr<float>() + i * 3 * kSize * kSize,
+                      batch.input.data_ptr<float>() + i * 3 * kSide * kSide,
                       batch.heatmaps.data_ptr<float>() + i * kFaceTargets * kCells * kCells);
   }
   return batch;
