@@ -18,12 +18,23 @@
 namespace dualpixel::evaluation {
 namespace {
 
-/// One burst of portrait.json. Seeds differ in all noise, the rendering's included.
+/// One burst of portrait.json, of its whole view with fewer and larger photosites. Seeds differ in all noise, the
+/// rendering's included. In short: a hand at rest, so that one render serves all frames, and fewer samples.
 Capture chart_capture(const ChartInput& input, int seed) {
+  constexpr int kFullWidth = 2688;
+  constexpr double kFullPitch_um = 1.4;
   const int width = input.quick ? 448 : 1344;
-  return simulate_scene(input.scenes_folder + "/portrait.json",
-                        {fmt::format("sensor.width_px={}", width), fmt::format("sensor.height_px={}", width * 3 / 4),
-                         fmt::format("render.seed={}", seed)});
+  std::vector<std::string> fields = {fmt::format("sensor.width_px={}", width),
+                                     fmt::format("sensor.height_px={}", width * 3 / 4),
+                                     fmt::format("sensor.pixel_pitch_um={}", kFullPitch_um * kFullWidth / width),
+                                     "face_px=null",
+                                     "face=[0.4055,0.2083,0.2083,0.3571]",
+                                     fmt::format("render.seed={}", seed)};
+  if (input.quick) {
+    fields.insert(fields.end(),
+                  {"burst.hand_shake=0", "render.samples_per_pixel=32", "render.photograph_samples_per_pixel=48"});
+  }
+  return simulate_scene(input.scenes_folder + "/portrait.json", fields);
 }
 
 /// A way to run the pipeline, and its figures on each capture.
