@@ -59,6 +59,8 @@ TEST(ResolveScene, FocusesOnSurfaces) {
   two_walls(folder);
   EXPECT_NEAR(focus_of({{"focus_at_px", {40, 48}}}, folder), 2, 1e-3);
   EXPECT_NEAR(focus_of({{"focus_at_px", {80, 48}}}, folder), 2.5, 1e-3);
+  // Below the far wall, 2 photosites from it and 6 from the near one, which alone is seen in this row.
+  EXPECT_NEAR(focus_of({{"focus_at_px", {70, 76}}}, folder), 2.5, 1e-3);
   EXPECT_NEAR(focus_of({{"focus_node", "near"}}, folder), 2, 1e-3);
   EXPECT_NEAR(focus_of({{"focus_node", "far"}}, folder), 2.5, 1e-3);
   // aside, so that one wall fills the middle
