@@ -149,13 +149,14 @@ Image standard_error(const PictureSampling& sampling, int count, const Image& ha
 }
 
 double sample_variance(const PictureSampling& sampling, int count, const Image& half_nits, const ErrorTarget& noise) {
-  double sum = 0;
+  double from_samples = 0, from_sensor = 0;
   for_each_photosite(sampling, [&](int x, int y, double ratio) {
     const int c = cfa_color(x, y);
     const double nits = half_nits.at(x, y, c);
-    sum += ratio * ratio / count * sampling.target->at(c, nits) / noise.at(c, nits);
+    from_samples += ratio * ratio / count * sampling.target->at(c, nits);
+    from_sensor += noise.at(c, nits);
   });
-  return sum / static_cast<double>(half_nits.width) / half_nits.height;
+  return from_samples / from_sensor;
 }
 
 double measure_error(RenderScene& world, const CameraView& view, const RenderOptions& picture, int count,

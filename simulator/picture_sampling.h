@@ -46,8 +46,8 @@ double expected_error(const PictureSampling& sampling, int count);
 /// `half_nits` is the radiance that it sees.
 Image standard_error(const PictureSampling& sampling, int count, const Image& half_nits);
 
-/// Variance of a half photosite that the samples of such a mean leave, without that of light, over what `noise` has of
-/// it: mean over the picture. Needs a target.
+/// Variance of half photosites that the samples of such a mean leave, without that of light: sum over the picture, over
+/// the sum of what `noise` has of it (a ratio at each photosite has no bound where it is black). Needs a target.
 double sample_variance(const PictureSampling& sampling, int count, const Image& half_nits, const ErrorTarget& noise);
 
 /// RMS over the picture of a half photosite's error at `picture.samples_per_pixel`, nits over what `white` has of its

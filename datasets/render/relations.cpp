@@ -7,7 +7,7 @@
 #include "scenes/framing/free_place.h"
 #include "scenes/framing/light_meter.h"
 #include "scenes/framing/scene_document.h"
-#include "scenes/framing/seen_surfaces.h"
+#include "scenes/framing/seen_depth.h"
 #include "simulator/simulate.h"
 
 namespace dualpixel::datasets {
@@ -53,9 +53,9 @@ void resolve_geometry(const SampleLine& line, const std::optional<std::array<dou
   if (r.contains("camera_shell")) place_on_shell(r.at("camera_shell"), ready, path, scene_file);
   if (!focus) return;
   constexpr double kNearest_m = 0.08, kFarthest_m = 1000;
-  const Truth seen = scenes::seen_surfaces(simulator::read_simulation(scene_file, path), ready);
   const char* field = r.contains("focus_at") ? "focus_at" : "/camera/focus_distance_m: auto";
-  const double depth = scenes::depth_at(seen, (*focus)[0], (*focus)[1], path, field);
+  const double depth =
+      scenes::seen_depth(simulator::read_simulation(scene_file, path), ready, (*focus)[0], (*focus)[1], path, field);
   scene_file["camera"]["focus_distance_m"] = scenes::short_number(std::clamp(depth, kNearest_m, kFarthest_m));
 }
 

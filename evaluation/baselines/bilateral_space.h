@@ -28,7 +28,6 @@ class BilateralSpaceEnergy {
   BilateralSpaceEnergy(const pipeline::BilateralGrid& grid, const MatchIntervals& intervals, int labels,
                        const BilateralSpaceOptions& options);
 
-  int vertices() const { return vertices_; }
   /// E(v); `gradient` becomes its gradient (a subgradient where E has a kink, at whole labels).
   double operator()(const std::vector<double>& v, std::vector<double>& gradient) const;
 

@@ -1,5 +1,6 @@
 #include "evaluation/benchmarks/render_benchmark.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -252,11 +253,13 @@ std::vector<RenderCurve> measure_uniform(const Patches& patches, const Reference
   return curves;
 }
 
-/// The default renderer. Points of light take part of the time: they are computed anew for each run.
-RenderCurve measure_light_cache(Patches& patches, const Reference& reference, int most_samples) {
-  RenderCurve curve{"light cache", {}};
+/// Points of light take part of the time: they are computed anew for each run.
+RenderCurve measure_light_cache(const std::string& name, LightCacheOptions light, Patches& patches,
+                                const Reference& reference, int most_samples) {
+  RenderCurve curve{name, {}};
   for (int samples = 16; samples <= most_samples; samples *= 2) {
-    patches.world.light_cache = std::make_unique<LightCache>(LightCacheOptions{.light_samples = samples});
+    light.light_samples = samples;
+    if (light.light_spacing_px > 0) patches.world.light_cache = std::make_unique<LightCache>(light);
     Halves halves;
     const double time_s = cpu_seconds([&] { halves = render(patches, Sampling::mirrored, 3, uniform(samples)); });
     curve.runs.push_back(run_of(samples, time_s, error_of(patches, halves, reference.mean, reference.apart)));
@@ -343,19 +346,41 @@ nlohmann::ordered_json to_json(const RenderRun& run) {
   return json;
 }
 
+/// A scene file's, and what they are patches of.
+struct PatchedScene {
+  explicit PatchedScene(const Simulation& s)
+      : scene(simulator::load_scene(s)), patches{simulator::RenderScene(scene, {.light_spacing_px = 0}), {}, {}, 0} {
+    const CameraView whole = simulator::place_camera(s, scene);
+    patches.sensor = simulator::sensor_noise(s, whole.lens.lux_per_nit());
+    patches.max_bounces = s.render.max_bounces;
+    for (int p = 0; p < kPatches; ++p) patches.cameras.push_back(patch_camera(s, whole, p));
+  }
+  explicit PatchedScene(const std::string& scene_file)
+      : PatchedScene(simulator::read_simulation(read_json_file(scene_file), scene_file)) {}
+
+  simulator::Scene scene;
+  Patches patches;
+};
+
 }  // namespace
+
+std::vector<RenderCurve> measure_light_points(const std::string& scene_file, const RenderBenchmarkOptions& options,
+                                              const std::vector<double>& spacings_px) {
+  PatchedScene made(scene_file);
+  const Reference reference = render_reference(made.patches, options.reference_samples, [](double) {});
+  std::vector<RenderCurve> curves;
+  for (const double spacing : spacings_px) {
+    const std::string name = spacing > 0 ? fmt::format("points {:g} px apart", spacing) : "light of every sample";
+    curves.push_back(measure_light_cache(name, LightCacheOptions{.light_spacing_px = spacing}, made.patches, reference,
+                                         options.most_samples));
+  }
+  return curves;
+}
 
 SceneRenderBenchmark measure_rendering(const std::string& scene_file, const RenderBenchmarkOptions& options,
                                        const std::function<void(double)>& progress) {
-  const Simulation s = simulator::read_simulation(read_json_file(scene_file), scene_file);
-  const simulator::Scene scene = simulator::load_scene(s);
-  const CameraView whole = simulator::place_camera(s, scene);
-  Patches patches{simulator::RenderScene(scene, {.light_spacing_px = 0}),
-                  {},
-                  simulator::sensor_noise(s, whole.lens.lux_per_nit()),
-                  s.render.max_bounces};
-  for (int p = 0; p < kPatches; ++p) patches.cameras.push_back(patch_camera(s, whole, p));
-
+  PatchedScene made(scene_file);
+  Patches& patches = made.patches;
   SceneRenderBenchmark result;
   result.scene = scene_file;
   result.embree = against_embree(patches);
@@ -364,7 +389,7 @@ SceneRenderBenchmark measure_rendering(const std::string& scene_file, const Rend
   result.curves = measure_uniform(patches, reference, options.most_samples, progress);
   const std::vector<RenderRun> random = result.curves.front().runs, pairs = result.curves.back().runs;
   result.curves.push_back(measure_adaptive(patches, reference, pairs, progress));
-  result.curves.push_back(measure_light_cache(patches, reference, options.most_samples));
+  result.curves.push_back(measure_light_cache("light cache", {}, patches, reference, options.most_samples));
   result.curves.push_back(measure_adaptive_with_cache(patches, reference, pairs));
   RenderCurve& floor = result.curves.emplace_back(RenderCurve{"Embree alone", pairs});
   for (RenderRun& run : floor.runs) run.time_s *= result.embree.share_of_embree;

@@ -61,6 +61,11 @@ struct RenderBenchmarkOptions {
 SceneRenderBenchmark measure_rendering(const std::string& scene_file, const RenderBenchmarkOptions& options,
                                        const std::function<void(double fraction)>& progress);
 
+/// The default sampling with light at points of surfaces so many photosites apart, as many light samples at each as
+/// camera samples a photosite, over growing counts. 0: light sampled by every path. Making the points is in the time.
+std::vector<RenderCurve> measure_light_points(const std::string& scene_file, const RenderBenchmarkOptions& options,
+                                              const std::vector<double>& spacings_px);
+
 nlohmann::ordered_json to_json(const SceneRenderBenchmark& benchmark);
 std::string to_page(const std::vector<SceneRenderBenchmark>& scenes, const RenderScaling& scaling);
 

@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kFormat = "dualpixel-chart";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr double kLeastTimeChange = 0.10, kLeastErrorChange = 0.01;
 constexpr double kStandardErrors = 3;
 
@@ -35,6 +35,63 @@ bool differs(const Measured& before, const Measured& now, double least) {
   const double change = std::abs(now.value - before.value);
   const double noise = std::hypot(before.standard_error.value_or(0), now.standard_error.value_or(0));
   return change > least * std::abs(before.value) && change > kStandardErrors * noise;
+}
+
+Json json_of(const std::vector<std::pair<double, double>>& points) {
+  Json json = Json::array();
+  for (const auto& [x, y] : points) json.push_back({x, y});
+  return json;
+}
+
+Json json_of(const ChartSection& section) {
+  Json points = Json::array();
+  for (const ChartPoint& point : section.points) {
+    points.push_back({{"name", point.name}, {"error", json_of(point.error)}, {"time", json_of(point.time)}});
+    if (point.is_default) points.back()["default"] = true;
+    if (point.memory_mb) points.back()["memory_mb"] = *point.memory_mb;
+  }
+  return {{"title", section.title},           {"stage", section.stage},         {"note", section.note},
+          {"error_unit", section.error_unit}, {"time_unit", section.time_unit}, {"points", points}};
+}
+
+Json json_of(const ChartBar& bar) {
+  Json parts = Json::array();
+  for (const auto& [name, value] : bar.parts) parts.push_back({{"name", name}, {"value", value}});
+  return {{"title", bar.title}, {"stage", bar.stage}, {"note", bar.note}, {"unit", bar.unit}, {"parts", parts}};
+}
+
+Json json_of(const ChartGrowth& growth) {
+  Json lines = Json::array();
+  for (const auto& [name, points] : growth.lines) lines.push_back({{"name", name}, {"points", json_of(points)}});
+  return {{"title", growth.title},     {"stage", growth.stage},     {"note", growth.note},
+          {"x_label", growth.x_label}, {"y_label", growth.y_label}, {"lines", lines}};
+}
+
+ChartSection section_of(const nlohmann::json& json) {
+  ChartSection section{json.at("title"), json.at("note"), json.at("error_unit"), json.at("time_unit"), {},
+                       json.at("stage")};
+  for (const nlohmann::json& point : json.at("points")) {
+    ChartPoint& read =
+        section.points.emplace_back(ChartPoint{point.at("name"), measured_of(point.at("error")),
+                                               measured_of(point.at("time")), point.value("default", false)});
+    if (point.contains("memory_mb")) read.memory_mb = point["memory_mb"].get<double>();
+  }
+  return section;
+}
+
+ChartBar bar_of(const nlohmann::json& json) {
+  ChartBar bar{json.at("title"), json.at("note"), json.at("unit"), {}, json.at("stage")};
+  for (const nlohmann::json& part : json.at("parts")) bar.parts.emplace_back(part.at("name"), part.at("value"));
+  return bar;
+}
+
+ChartGrowth growth_of(const nlohmann::json& json) {
+  ChartGrowth growth{json.at("title"), json.at("note"), json.at("x_label"), json.at("y_label"), {}, json.at("stage")};
+  for (const nlohmann::json& line : json.at("lines")) {
+    auto& points = growth.lines.emplace_back(line.at("name"), std::vector<std::pair<double, double>>{}).second;
+    for (const nlohmann::json& point : line.at("points")) points.emplace_back(point.at(0), point.at(1));
+  }
+  return growth;
 }
 
 template <typename Entry>
@@ -66,23 +123,49 @@ Measured mean_of(const std::vector<double>& repetitions) {
   return {mean, std::sqrt(squares / (n - 1) / n)};
 }
 
-Json to_json(const Chart& chart) {
-  Json json = {{"format", kFormat},         {"version", kVersion},       {"program", chart.version},
-               {"machine", chart.machine},  {"quick", chart.quick},      {"complete", chart.complete},
-               {"sections", Json::array()}, {"left_out", chart.left_out}};
-  for (const ChartSection& section : chart.sections) {
-    Json points = Json::array();
-    for (const ChartPoint& point : section.points) {
-      points.push_back({{"name", point.name}, {"error", json_of(point.error)}, {"time", json_of(point.time)}});
-      if (point.is_default) points.back()["default"] = true;
+bool has_stage(const Chart& chart, const std::string& stage) {
+  const auto has = [&](const auto& entries) {
+    return std::any_of(entries.begin(), entries.end(), [&](const auto& entry) { return entry.stage == stage; });
+  };
+  return has(chart.sections) || has(chart.bars) || has(chart.growths);
+}
+
+void add(Chart& chart, ChartPart part, const std::string& stage) {
+  const auto append = [&](auto& to, auto& from) {
+    for (auto& entry : from) {
+      entry.stage = stage;
+      to.push_back(std::move(entry));
     }
-    json["sections"].push_back({{"title", section.title},
-                                {"stage", section.stage},
-                                {"note", section.note},
-                                {"error_unit", section.error_unit},
-                                {"time_unit", section.time_unit},
-                                {"points", points}});
+  };
+  append(chart.sections, part.sections);
+  append(chart.bars, part.bars);
+  append(chart.growths, part.growths);
+}
+
+std::vector<FrontStep> front_steps(const std::vector<ChartPoint>& points) {
+  const std::vector<bool> on_front = pareto_front(points);
+  std::vector<const ChartPoint*> front;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (on_front[i]) front.push_back(&points[i]);
   }
+  std::stable_sort(front.begin(), front.end(),
+                   [](const ChartPoint* a, const ChartPoint* b) { return a->time.value < b->time.value; });
+  std::vector<FrontStep> steps;
+  for (std::size_t i = 1; i < front.size(); ++i) {
+    const ChartPoint &from = *front[i - 1], &to = *front[i];
+    steps.push_back({from.name, to.name, to.time.value - from.time.value, from.error.value - to.error.value});
+  }
+  return steps;
+}
+
+Json to_json(const Chart& chart) {
+  Json json = {{"format", kFormat},         {"version", kVersion},   {"program", chart.version},
+               {"machine", chart.machine},  {"quick", chart.quick},  {"complete", chart.complete},
+               {"sections", Json::array()}, {"bars", Json::array()}, {"growths", Json::array()},
+               {"left_out", chart.left_out}};
+  for (const ChartSection& section : chart.sections) json["sections"].push_back(json_of(section));
+  for (const ChartBar& bar : chart.bars) json["bars"].push_back(json_of(bar));
+  for (const ChartGrowth& growth : chart.growths) json["growths"].push_back(json_of(growth));
   return json;
 }
 
@@ -92,18 +175,9 @@ Chart read_chart(const nlohmann::json& json, const std::string& file) {
       throw InputError(fmt::format("{}: /format, /version: must be \"{}\" and {}", printable(file), kFormat, kVersion));
     }
     Chart chart{json.at("quick"), json.at("program"), json.at("machine"), {}, json.at("left_out"), json.at("complete")};
-    for (const nlohmann::json& section : json.at("sections")) {
-      ChartSection& read = chart.sections.emplace_back(ChartSection{section.at("title"),
-                                                                    section.at("note"),
-                                                                    section.at("error_unit"),
-                                                                    section.at("time_unit"),
-                                                                    {},
-                                                                    section.at("stage")});
-      for (const nlohmann::json& point : section.at("points")) {
-        read.points.push_back({point.at("name"), measured_of(point.at("error")), measured_of(point.at("time")),
-                               point.value("default", false)});
-      }
-    }
+    for (const nlohmann::json& section : json.at("sections")) chart.sections.push_back(section_of(section));
+    for (const nlohmann::json& bar : json.at("bars")) chart.bars.push_back(bar_of(bar));
+    for (const nlohmann::json& growth : json.at("growths")) chart.growths.push_back(growth_of(growth));
     return chart;
   } catch (const nlohmann::json::exception& error) {
     throw InputError(printable(file) + ": is no chart's JSON: " + printable(error.what()));

@@ -2,6 +2,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 /// Speed against accuracy, stage by stage: the page of `dualpixel chart`, the JSON beside it, and what has changed
@@ -19,6 +20,7 @@ struct ChartPoint {
   std::string name;
   Measured error, time;
   bool is_default = false;
+  std::optional<double> memory_mb = {};  ///< at most, besides what the program held before
 };
 
 struct ChartSection {
@@ -29,6 +31,31 @@ struct ChartSection {
   std::string stage = {};  ///< of chart_stages() that measured it
 };
 
+/// A whole by its parts, one bar. A part below 0 takes from the others.
+struct ChartBar {
+  std::string title;
+  std::string note;
+  std::string unit;
+  std::vector<std::pair<std::string, double>> parts;
+  std::string stage = {};
+};
+
+/// What a cost grows with, on axes of decades.
+struct ChartGrowth {
+  std::string title;
+  std::string note;
+  std::string x_label, y_label;  ///< with units
+  std::vector<std::pair<std::string, std::vector<std::pair<double, double>>>> lines;
+  std::string stage = {};
+};
+
+/// What one stage has measured.
+struct ChartPart {
+  std::vector<ChartSection> sections;
+  std::vector<ChartBar> bars = {};
+  std::vector<ChartGrowth> growths = {};
+};
+
 struct Chart {
   bool quick = false;
   std::string version;  ///< of the program
@@ -36,10 +63,22 @@ struct Chart {
   std::vector<ChartSection> sections;
   std::vector<std::string> left_out;  ///< what a reader may miss, and why
   bool complete = false;
+  std::vector<ChartBar> bars = {};
+  std::vector<ChartGrowth> growths = {};
 };
+
+bool has_stage(const Chart& chart, const std::string& stage);
+void add(Chart& chart, ChartPart part, const std::string& stage);
 
 /// Whether no other point has both less error and less time, one of them strictly; in the points' order.
 std::vector<bool> pareto_front(const std::vector<ChartPoint>& points);
+
+/// What more time buys: each point of the front, fastest first, with the next one.
+struct FrontStep {
+  std::string from, to;
+  double more_time = 0, less_error = 0;
+};
+std::vector<FrontStep> front_steps(const std::vector<ChartPoint>& points);
 
 /// The mean of repetitions, with its standard error where there are two or more.
 Measured mean_of(const std::vector<double>& repetitions);

@@ -5,6 +5,7 @@
 
 #include "capture/error.h"
 #include "evaluation/chart/chart.h"
+#include "evaluation/report/bar.h"
 #include "evaluation/report/page.h"
 #include "evaluation/report/plot.h"
 #include "evaluation/report/table.h"
@@ -68,13 +69,42 @@ std::string text_of(const Measured& measured) {
 
 Table table_of(const ChartSection& section) {
   const std::vector<bool> front = pareto_front(section.points);
+  const bool memory = std::any_of(section.points.begin(), section.points.end(),
+                                  [](const ChartPoint& point) { return point.memory_mb.has_value(); });
   Table table{{"setting", "error, " + section.error_unit, "time, " + section.time_unit, "on the front", "default"}, {}};
+  if (memory) table.header.push_back("memory, MB");
   for (std::size_t i = 0; i < section.points.size(); ++i) {
     const ChartPoint& point = section.points[i];
     table.rows.push_back(
         {point.name, text_of(point.error), text_of(point.time), front[i] ? "yes" : "", point.is_default ? "yes" : ""});
+    if (memory) table.rows.back().push_back(cell_of(point.memory_mb, 0));
   }
   return table;
+}
+
+/// Nothing where the front is a single point.
+std::string steps_of(const ChartSection& section) {
+  const std::vector<FrontStep> steps = front_steps(section.points);
+  if (steps.empty()) return "";
+  Table table{{"from", "to", "more time, " + section.time_unit, "less error, " + section.error_unit,
+               fmt::format("less error for each of {}", section.time_unit)},
+              {}};
+  for (const FrontStep& step : steps) {
+    table.rows.push_back({step.from, step.to, fmt::format("{:.3g}", step.more_time),
+                          fmt::format("{:.3g}", step.less_error),
+                          step.more_time > 0 ? fmt::format("{:.2g}", step.less_error / step.more_time) : "–"});
+  }
+  return "<details><summary>What more time buys, along the front</summary>" + html_table(table) + "</details>\n";
+}
+
+std::string heading(const std::string& title, const std::string& note) {
+  return "<h2>" + escape_name(title) + "</h2>\n<p class=\"soft\">" + escape_html(printable(note, 1000)) + "</p>\n";
+}
+
+std::string growth_section(const ChartGrowth& growth) {
+  Plot plot{growth.title, growth.x_label, growth.y_label, {}, true, true, false, true};
+  for (const auto& [name, points] : growth.lines) plot.series.push_back({name, points});
+  return heading(growth.title, growth.note) + html_plots({plot});
 }
 
 }  // namespace
@@ -84,11 +114,15 @@ std::string to_page(const Chart& chart) {
       "<h1>Speed against accuracy</h1>\n<p>{}{}; dualpixel {}. To the left and down is better; a setting on the Pareto "
       "front has no other that is both faster and more accurate.</p>\n",
       escape_name(chart.machine), chart.quick ? ", in short" : "", escape_name(chart.version));
-  for (const ChartSection& section : chart.sections) {
-    body += "<h2>" + escape_name(section.title) + "</h2>\n<p class=\"soft\">" +
-            escape_html(printable(section.note, 1000)) + "</p>\n" + html_plots({plot_of(section)}) +
-            html_table(table_of(section));
+  for (const ChartBar& bar : chart.bars) {
+    body += heading(bar.title, bar.note) + "<div class=\"plots wide-plot\">" +
+            svg_bar({bar.title, bar.unit, bar.parts}) + "</div>\n";
   }
+  for (const ChartSection& section : chart.sections) {
+    body += heading(section.title, section.note) + html_plots({plot_of(section)}) + html_table(table_of(section)) +
+            steps_of(section);
+  }
+  for (const ChartGrowth& growth : chart.growths) body += growth_section(growth);
   if (!chart.left_out.empty()) {
     body += "<h2>Not on this page</h2>\n<ul>";
     for (const std::string& line : chart.left_out) body += "<li>" + escape_html(printable(line, 1000)) + "</li>";

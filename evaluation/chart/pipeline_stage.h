@@ -7,8 +7,9 @@
 
 namespace dualpixel::evaluation {
 
-/// The whole pipeline by mode and matcher, its portrait's error and its disparity's, and by frames of the burst.
-std::vector<ChartSection> measure_pipeline(const ChartInput& input);
+/// The whole pipeline by mode and matcher, its portrait's error and its disparity's, by frames of the burst, and where
+/// its error and time come from; defocus and person masks by themselves, on the same captures.
+ChartPart measure_pipeline(const ChartInput& input);
 
 /// Writes the first of the captures that measure_pipeline() works on into the scratch folder; its path.
 std::string write_chart_capture(const ChartInput& input);

@@ -15,7 +15,7 @@
 namespace dualpixel::evaluation {
 namespace {
 
-std::vector<ChartSection> measure_renderer(const ChartInput& input) {
+ChartPart measure_renderer(const ChartInput& input) {
   RenderBenchmarkOptions options;
   if (input.quick) options = {.reference_samples = 256, .most_samples = 32};
   const SceneRenderBenchmark benchmark =
@@ -32,10 +32,35 @@ std::vector<ChartSection> measure_renderer(const ChartInput& input) {
       section.points.push_back({fmt::format("{}, {:.3g} spp", curve.name, run.samples), {run.error}, {run.time_s}});
     }
   }
-  return {section};
+  return {{section}};
 }
 
-std::vector<ChartSection> measure_lens_models(const ChartInput& input) {
+ChartPart measure_light(const ChartInput& input) {
+  RenderBenchmarkOptions options{.reference_samples = 1024, .most_samples = 128};
+  if (input.quick) options = {.reference_samples = 128, .most_samples = 32};
+  ChartSection section{"Light",
+                       "24 patches of portrait.json: where the light of a surface is known, at points so many "
+                       "photosites apart or by every sample; making the points is in the time. One run each, against a "
+                       "converged reference.",
+                       "of the sensor's noise",
+                       "CPU s",
+                       {}};
+  const double chosen_px = simulator::LightCacheOptions{}.light_spacing_px;
+  const std::vector<double> spacings_px = {0, 16, 8, chosen_px, 2};
+  const std::vector<RenderCurve> curves =
+      measure_light_points(input.scenes_folder + "/portrait.json", options, spacings_px);
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    for (const RenderRun& run : curves[i].runs) {
+      section.points.push_back({fmt::format("{}, {:.3g} spp", curves[i].name, run.samples),
+                                {run.error},
+                                {run.time_s},
+                                spacings_px[i] == chosen_px && run.samples == 16});
+    }
+  }
+  return {{section}};
+}
+
+ChartPart measure_lens_models(const ChartInput& input) {
   std::vector<std::string> files = {input.lenses_folder + "/phone_6p_4.2mm_f1.8.json"};
   if (!input.quick) {
     files.push_back(input.lenses_folder + "/phone_7p_4.9mm_f1.85.json");
@@ -55,10 +80,10 @@ std::vector<ChartSection> measure_lens_models(const ChartInput& input) {
       section.points.push_back({model.model, {model.disparity_error_dp_px}, {1e9 / model.samples_per_core_s}});
     }
   }
-  return sections;
+  return {sections};
 }
 
-std::vector<ChartSection> measure_matchers(const ChartInput& input) {
+ChartPart measure_matchers(const ChartInput& input) {
   std::vector<std::string> scenes = {input.scenes_folder + "/slanted_planes.json",
                                      input.scenes_folder + "/occlusion_edges.json"};
   if (!input.quick) scenes.push_back(input.scenes_folder + "/portrait.json");
@@ -79,10 +104,10 @@ std::vector<ChartSection> measure_matchers(const ChartInput& input) {
     const std::string& name = benchmark.scenes.front().methods[i].method;
     section.points.push_back({name, mean_of(errors), mean_of(ms), name == pipeline::matchers().front().name});
   }
-  return {section};
+  return {{section}};
 }
 
-std::vector<ChartSection> measure_solver(const ChartInput& input) {
+ChartPart measure_solver(const ChartInput& input) {
   const SmoothingBenchmark benchmark = measure_smoothing(write_chart_capture(input));
   ChartSection section{"Solver and upsampling",
                        "Smoothing of the paper matcher's disparity of one small portrait.json, fitted to the truth; "
@@ -94,10 +119,37 @@ std::vector<ChartSection> measure_solver(const ChartInput& input) {
     section.points.push_back(
         {method.family + ": " + method.name, {method.matched.errors.rmse_dp_px}, {method.matched.cpu_ms}});
   }
-  return {section};
+  return {{section}};
 }
 
-std::vector<ChartSection> measure_calibration(const ChartInput& input) {
+/// How the renderer's cost grows.
+ChartPart measure_growth(const ChartInput&) {
+  constexpr double kMostTriangles = 1e6;
+  const RenderScaling scaling = measure_scaling(kMostTriangles, [](double) {});
+  ChartPart part;
+  ChartGrowth& triangles =
+      part.growths.emplace_back(ChartGrowth{"Renderer: growth with triangles",
+                                            "A wall of waves under a sky, one core, points of light known.",
+                                            "triangles",
+                                            "ns a sample or a ray",
+                                            {{"camera sample", {}}, {"ray in Embree alone", {}}}});
+  for (const SceneCost& cost : scaling.triangles) {
+    triangles.lines[0].second.emplace_back(cost.triangles, cost.cpu_ns);
+    triangles.lines[1].second.emplace_back(cost.triangles, cost.ray_ns);
+  }
+  ChartGrowth& counts = part.growths.emplace_back(
+      ChartGrowth{"Renderer: growth with photosites and samples",
+                  "The same wall of 10^4 triangles: CPU time of one sample, which does not grow where cost is in "
+                  "proportion to the count.",
+                  "photosites of the picture, or samples a photosite",
+                  "ns a sample",
+                  {{"photosites", {}}, {"samples a photosite", {}}}});
+  for (const SampleCost& cost : scaling.photosites) counts.lines[0].second.emplace_back(cost.count, cost.cpu_ns);
+  for (const SampleCost& cost : scaling.samples) counts.lines[1].second.emplace_back(cost.count, cost.cpu_ns);
+  return part;
+}
+
+ChartPart measure_calibration(const ChartInput& input) {
   const std::string file = input.scenes_folder + "/portrait.json";
   nlohmann::json json = read_json_file(file);
   const CalibrationCost cost = measure_calibration_cost(simulator::read_simulation(json, file), [](double) {});
@@ -111,25 +163,29 @@ std::vector<ChartSection> measure_calibration(const ChartInput& input) {
     section.points.push_back(
         {effort.axis + " " + effort.value, {effort.residual_dp_px}, {static_cast<double>(effort.photographs())}});
   }
-  return {section};
+  return {{section}};
 }
 
 }  // namespace
 
 const std::vector<ChartStage>& chart_stages() {
-  static const std::vector<ChartStage> stages = {
-      {"pipeline", true, measure_pipeline},       {"renderer", true, measure_renderer},
-      {"lens models", true, measure_lens_models}, {"matchers", true, measure_matchers},
-      {"solver", true, measure_solver},           {"calibration", false, measure_calibration}};
+  static const std::vector<ChartStage> stages = {{"pipeline", true, measure_pipeline},
+                                                 {"renderer", true, measure_renderer},
+                                                 {"light", true, measure_light},
+                                                 {"lens models", true, measure_lens_models},
+                                                 {"matchers", true, measure_matchers},
+                                                 {"solver", true, measure_solver},
+                                                 {"calibration", false, measure_calibration},
+                                                 {"growth", false, measure_growth}};
   return stages;
 }
 
 std::vector<std::string> chart_left_out(bool quick) {
   std::vector<std::string> lines = {
-      "Defocus renderers: bench defocus times them and experiment defocus judges them, but not on the same pictures.",
-      "Segmentation: needs a folder of pictures with masks; experiment segmentation judges it.",
+      "The network in bf16: a process can run it in one precision only; bench_segmentation and experiment segmentation "
+      "--bf16 have it.",
       "Cycles: tools/compare_cycles.py runs it."};
-  if (quick) lines.insert(lines.begin(), "Calibration: takes minutes; without --quick it is here.");
+  if (quick) lines.insert(lines.begin(), "Calibration and growth: take minutes; without --quick they are here.");
   return lines;
 }
 

@@ -12,7 +12,7 @@ namespace dualpixel::evaluation {
 struct ChartStage {
   std::string name;
   bool in_quick = true;
-  std::function<std::vector<ChartSection>(const ChartInput&)> measure;
+  std::function<ChartPart(const ChartInput&)> measure;
 };
 
 const std::vector<ChartStage>& chart_stages();

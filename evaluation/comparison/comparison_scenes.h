@@ -15,8 +15,6 @@ struct ComparisonScene {
   const char* kind;  ///< of scenes/kinds/
   std::uint64_t seed;
   std::vector<std::string> assignments;  ///< as SceneOrder has them
-
-  bool shows_people() const { return std::string(kind) == "portrait"; }
 };
 
 /// Kinds alternate, so that the first few are a mixture, too.

@@ -37,6 +37,10 @@ nlohmann::ordered_json to_json(const std::vector<ComparedGroup>& groups, const s
 /// For a terminal: a table for each group, of the crops and of whole pictures.
 std::string to_text(const std::vector<ComparedGroup>& groups);
 
-std::string to_page(const std::vector<ComparedGroup>& groups, const std::vector<ComparedPictures>& scenes);
+/// HTML of one scene, its pictures small and its first crop in full.
+std::string scene_section(const ComparedPictures& scene);
+
+/// `scene_sections`: one after the other.
+std::string to_page(const std::vector<ComparedGroup>& groups, const std::string& scene_sections);
 
 }  // namespace dualpixel::evaluation

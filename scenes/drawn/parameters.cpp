@@ -55,7 +55,9 @@ Parameters draw_parameters(const std::string& kind, std::span<const Parameter> t
   Parameters values;
   for (const Parameter& p : table) {
     RandomStream rng = RandomStream(seed, false).substream(hash_of_name(p.name));
-    if (p.choices.empty()) {
+    if (p.type == Parameter::Type::folder) {
+      values.choices_[p.name] = "";
+    } else if (p.choices.empty()) {
       values.numbers_[p.name] = draw_number(p, rng);
     } else {
       values.choices_[p.name] = p.usual != nullptr ? p.usual : p.choices[rng.below(static_cast<int>(p.choices.size()))];
@@ -75,7 +77,9 @@ Parameters draw_parameters(const std::string& kind, std::span<const Parameter> t
       throw InputError(fmt::format("{}: {}: unknown parameter{}; there are {}", kind, printable(name),
                                    did_you_mean(name, names), fmt::join(names, ", ")));
     }
-    if (row->choices.empty()) {
+    if (row->type == Parameter::Type::folder) {
+      values.choices_[name] = text;
+    } else if (row->choices.empty()) {
       values.numbers_[name] = read_number(kind, *row, text);
     } else if (std::find(row->choices.begin(), row->choices.end(), text) != row->choices.end()) {
       values.choices_[name] = text;
@@ -87,11 +91,13 @@ Parameters draw_parameters(const std::string& kind, std::span<const Parameter> t
 }
 
 std::string allowed_text(const Parameter& p) {
+  if (p.type == Parameter::Type::folder) return "a folder";
   if (!p.choices.empty()) return fmt::format("{}", fmt::join(p.choices, ", "));
   return fmt::format("{:g} .. {:g}", p.low, p.high);
 }
 
 std::string drawn_text(const Parameter& p) {
+  if (p.type == Parameter::Type::folder) return "none";
   if (!p.choices.empty()) return p.usual != nullptr ? p.usual : "drawn";
   if (p.drawn_low == p.drawn_high) return fmt::format("{:g}", p.drawn_low);
   return fmt::format("{:g} .. {:g}", p.drawn_low, p.drawn_high);

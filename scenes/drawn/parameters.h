@@ -14,7 +14,8 @@ struct Parameter {
     number,
     logarithmic,  ///< a number that is drawn with equal chances per octave
     integer,
-    multiple_of_16
+    multiple_of_16,
+    folder  ///< a path; low and high are not used; where it is not set: none
   };
   const char* name;
   const char* unit;  ///< "" where it has none
@@ -33,6 +34,8 @@ class Parameters {
   float real(const std::string& name) const { return static_cast<float>(number(name)); }
   int integer(const std::string& name) const { return static_cast<int>(number(name)); }
   const std::string& choice(const std::string& name) const { return choices_.at(name); }
+  /// "": none.
+  const std::string& folder(const std::string& name) const { return choices_.at(name); }
   const std::map<std::string, double>& numbers() const { return numbers_; }
   const std::map<std::string, std::string>& choices() const { return choices_; }
 

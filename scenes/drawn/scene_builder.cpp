@@ -24,6 +24,11 @@ int SceneBuilder::add(const Surface& surface) {
   return glb.add_material(material);
 }
 
+int SceneBuilder::add_material(const GlbMaterial& material) {
+  repeat_m_.push_back(1);
+  return glb.add_material(material);
+}
+
 void SceneBuilder::add(const std::string& name, Mesh mesh, int surface) {
   drop_flat_triangles(mesh);
   if (mesh.triangles.empty()) return;

@@ -23,6 +23,7 @@ class SceneBuilder {
   SceneBuilder();
 
   int add(const Surface& surface);
+  int add_material(const GlbMaterial& material);
   /// Meshes without triangles are left out. UVs are meters.
   void add(const std::string& name, Mesh mesh, int surface);
   void add(const std::string& name, Mesh mesh, const Surface& surface) { add(name, std::move(mesh), add(surface)); }

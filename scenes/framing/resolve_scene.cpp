@@ -12,7 +12,7 @@
 #include "scenes/framing/free_place.h"
 #include "scenes/framing/light_meter.h"
 #include "scenes/framing/scene_document.h"
-#include "scenes/framing/seen_surfaces.h"
+#include "scenes/framing/seen_depth.h"
 #include "simulator/simulate.h"
 
 namespace dualpixel::scenes {
@@ -93,10 +93,9 @@ void place_camera_around(json& document, const simulator::Simulation& s, const s
 
 void focus(const FocusRequest& request, json& document, const std::string& path, const simulator::ReadyScene& ready) {
   const simulator::Simulation s = simulator::read_simulation(document, path);
-  const Truth seen = seen_surfaces(s, ready);
   double depth = 0;
   if (request.node) {
-    depth = depth_of_node(seen, *request.node, ready, path, "/camera/focus_node");
+    depth = seen_depth_of_node(s, ready, *request.node, path, "/camera/focus_node");
   } else if (request.at_px) {
     const auto [x, y] = *request.at_px;
     if (!(x >= 0 && x <= s.sensor.width_px && y >= 0 && y <= s.sensor.height_px)) {
@@ -104,9 +103,9 @@ void focus(const FocusRequest& request, json& document, const std::string& path,
           .fail("focus_at_px", fmt::format("[{:g}, {:g}]: must lie in the picture of {} x {} photosites", x, y,
                                            s.sensor.width_px, s.sensor.height_px));
     }
-    depth = depth_at(seen, x / s.sensor.width_px, y / s.sensor.height_px, path, "/camera/focus_at_px");
+    depth = seen_depth(s, ready, x / s.sensor.width_px, y / s.sensor.height_px, path, "/camera/focus_at_px");
   } else {
-    depth = depth_at(seen, 0.5, 0.5, path, "/camera/focus_distance_m: auto");
+    depth = seen_depth(s, ready, 0.5, 0.5, path, "/camera/focus_distance_m: auto");
   }
   document["camera"]["focus_distance_m"] = short_number(depth);
 }

@@ -24,15 +24,14 @@ std::string word(std::size_t value) {
 
 void pad(std::string& bytes, char with) { bytes.resize((bytes.size() + 3) / 4 * 4, with); }
 
-std::vector<unsigned char> png(const Texture& texture, int level) {
+std::vector<unsigned char> png(int width, int height, int channels, const unsigned char* pixels, int level) {
   std::vector<unsigned char> bytes;
   OIIO::Filesystem::IOVecOutput memory(bytes);
   const auto output = OIIO::ImageOutput::create("png");
   output->set_ioproxy(&memory);
-  OIIO::ImageSpec spec(texture.size, texture.size, 3, OIIO::TypeDesc::UINT8);
+  OIIO::ImageSpec spec(width, height, channels, OIIO::TypeDesc::UINT8);
   spec.attribute("png:compressionLevel", level);
-  if (!output->open("texture.png", spec) || !output->write_image(OIIO::TypeDesc::UINT8, texture.rgb.data()) ||
-      !output->close()) {
+  if (!output->open("texture.png", spec) || !output->write_image(OIIO::TypeDesc::UINT8, pixels) || !output->close()) {
     throw std::runtime_error("a texture could not be encoded: " + output->geterror());
   }
   return bytes;
@@ -58,7 +57,14 @@ int Glb::add_view(const void* data, std::size_t bytes) {
 }
 
 int Glb::add_texture(const Texture& texture) {
-  const std::vector<unsigned char> bytes = png(texture, png_level_);
+  return add_picture(png(texture.size, texture.size, 3, texture.rgb.data(), png_level_));
+}
+
+int Glb::add_texture(int width, int height, const std::vector<unsigned char>& rgba) {
+  return add_picture(png(width, height, 4, rgba.data(), png_level_));
+}
+
+int Glb::add_picture(const std::vector<unsigned char>& bytes) {
   root_["images"].push_back({{"bufferView", add_view(bytes.data(), bytes.size())}, {"mimeType", "image/png"}});
   root_["textures"].push_back({{"source", root_["images"].size() - 1}});
   return static_cast<int>(root_["textures"].size()) - 1;
@@ -90,6 +96,7 @@ int Glb::add_material(const GlbMaterial& from) {
     material["extensions"]["KHR_materials_volume"] = {{"thicknessFactor", 1}};
     use("KHR_materials_volume");
   }
+  if (from.cut_out) material["alphaMode"] = "MASK";
   if (from.subsurface > 0) material["extras"]["subsurface"] = from.subsurface;
   root_["materials"].push_back(material);
   return static_cast<int>(root_["materials"].size()) - 1;

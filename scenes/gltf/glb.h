@@ -19,6 +19,7 @@ struct GlbMaterial {
   float transmission = 0;  ///< share of the light that passes, tinted by the color
   bool solid = false;      ///< of glass through and through; otherwise a thin pane
   float subsurface = 0;    ///< share of the diffuse light that comes from within, as of skin
+  bool cut_out = false;    ///< nothing is there where the texture's alpha is below 1/2
 };
 
 class Glb {
@@ -26,6 +27,8 @@ class Glb {
   /// What the file says that made it, and how hard pictures are compressed, 1 to 9; before anything else.
   void set_generator(const std::string& name, int png_level);
   int add_texture(const Texture& texture);
+  /// sRGB and alpha, row by row from the top.
+  int add_texture(int width, int height, const std::vector<unsigned char>& rgba);
   int add_material(const GlbMaterial& material);
   /// `texture` -1: none. Unlit materials glow with their texture; others are plainly diffuse at roughness 1.
   int add_material(int texture, glm::vec3 color, bool unlit, float roughness = 1);
@@ -47,6 +50,7 @@ class Glb {
   void write(const std::string& path) const;
 
  private:
+  int add_picture(const std::vector<unsigned char>& png);
   int add_view(const void* data, std::size_t bytes);
   std::size_t add_accessor(const void* data, std::size_t count, int components, int type);
   std::size_t add_positions(const std::vector<glm::vec3>& positions);

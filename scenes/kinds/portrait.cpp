@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "scenes/kinds/kinds.h"
 #include "scenes/kinds/portrait_people.h"
+#include "scenes/people/makehuman/assets.h"
 #include "scenes/places/places.h"
 #include "scenes/places/room.h"
 
@@ -70,6 +72,8 @@ void build_portrait(SceneBuilder& build, const Parameters& p, RandomStream rng) 
   RandomStream at = rng.substream(2);
   // shoulder to shoulder as far as the picture is wide enough, else behind one another's shoulders
   const float spacing = std::clamp(0.42f * distance, 0.32f, 0.5f);
+  std::optional<MakeHumanAssets> makehuman;
+  if (!p.folder("makehuman").empty()) makehuman.emplace(p.folder("makehuman"));
   StandingFace nearest;
   for (int i = 0; i < people; ++i) {
     const float beside =
@@ -80,7 +84,7 @@ void build_portrait(SceneBuilder& build, const Parameters& p, RandomStream rng) 
     spot.yaw = 0.35f * at.normal() - 0.4f * beside;
     spot.lowest_m = i == 0 ? 0.4f : 0.1f;
     if (i > 0) spot.eyes_m = nearest.middle.y + std::clamp(0.08f * at.normal(), -0.15f, 0.15f);
-    const StandingFace face = add_person(build, rng.substream(10 + i), spot);
+    const StandingFace face = add_person(build, rng.substream(10 + i), spot, makehuman ? &*makehuman : nullptr);
     if (i == 0) nearest = face;
   }
   const vec3 middle = nearest.middle;
@@ -117,7 +121,8 @@ SceneKind portrait_kind() {
         {"sun", "overcast", "dusk", "night"}},
        {"distance_m", "m", Type::logarithmic, 0.4, 4, 0.7, 1.5, "from the camera to the first person"},
        {"depth_step_m", "m", Type::number, 0, 3, 0.25, 0.6, "that each further person stands behind the one before"},
-       {"branch", "", Type::integer, 0, 1, 0, 1, "1: leaves hang into the picture"}},
+       {"branch", "", Type::integer, 0, 1, 0, 1, "1: leaves hang into the picture"},
+       {"makehuman", "", Type::folder, 0, 0, 0, 0, "of assets in MakeHuman's formats that people are made from"}},
       build_portrait};
 }
 

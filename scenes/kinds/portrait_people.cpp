@@ -2,10 +2,14 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 
+#include "capture/image/image_io.h"
 #include "scenes/kinds/hair_curves.h"
+#include "scenes/people/makehuman/makehuman_figure.h"
 #include "scenes/people/procedural_figure.h"
 #include "scenes/people/shape/reflectance.h"
 #include "scenes/procedural/noise.h"
@@ -81,6 +85,41 @@ void add_object_mesh(SceneBuilder& build, SceneObject object, const Material& ma
   if (!mesh.triangles.empty()) build.glb.add_colored_person("person", mesh, colors, build.add(surface_of(material)));
 }
 
+/// The texture, tinted by the material's color.
+int add_tinted_texture(SceneBuilder& build, const Material& material) {
+  const simulator::Texture& texture = *material.texture;
+  std::vector<unsigned char> rgba(texture.bytes().begin(), texture.bytes().end());
+  tbb::parallel_for(std::size_t{0}, rgba.size() / 4, [&](std::size_t i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float linear = simulator::kDecodeTables.srgb[rgba[4 * i + c]] * material.a[static_cast<int>(c)];
+      rgba[4 * i + c] = static_cast<unsigned char>(std::lround(255 * srgb_from_linear(std::clamp(linear, 0.0f, 1.0f))));
+    }
+  });
+  return build.glb.add_texture(texture.width, texture.height, rgba);
+}
+
+/// Skin of MakeHuman's is known by its texture; eyes by how they shine.
+void add_textured_mesh(SceneBuilder& build, SceneObject object, const Material& material, const Figure& figure) {
+  const bool skin = material.texture == figure.skin.texture;
+  const bool eye = material.gloss_power > 100;
+  Mesh mesh;
+  mesh.positions = std::move(object.positions);
+  mesh.normals = std::move(object.normals);
+  for (vec3& n : mesh.normals) n = glm::dot(n, n) > 1e-12f ? glm::normalize(n) : vec3(0, 1, 0);
+  for (const vec3& uv : object.rest) mesh.uvs.emplace_back(uv.x, uv.y);
+  if (skin) {
+    std::vector<vec3> unused(mesh.positions.size());
+    roughen_skin(material, mesh.positions, mesh.normals, unused);
+  }
+  mesh.triangles = std::move(object.triangles);
+  drop_flat_triangles(mesh);
+  if (mesh.triangles.empty()) return;
+  GlbMaterial textured{.texture = add_tinted_texture(build, material), .roughness = eye ? 0.12f : 0.8f};
+  if (skin) textured.roughness = 0.5f, textured.subsurface = 0.8f;
+  textured.cut_out = material.cut_out || eye;  // corneas are clear
+  build.glb.add_node("person", mesh, build.add_material(textured), true);
+}
+
 void add_strands(SceneBuilder& build, const HairCurves& hair) {
   if (hair.segments.empty()) return;
   build.glb.add_person_hair("hair", hair.points, hair.widths_m, hair.colors, hair.segments,
@@ -89,7 +128,8 @@ void add_strands(SceneBuilder& build, const HairCurves& hair) {
 
 }  // namespace
 
-StandingFace add_person(SceneBuilder& build, RandomStream rng, const PersonSpot& spot) {
+StandingFace add_person(SceneBuilder& build, RandomStream rng, const PersonSpot& spot,
+                        const MakeHumanAssets* makehuman) {
   SceneModel model;
   FigureOptions options;
   options.position = spot.foot;
@@ -97,7 +137,8 @@ StandingFace add_person(SceneBuilder& build, RandomStream rng, const PersonSpot&
   options.meters_per_px = 0.0012f;
   options.lowest_m = spot.lowest_m;
   options.gesture = random_gesture(rng);
-  const Figure figure = add_figure(model, rng.substream(1), options);
+  const Figure figure = makehuman != nullptr ? add_makehuman_figure(model, *makehuman, rng.substream(1), options)
+                                             : add_figure(model, rng.substream(1), options);
   StandingFace face;
   face.outline = figure.face_outline;
   face.middle = 0.5f * (figure.face_points[1] + figure.face_points[2]);
@@ -111,7 +152,11 @@ StandingFace add_person(SceneBuilder& build, RandomStream rng, const PersonSpot&
     const Material& material = model.materials[static_cast<std::size_t>(object.material)];
     if (material.kind == Kind::hair && object.hair_m == 0) continue;  // ribbons in place of strands
     if (object.hair_m > 0) add_strands(build, grow_hair(object, material, figure, rng.substream(2)));
-    add_object_mesh(build, std::move(object), material);
+    if (material.kind == Kind::textured) {
+      add_textured_mesh(build, std::move(object), material, figure);
+    } else {
+      add_object_mesh(build, std::move(object), material);
+    }
   }
   return face;
 }

@@ -6,6 +6,8 @@
 
 namespace dualpixel::scenes {
 
+class MakeHumanAssets;
+
 struct PersonSpot {
   glm::vec3 foot{0};    ///< below the pelvis, on the floor
   float yaw = 0;        ///< 0: faces +z
@@ -20,7 +22,9 @@ struct StandingFace {
   glm::vec3 middle{0};
 };
 
-/// A drawn person (scenes/people) whose colors are those of its vertices.
-StandingFace add_person(SceneBuilder& build, RandomStream rng, const PersonSpot& spot);
+/// A drawn person (scenes/people) whose colors are those of its vertices. `makehuman`: made from these, with their
+/// textures; null: by code.
+StandingFace add_person(SceneBuilder& build, RandomStream rng, const PersonSpot& spot,
+                        const MakeHumanAssets* makehuman = nullptr);
 
 }  // namespace dualpixel::scenes

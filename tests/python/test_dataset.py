@@ -97,6 +97,7 @@ def test_truth_is_of_single_rays(program, tmp_path):
             assert finite.all() or (name == "depth_m" and np.isposinf(sample[name][~valid]).all())
             np.testing.assert_array_equal(sample["view_" + name], sample[name][2::4, 1::2])
         np.testing.assert_array_equal(sample["object_id"] == 0, ~valid)
+        assert ((sample["person"] >= 0) & (sample["person"] <= 1)).all() and (sample["person"][~valid] == 0).all()
         # float32
         np.testing.assert_allclose(np.linalg.norm(sample["normal"][valid], axis=-1), 1, atol=1e-6)
         # the scene's planes face the camera: as many depths as objects, up to float32

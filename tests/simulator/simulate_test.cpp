@@ -251,6 +251,27 @@ TEST(Simulate, StatesTheNoiseThatFramesDifferBy) {
   }
 }
 
+// Where half of the picture is black and the sensor has no read noise, rendering's variance over the sensor's has no
+// bound photosite by photosite. Stated is that of the sums: at most twice what is found in the bright half, since the
+// black one adds to rendering's alone; so at least a quarter over the whole picture, which gives it to 10 %.
+TEST(Simulate, BlackPartsDoNotBlowUpTheStatedNoise) {
+  json document = minimal();
+  document["sensor"] = {{"width_px", 64}, {"height_px", 64}, {"read_noise_e", 0}};
+  document["sensor"].update({{"dp_downsample_x", 1}, {"dp_downsample_y", 1}});
+  document["burst"] = {{"frames", 2}, {"hand_shake", 1e-4}};
+  document["exposure"] = {{"time_s", 0.005}};
+  document["render"] = {{"error", 0.01}, {"light_spacing_px", 0}};
+  Scene scene = step_under_a_sky();
+  Material black;
+  black.unlit = true;
+  black.base_color = {0, 0, 0, 1};
+  scene.materials.push_back(black);
+  scene.meshes[1].material = 1;
+  const double found = found_over_stated_noise(simulate(read_simulation(document, "s.json"), scene));
+  EXPECT_GT(found, 0.25 * 0.9);
+  EXPECT_LT(found, 1.1);
+}
+
 // Frames of a burst in which nothing moves see the same light. What the capture states is what is found against a
 // picture of many more samples. So for the other pictures of truth.
 TEST(SlowSimulate, StatesTheNoiseOfTruth) {

@@ -205,6 +205,17 @@ TEST_F(BadInput, AStudyInPlaceOfAnotherWithItsVotes) {
   EXPECT_EQ(read_bytes(folder / "study" + "/votes_A.json"), "{}");
 }
 
+TEST_F(BadInput, PathsThatTheSystemRefuses) {
+  const std::string path = std::string(5000, 'a');  // beyond PATH_MAX
+  for (const std::string command :
+       {"info ", "score x ", "report -o out.html ", "portrait -o out ", "evaluate --method likelihood -o out ",
+        "experiment votes --portraits a=x --portraits b=y -o ", "experiment methods -o "}) {
+    const Outcome outcome = run_command(command + path);
+    expect_one_line_refusal(outcome);
+    EXPECT_NE(outcome.err.find("aaaa"), std::string::npos) << command << outcome.err.substr(0, 200);
+  }
+}
+
 TEST_F(BadInput, OutputIntoAReadOnlyFolder) {
   if (geteuid() == 0) GTEST_SKIP() << "root may write into read-only folders";
   std::filesystem::create_directory(folder / "locked");

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "capture/error.h"
+#include "tools/cli/file_fault.h"
 #include "tools/cli/signals.h"
 #include "tools/commands/commands.h"
 
@@ -128,6 +129,8 @@ int program_main(int argc, char** argv) {
     return report(kBadInput, error.what());
   } catch (const std::bad_alloc&) {
     return report_no_memory(argc, argv);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return report(kBadInput, file_fault(error));
   } catch (const std::system_error& error) {  // a thread that has no room for its stack
     if (error.code() == std::errc::resource_unavailable_try_again) return report_no_memory(argc, argv);
     return report(kInternalError, printable(error.what()));

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "capture/error.h"
+#include "tools/cli/file_fault.h"
 
 namespace dualpixel::tools {
 
@@ -24,6 +25,8 @@ inline int run_small_program(CLI::App& program, int argc, char** argv, const std
     return report(2, printable(error.what()));
   } catch (const InputError& error) {
     return report(2, error.what());
+  } catch (const std::filesystem::filesystem_error& error) {
+    return report(2, file_fault(error));
   } catch (const std::exception& error) {
     return report(1, printable(error.what()));
   }

@@ -75,13 +75,8 @@ void run(const ChartOptions& options) {
   for (const evaluation::ChartStage& stage : evaluation::chart_stages()) {
     progress(static_cast<double>(done++) / static_cast<double>(evaluation::chart_stages().size()));
     if (options.quick && !stage.in_quick) continue;
-    const bool measured = std::any_of(chart.sections.begin(), chart.sections.end(),
-                                      [&](const evaluation::ChartSection& s) { return s.stage == stage.name; });
-    if (measured) continue;
-    for (evaluation::ChartSection& section : stage.measure(input)) {
-      section.stage = stage.name;
-      chart.sections.push_back(std::move(section));
-    }
+    if (has_stage(chart, stage.name)) continue;
+    add(chart, stage.measure(input), stage.name);
     replace_file(json_file, to_json(chart).dump(2) + "\n");
   }
   progress(1);

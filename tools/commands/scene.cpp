@@ -34,7 +34,9 @@ nlohmann::ordered_json options_json(const scenes::SceneKind& kind) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const scenes::Parameter& p : scenes::parameters_of(kind)) {
     nlohmann::ordered_json row = {{"name", p.name}, {"unit", p.unit}, {"description", p.description}};
-    if (p.choices.empty()) {
+    if (p.type == scenes::Parameter::Type::folder) {
+      row["folder"] = true;
+    } else if (p.choices.empty()) {
       row["range"] = {p.low, p.high};
       row["drawn"] = {p.drawn_low, p.drawn_high};
     } else {

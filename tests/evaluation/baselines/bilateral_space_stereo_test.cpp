@@ -64,8 +64,6 @@ TEST(MatchIntervals, APixelWithoutTextureOrMatchSaysNothing) {
 }
 
 TEST(MatchIntervals, AWindowNeedsAllOfItsPixels) {
-  Image left(15, 7, 1, 80.0f);
-  left.at(7, 3) = 200;  // matches nowhere
   MatchIntervalOptions options;
   options.window_columns = 5;
   options.window_rows = 3;
@@ -73,12 +71,12 @@ TEST(MatchIntervals, AWindowNeedsAllOfItsPixels) {
   for (int y = 0; y < 7; ++y) {
     for (int x = 0; x < 15; ++x) right.at(x, y) = 80.0f + 8.0f * static_cast<float>(x - 7);  // a ramp: one label alone
   }
-  for (int y = 0; y < 7; ++y) std::copy_n(right.row(y), 15, left.row(y));
-  left.at(7, 3) = 250;
+  Image left = right;
+  left.at(7, 3) = 250;  // matches nowhere
   const MatchIntervals found = match_intervals(left, right, options);
   for (int y = 0; y < 7; ++y) {
     for (int x = 2; x < 13; ++x) {
-      const bool spoiled = std::abs(x - 7) <= 2 + 0 && std::abs(y - 3) <= 1;
+      const bool spoiled = std::abs(x - 7) <= 2 && std::abs(y - 3) <= 1;
       // beside the spike interpolation reaches it within half a step
       if (!spoiled && std::abs(x - 7) <= 3 && std::abs(y - 3) <= 1) continue;
       EXPECT_EQ(found.last.at(x, y) - found.first.at(x, y) == 16, spoiled) << x << ", " << y;
@@ -140,6 +138,20 @@ TEST(BilateralSpace, EnergyIsThatOfItsDefinition) {
   // The cells differ along x and along Y at once, so no two are neighbors: nothing ties them. Beyond the labels every
   // pixel of the middle vertex pulls
   EXPECT_NEAR(energy({4, 20, 11.5}, gradient), 0.5 * (64 * 4 + 16 * 2.5), 1e-6);
+}
+
+// Two tiles of 64 pixels, neighbors along x, and data that says nothing. B is [[10, 1], [1, 10]] there, so that both
+// have n^2 = 64 / 11, and Dm - Dn B Dn is n^2 [[1, -1], [-1, 1]].
+TEST(BilateralSpace, SmoothnessOfTwoNeighborsHasAClosedForm) {
+  const Image guide(16, 8, 3, 100.0f);
+  const pipeline::BilateralGrid grid = pipeline::make_bilateral_grid(guide, {8, 8, 8});
+  ASSERT_EQ(grid.vertices, 2);
+  const MatchIntervals anything{Image(16, 8), Image(16, 8, 1, 16.0f)};
+  const BilateralSpaceEnergy energy(grid, anything, 17, {});
+  std::vector<double> gradient(2);
+  EXPECT_NEAR(energy({3, 7}, gradient), 0.5 * 64 / 11 * 16, 1e-9);
+  EXPECT_NEAR(gradient[0], -4 * 64.0 / 11, 1e-9);
+  EXPECT_NEAR(gradient[1], 4 * 64.0 / 11, 1e-9);
 }
 
 /// Guide without steps, so that the tiles are neighbors along x.

@@ -18,6 +18,9 @@ Chart small_chart() {
        "DP px",
        "ms",
        {{"slow", {0.1, 0.01}, {100, 1.0}}, {"fast", {0.3, 0.01}, {10, 0.1}, true}, {"neither", {0.31, 0.01}, {101}}}}};
+  chart.sections[0].points[0].memory_mb = 12;
+  chart.bars = {{"Time", "of one run", "ms", {{"merge", 30}, {"blur", 10}, {"gain", -5}}}};
+  chart.growths = {{"Growth", "of a wall", "triangles", "ns", {{"a ray", {{1e4, 100}, {1e6, 300}}}}}};
   return chart;
 }
 
@@ -39,6 +42,34 @@ TEST(Chart, IsReadAsItWasWritten) {
   EXPECT_EQ(nlohmann::json(to_json(read_chart(json, "x"))), json);
   EXPECT_THROW(read_chart({{"format", "other"}}, "x"), InputError);
   EXPECT_THROW(read_chart(nlohmann::json::array(), "x"), InputError);
+}
+
+TEST(Chart, StepsLeadAlongTheFront) {
+  const std::vector<FrontStep> steps = front_steps(small_chart().sections[0].points);
+  ASSERT_EQ(steps.size(), 1u);
+  EXPECT_EQ(steps[0].from, "fast");
+  EXPECT_EQ(steps[0].to, "slow");
+  EXPECT_EQ(steps[0].more_time, 90);
+  EXPECT_NEAR(steps[0].less_error, 0.2, 1e-12);
+}
+
+TEST(Chart, KnowsWhichStagesItHas) {
+  Chart chart;
+  add(chart, {.sections = {}, .bars = small_chart().bars}, "pipeline");
+  add(chart, {.sections = {}, .growths = small_chart().growths}, "growth");
+  EXPECT_TRUE(has_stage(chart, "pipeline") && has_stage(chart, "growth"));
+  EXPECT_FALSE(has_stage(chart, "solver"));
+}
+
+// Widths are shares of what is drawn, 40 of 40; what is below 0 is not drawn, and counts in the sum.
+TEST(Chart, BarsShowTheirParts) {
+  const std::string page = to_page(small_chart());
+  EXPECT_NE(page.find("x=\"0.0\" y=\"2\" width=\"674.0\""), std::string::npos);
+  EXPECT_NE(page.find("x=\"675.0\" y=\"2\" width=\"224.0\""), std::string::npos);
+  EXPECT_NE(page.find("merge 30 ms (86 %)"), std::string::npos);
+  EXPECT_NE(page.find("gain -5 ms (-14 %)"), std::string::npos);
+  EXPECT_NE(page.find("<td>12</td>"), std::string::npos);
+  EXPECT_NE(page.find("What more time buys"), std::string::npos);
 }
 
 TEST(Chart, ComparisonPassesOverNoise) {

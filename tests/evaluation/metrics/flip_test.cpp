@@ -34,19 +34,29 @@ TEST(Flip, EvenPicturesDifferByTheClosedForm) {
   EXPECT_NEAR(mean_flip(uniform_picture(0, 0, 0), uniform_picture(0.1896f, 0.1896f, 0.1896f)), 0.4682, 2e-3);
 }
 
-// Far from a thin line nothing differs; at it, edges and points amplify the difference beyond that of colors.
-TEST(Flip, FeaturesAmplify) {
+/// An even gray picture whose columns [first, end) are lighter.
+Image with_columns(int first, int end) {
+  Image image = uniform_picture(0.5f, 0.5f, 0.5f);
+  for (int y = 0; y < image.height; ++y) std::fill(&image.at(first, y), &image.at(first, y) + 3 * (end - first), 0.9f);
+  return image;
+}
+
+// Gray .5 and .9 are luminances .2140 and .7874, .5734 apart. At 67 pixels a degree the weights of the luminance filter
+// are exp(-.4675 k^2), .3858 of their sum in the middle.
+//
+// Just beside a step the filter sees (1 - .3858) / 2 of it, L* 68.76 beside 53.39: 15.37^.7 = 6.771, .1639 of the
+// largest, .3894 beyond the knee's slope. All weights of one sign of the edge filter lie on one side: the edge is
+// .5734, and .3894^(1 - sqrt(.5734 / sqrt 2)) = .7099. The point filter sees less.
+//
+// On a line of one pixel the filter sees .3858 of it, L* 71.91: .4437. There the edge filter, which is odd, sees
+// nothing, and the point filter the share of its middle among its negative weights, .2989 (sigma 2.748 pixels):
+// .4437^(1 - sqrt(.2989 .5734 / sqrt 2)) = .5887. Far from both nothing differs.
+TEST(Flip, EdgesAndPointsAmplifyByTheClosedForm) {
   const Image even = uniform_picture(0.5f, 0.5f, 0.5f);
-  Image line = even;
-  for (int y = 0; y < 40; ++y) std::fill_n(&line.at(24, y), 3, 0.9f);
-  const Image map = flip_map(even, line);
-  EXPECT_LT(map.at(3, 20), 1e-4);
-  EXPECT_GT(map.at(24, 20), 0.2);
-  Image broad = even;
-  for (int y = 0; y < 40; ++y) {
-    for (int x = 0; x < 48; ++x) std::fill_n(&broad.at(x, y), 3, 0.52f);
-  }
-  EXPECT_GT(map.at(24, 20), flip_map(even, broad).at(24, 20));
+  EXPECT_NEAR(flip_map(even, with_columns(24, 48)).at(23, 20), 0.7099, 1e-3);
+  const Image line = flip_map(even, with_columns(24, 25));
+  EXPECT_NEAR(line.at(24, 20), 0.5887, 1e-3);
+  EXPECT_LT(line.at(3, 20), 1e-4);
 }
 
 TEST(Flip, OtherSizesAreRefused) {

@@ -42,26 +42,40 @@ std::string picture_file(const std::string& folder, std::size_t method) {
   return fmt::format("{}/method_{}.png", folder, method + 1);
 }
 
-/// Those of one scene: kept in `folder`/results, or made now.
-evaluation::ComparedPictures compared(const evaluation::ComparisonScene& scene, const std::string& folder,
-                                      pipeline::PersonNetwork& network) {
-  const std::string path = folder + "/results/" + scene.name;
-  evaluation::ComparedPictures result;
-  if (!fs::exists(path)) {
-    result = evaluation::compare_methods(capture_of(scene, folder), scene.name, network);
-    NewFolder out(path, "figures.json");
-    write_png8(out.path() + "/photograph.png", result.photograph_srgb);
-    for (std::size_t i = 0; i < result.pictures_srgb.size(); ++i) {
-      write_png8(picture_file(out.path(), i), result.pictures_srgb[i]);
-    }
-    write_file(out.path() + "/figures.json", to_json(result.figures).dump(2) + "\n");
-    out.commit();
-    return result;
+/// Makes what `folder` of results is to hold of one scene.
+void compare(const evaluation::ComparisonScene& scene, const Capture& capture, pipeline::PersonNetwork& network,
+             const std::string& folder) {
+  const evaluation::ComparedPictures result = evaluation::compare_methods(capture, scene.name, network);
+  NewFolder out(folder, "figures.json");
+  write_png8(out.path() + "/photograph.png", result.photograph_srgb);
+  for (std::size_t i = 0; i < result.pictures_srgb.size(); ++i) {
+    write_png8(picture_file(out.path(), i), result.pictures_srgb[i]);
   }
-  result.figures = evaluation::read_scene_comparison(path + "/figures.json");
-  result.photograph_srgb = read_image(path + "/photograph.png");
+  write_file(out.path() + "/figures.json", to_json(result.figures).dump(2) + "\n");
+  out.commit();
+}
+
+Image read_picture(const std::string& path, const Image* of_size) {
+  Image picture = read_image(path);
+  if (picture.channels != 3 || (of_size != nullptr && !picture.same_size(*of_size))) {
+    throw InputError(printable(path) + ": must be RGB and of the photograph's size; remove the folder to make it anew");
+  }
+  return picture;
+}
+
+evaluation::ComparedPictures read_compared(const std::string& folder) {
+  evaluation::ComparedPictures result;
+  result.figures = evaluation::read_scene_comparison(folder + "/figures.json");
+  result.photograph_srgb = read_picture(folder + "/photograph.png", nullptr);
+  const Image& photograph = result.photograph_srgb;
+  for (const evaluation::Crop& crop : result.figures.crops) {
+    if (crop.x + crop.side > photograph.width || crop.y + crop.side > photograph.height) {
+      throw InputError(fmt::format("{}/figures.json: /crops: [{}, {}] and {} px: must lie in the photograph, {} x {}",
+                                   printable(folder), crop.x, crop.y, crop.side, photograph.width, photograph.height));
+    }
+  }
   for (std::size_t i = 0; i < result.figures.methods.size(); ++i) {
-    result.pictures_srgb.push_back(read_image(picture_file(path, i)));
+    result.pictures_srgb.push_back(read_picture(picture_file(folder, i), &photograph));
   }
   return result;
 }
@@ -79,19 +93,22 @@ void claim(const std::string& folder) {
 }
 
 void run(const MethodsCommand& command) {
-  claim(command.folder);
   pipeline::PersonNetwork network;
+  claim(command.folder);
   Progress bar("methods");
-  std::vector<evaluation::ComparedPictures> scenes;
   std::vector<evaluation::SceneComparison> figures;
+  std::string sections;
   for (const evaluation::ComparisonScene& scene : evaluation::comparison_scenes().first(command.scenes)) {
-    scenes.push_back(compared(scene, command.folder, network));
-    figures.push_back(scenes.back().figures);
-    bar(static_cast<double>(scenes.size()) / command.scenes);
+    const std::string folder = command.folder + "/results/" + scene.name;
+    if (!fs::exists(folder)) compare(scene, capture_of(scene, command.folder), network, folder);
+    const evaluation::ComparedPictures compared = read_compared(folder);  // the same page, made now or before
+    sections += scene_section(compared);
+    figures.push_back(compared.figures);
+    bar(static_cast<double>(figures.size()) / command.scenes);
   }
   const std::vector<evaluation::ComparedGroup> groups = evaluation::compare_scenes(figures);
   const std::string json = to_json(groups, figures).dump(2) + "\n";
-  replace_file(command.folder + "/methods.html", to_page(groups, scenes));
+  replace_file(command.folder + "/methods.html", to_page(groups, sections));
   replace_file(command.folder + "/methods.json", json);
   std::cout << (command.json ? json : to_text(groups));
 }

@@ -1,0 +1,101 @@
+#include "evaluation/chart/trials.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <functional>
+
+#include "capture/image/resample.h"
+#include "capture/timing.h"
+#include "evaluation/experiments/defocus_baselines.h"
+#include "evaluation/metrics/image_metrics.h"
+#include "evaluation/metrics/mask_metrics.h"
+#include "pipeline/defocus/defocused.h"
+#include "pipeline/defocus/mask_blur.h"
+#include "pipeline/defocus/match_lens.h"
+#include "pipeline/defocus/methods.h"
+#include "pipeline/edge_aware/filter_mask.h"
+#include "pipeline/edge_aware/guide.h"
+#include "pipeline/segmentation/network.h"
+#include "pipeline/segmentation/person_mask.h"
+
+namespace dualpixel::evaluation {
+namespace {
+
+double percent_of_white(double psnr_db) { return 100 * std::pow(10, -psnr_db / 20); }
+
+/// Of three runs: what is made once is in the first.
+double least_cpu_ms(const std::function<void()>& work) { return times({work}, 3).cpu_ms.front(); }
+
+Image filtered(const Image& mask, const Image& picture) {
+  return pipeline::filter_mask(mask, pipeline::encode_guide(picture, pipeline::guide_gain(picture)));
+}
+
+}  // namespace
+
+std::vector<Trial> try_defocus(const Capture& capture) {
+  const Truth& truth = *capture.truth;
+  const double pupil_mm = truth.photograph_aperture_scale * capture.camera.focal_length_mm / capture.camera.f_number;
+  const pipeline::DefocusInput input{truth.all_in_focus, truth.disparity_dp_px, truth.person_mask,
+                                     pipeline::match_lens(capture.camera, pupil_mm, 0, true)};
+  const Image photograph = displayed(clipped(truth.photograph));
+  std::vector<Trial> trials;
+  const auto add = [&](const std::string& name, const pipeline::DefocusMethod& method,
+                       const pipeline::DefocusOptions& options, bool is_default) {
+    Image picture;
+    const double cpu_ms = least_cpu_ms([&] { picture = method.render(input, options).rgb; });
+    const auto psnr = psnr_db(displayed(clipped(picture)), photograph);
+    trials.push_back({name, psnr ? percent_of_white(*psnr) : 0, cpu_ms, is_default});
+  };
+  pipeline::DefocusOptions options;
+  if (capture.face_px) {
+    options.mask_blur = pipeline::blur_for_face((*capture.face_px)[2], truth.all_in_focus.width);
+  }
+  const pipeline::DefocusMethod& layers = pipeline::defocus_method_named("layers");
+  for (const int bands : {3, 5, 9}) {
+    pipeline::DefocusOptions with_bands = options;
+    with_bands.layers.bands = bands;
+    add(fmt::format("layers, {} bands", bands), layers, with_bands, bands == options.layers.bands);
+  }
+  add("mask", pipeline::defocus_method_named("mask"), options, false);
+  for (const pipeline::DefocusMethod& method : defocus_baselines())
+    add(std::string(method.name), method, options, false);
+  return trials;
+}
+
+std::vector<Trial> try_masks(const Capture& capture, const Image& picture) {
+  if (!pipeline::has_person_network() || !capture.face_px) return {};
+  static pipeline::PersonNetwork network;
+  const Image& truth = capture.truth->person_mask;
+  const std::array<double, 4>& face = *capture.face_px;
+  std::vector<Trial> trials;
+  const auto add = [&](const std::string& name, const std::vector<pipeline::Face>& given, bool is_default) {
+    Image coarse, fine;
+    const double find_ms = least_cpu_ms([&] { coarse = pipeline::find_people(picture, given, network).mask; });
+    if (coarse.empty()) coarse = Image(2, 2);
+    const Image enlarged = resize_bilinear(coarse, truth.width, truth.height);
+    const double filter_ms = least_cpu_ms([&] { fine = filtered(coarse, picture); });
+    trials.push_back({name, 100 * (1 - mask_iou(enlarged, truth)), find_ms, is_default});
+    trials.push_back({name + ", filtered", 100 * (1 - mask_iou(fine, truth)), find_ms + filter_ms, false});
+  };
+  add("face found", {}, true);
+  add("face given", {{face[0], face[1], face[2], face[3]}}, false);
+  return trials;
+}
+
+std::vector<ChartPoint> points_of(const std::vector<std::vector<Trial>>& by_capture) {
+  std::vector<ChartPoint> points;
+  if (by_capture.empty()) return points;
+  for (std::size_t i = 0; i < by_capture.front().size(); ++i) {
+    std::vector<double> errors, times;
+    for (const std::vector<Trial>& trials : by_capture) {
+      errors.push_back(trials[i].error);
+      times.push_back(trials[i].cpu_ms);
+    }
+    const Trial& trial = by_capture.front()[i];
+    points.push_back({trial.name, mean_of(errors), mean_of(times), trial.is_default});
+  }
+  return points;
+}
+
+}  // namespace dualpixel::evaluation
