@@ -12,8 +12,9 @@ OptionFields fields(MaskBlurOptions& options);
 
 /// The radius that suits a person whose face is so wide, in place of `radius_px`: the nearer a person, the more a lens
 /// blurs what is far behind. Seen in the person's plane, the disc of a point at infinity is as wide as the pupil, so it
-/// is pupil / face of a face's width: 12.3 mm, five times a phone's, over 0.15 m, a detector's box from brow to chin.
-/// At most 1.5 times the default, as r_max is in the depth renderer. 0 and below: the default.
+/// is pupil / face of a face's width: 12.3 mm, five times a phone's, over 0.15 m, an adult's from brow to chin, which
+/// is what Face says. (dlib's frontal detector has boxes of 0.18 m.) At most 1.5 times the default, as r_max is in the
+/// depth renderer. 0 and below: the default.
 MaskBlurOptions blur_for_face(double face_width_px, int image_width_px, MaskBlurOptions options = {});
 
 /// The background (1 - mask) [R, G, B, 1] is blurred by one disc, or the aperture's shape, at half resolution, and

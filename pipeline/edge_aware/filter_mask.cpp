@@ -13,7 +13,8 @@
 namespace dualpixel::pipeline {
 
 OptionFields fields(FilterMaskOptions& options) {
-  OptionFields all = {{"erosion", &options.erosion, 0, 1, "of the larger side", "3.4: 0.05"},
+  OptionFields all = {{"on", &options.on, 0, 1, "", "ours"},
+                      {"erosion", &options.erosion, 0, 1, "of the larger side", "3.4: 0.05"},
                       {"sigmoid_slope", &options.sigmoid_slope, 0, 1e6, "", "ours"},
                       {"blur_sigma_px", &options.blur_sigma_px, 0.1, 100, "half-resolution px", "ours"}};
   for (const OptionFields& group : {grouped("grid", fields(options.grid)), grouped("solver", fields(options.solver)),
@@ -74,6 +75,10 @@ Image gaussian_blur(const Image& image, float sigma_px) {
 }
 
 Image filter_mask(const Image& mask, const Image& guide, const FilterMaskOptions& options) {
+  if (options.on == 0) {
+    return mask.width > guide.width ? resize_area(mask, guide.width, guide.height)
+                                    : resize_bilinear(mask, guide.width, guide.height);
+  }
   const int width = (guide.width + 1) / 2, height = (guide.height + 1) / 2;
   const Image half_guide = resize_area(guide, width, height);
   const Image coarse = mask.width > width ? resize_area(mask, width, height) : resize_bilinear(mask, width, height);

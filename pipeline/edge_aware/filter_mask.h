@@ -7,6 +7,7 @@
 namespace dualpixel::pipeline {
 
 struct FilterMaskOptions {
+  int on = 1;             ///< 0: the mask is brought to the guide's size, bilinearly, and that is all
   float erosion = 0.05f;  ///< side of the square that erodes confidence, over the picture's larger side (section 3.4)
   float sigmoid_slope = 16;    ///< k of the sigmoid; the paper gives no value
   float blur_sigma_px = 1.0f;  ///< Gaussian against speckles, half-resolution pixels; the paper gives no value
@@ -26,7 +27,7 @@ OptionFields fields(FilterMaskOptions& options);
 /// the guide's size. The solver runs at half the guide's resolution (section 3.4), so the mask is brought to that size
 /// at once: enlarged bilinearly, or reduced where it is larger. Confidence is ((mask - 1/2) / (1/2))^2 (Eq. 1), eroded
 /// there by the same square, as a share of the picture, as at full size. The result goes through a sigmoid (Eq. 2) and
-/// a Gaussian, and is upsampled jointly with the guide.
+/// a Gaussian, and is upsampled jointly with the guide. Switched off, nothing but the size changes.
 Image filter_mask(const Image& mask, const Image& guide, const FilterMaskOptions& options = {});
 
 /// The least value in the side x side window around each pixel, one channel; windows end at the picture's border.

@@ -7,17 +7,9 @@
 /// The faces that seed the segmentation (Wadhwa et al. 2018, section 3.3).
 namespace dualpixel::pipeline {
 
-class FaceNetwork;
-
-/// Whether this build has oneDNN; without it, find_faces throws InputError.
-bool has_face_detector();
-
 /// The faces of a picture, linear RGB, largest first, turned up to 90 degrees from the camera: those of the network
 /// (face_network.h) on the picture scaled to 320 px on its longer side, where it finds faces of 8 px and more. Negative
-/// values and NaN count as black.
+/// values and NaN count as black. Throws InputError in a build without oneDNN (has_person_network(), network.h).
 std::vector<Face> find_faces(const Image& linear_rgb);
-
-/// The same with other weights, and with faces of `least_score` (0..1) and more.
-std::vector<Face> find_faces(const Image& linear_rgb, FaceNetwork& network, double least_score);
 
 }  // namespace dualpixel::pipeline

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "capture/error.h"
-#include "capture/image/display.h"
 #include "pipeline/segmentation/fit.h"
 #include "pipeline/segmentation/network.h"
 
@@ -14,33 +13,13 @@ namespace {
 
 constexpr double kFaceSigma_px = 21;  // section 3.2
 
-/// Where a picture lies in the network's square.
-struct Placement {
-  int x, y;
-};
-Placement placement(const Image& small) {
-  return {(kNetworkSize_px - small.width) / 2, (kNetworkSize_px - small.height) / 2};
-}
-
-Image network_picture(const Image& srgb) {
-  Image input(kNetworkSize_px, kNetworkSize_px, 4, -0.5F);
-  const Placement at = placement(srgb);
-  for (int y = 0; y < srgb.height; ++y) {
-    for (int x = 0; x < srgb.width; ++x) {
-      for (int c = 0; c < 3; ++c) input.at(at.x + x, at.y + y, c) = srgb.at(x, y, c) - 0.5F;
-    }
-  }
-  return input;
-}
-
-/// Sets the fourth channel; the face is in pixels of `linear`, which the network sees as `small`.
-void set_face(Image& input, const Face& face, const Image& linear, const Image& small) {
+/// Sets the fourth channel; the face is in pixels of `linear`.
+void set_face(Framed& in, const Face& face, const Image& linear) {
   const double center_x = face.x + face.width / 2, center_y = face.y + face.height / 2;
   if (!(center_x >= 0 && center_x <= linear.width && center_y >= 0 && center_y <= linear.height)) {
     throw InputError("face: its center must lie in the picture");
   }
-  const Placement at = placement(small);
-  const double x = at.x + center_x * small.width / linear.width, y = at.y + center_y * small.height / linear.height;
+  const double x = in.left + center_x * in.width / linear.width, y = in.top + center_y * in.height / linear.height;
   std::array<float, kNetworkSize_px> across{}, down{};  // the Gaussian is a product of the two
   for (int i = 0; i < kNetworkSize_px; ++i) {
     const double dx = i + 0.5 - x, dy = i + 0.5 - y;
@@ -48,7 +27,7 @@ void set_face(Image& input, const Face& face, const Image& linear, const Image& 
     down[i] = static_cast<float>(std::exp(-dy * dy / (2 * kFaceSigma_px * kFaceSigma_px)));
   }
   for (int row = 0; row < kNetworkSize_px; ++row) {
-    for (int column = 0; column < kNetworkSize_px; ++column) input.at(column, row, 3) = across[column] * down[row];
+    for (int column = 0; column < kNetworkSize_px; ++column) in.square.at(column, row, 3) = across[column] * down[row];
   }
 }
 
@@ -56,7 +35,7 @@ void set_face(Image& input, const Face& face, const Image& linear, const Image& 
 
 OptionFields fields(SeedOptions& options) {
   return {{"least_of_largest", &options.least_of_largest, 0, 1, "area of the largest", "3.3: 1/3"},
-          {"least_of_picture", &options.least_of_picture, 0, 1, "area of the picture", "3.3: 0.013"}};
+          {"least_of_picture", &options.least_of_picture, 0, 1, "area of the picture", "3.3: 0.013 of larger boxes"}};
 }
 
 std::vector<Face> seed_faces(const std::vector<Face>& faces, int width_px, int height_px, const SeedOptions& options) {
@@ -72,22 +51,19 @@ std::vector<Face> seed_faces(const std::vector<Face>& faces, int width_px, int h
 }
 
 Image network_input(const Image& linear_rgb, const Face& face) {
-  const Image small = encode_for_display(fitted(linear_rgb, kNetworkSize_px));
-  Image input = network_picture(small);
-  set_face(input, face, linear_rgb, small);
-  return input;
+  Framed in = framed(linear_rgb, kNetworkSize_px, 4);
+  set_face(in, face, linear_rgb);
+  return in.square;
 }
 
 Image person_mask(const Image& linear_rgb, const std::vector<Face>& faces, PersonNetwork& network) {
-  const Image small = encode_for_display(fitted(linear_rgb, kNetworkSize_px));
-  const Placement at = placement(small);
-  Image input = network_picture(small);
-  Image joined(small.width, small.height);
+  Framed in = framed(linear_rgb, kNetworkSize_px, 4);
+  Image joined(in.width, in.height);
   for (const Face& face : faces) {
-    set_face(input, face, linear_rgb, small);
-    const Image mask = network(input);
-    for (int y = 0; y < small.height; ++y) {
-      for (int x = 0; x < small.width; ++x) joined.at(x, y) = std::max(joined.at(x, y), mask.at(at.x + x, at.y + y));
+    set_face(in, face, linear_rgb);
+    const Image mask = network(in.square);
+    for (int y = 0; y < in.height; ++y) {
+      for (int x = 0; x < in.width; ++x) joined.at(x, y) = std::max(joined.at(x, y), mask.at(in.left + x, in.top + y));
     }
   }
   return joined;

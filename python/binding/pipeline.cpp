@@ -16,7 +16,6 @@
 #include "pipeline/portrait/describe_run.h"
 #include "pipeline/portrait/result_io.h"
 #include "pipeline/portrait/run_portrait.h"
-#include "pipeline/portrait/subject.h"
 #include "pipeline/segmentation/network.h"
 #include "python/binding/arrays.h"
 #include "python/binding/bind.h"
@@ -103,10 +102,9 @@ nlohmann::ordered_json provenance_of(const HeldCapture& held, const PortraitOpti
 }
 
 /// Mode automatic goes without people where this build cannot find them, as the program does.
-bool seeks_people(const HeldCapture& held, const PortraitOptions& options) {
-  if (options.mode != pipeline::Mode::automatic || held.photograph) return options.mode != pipeline::Mode::dp;
-  const bool has_faces = pipeline::has_face_detector() || !pipeline::known_subject(held.capture, options).faces.empty();
-  return pipeline::has_person_network() && has_faces;
+bool seeks_people(const HeldCapture& held, pipeline::Mode mode) {
+  const bool must = mode != pipeline::Mode::automatic || held.photograph;
+  return mode != pipeline::Mode::dp && (must || pipeline::has_person_network());
 }
 
 std::shared_ptr<HeldResult> make_portrait(const HeldCapture& held, const std::string& mode, const std::string& matcher,
@@ -131,7 +129,7 @@ std::shared_ptr<HeldResult> make_portrait(const HeldCapture& held, const std::st
   options.disparity = std::move(found);
   options.picture = held.photograph;
   std::optional<pipeline::PersonNetwork> network;
-  if (!person && seeks_people(held, options)) {
+  if (!person && seeks_people(held, options.mode)) {
     network.emplace(pipeline::built_in_weights());
     options.find_people = [&](const Image& picture, const std::vector<pipeline::Face>& seeds) {
       return pipeline::find_people(picture, seeds, *network, options.seed_faces);

@@ -103,6 +103,9 @@ std::vector<PeopleSample> make_people_shard(const PeopleOptions& options, int sh
       if (progress) progress(std::min(0.99, static_cast<double>(++done) / in_all));
     });
     for (auto& several : made) {
+      // a picture is a face detector's truth with all its faces: one that does not fit is left out
+      const auto rendered = std::count_if(several.begin(), several.end(), [](const auto& s) { return !s.composite; });
+      if (options.faces && rendered > count - static_cast<std::ptrdiff_t>(samples.size())) continue;
       for (PeopleSample& sample : several) samples.push_back(std::move(sample));
     }
     first += round;

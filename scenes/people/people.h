@@ -24,7 +24,7 @@ namespace dualpixel::scenes {
 
 inline constexpr int kShardSamples = 512;
 /// Raised whenever the same options give other samples.
-inline constexpr int kTrainingGenerator = 8, kHeldOutGenerator = 2, kHeldOutMakeHumanGenerator = 3, kFacesGenerator = 1;
+inline constexpr int kTrainingGenerator = 8, kHeldOutGenerator = 2, kHeldOutMakeHumanGenerator = 3, kFacesGenerator = 2;
 
 struct PeopleOptions {
   int count = kShardSamples;  ///< samples
@@ -38,7 +38,8 @@ struct PeopleOptions {
 };
 
 /// The samples of one shard, `count` of them; the same for any number of threads. A sample depends on (seed, held_out,
-/// composites, makehuman, shard, its index in the shard) alone, not on how many there are.
+/// composites, makehuman, shard, its index in the shard) alone, not on how many there are; but in a set for a face
+/// detector, where no rendered picture is cut, the last ones are those that fit.
 std::vector<PeopleSample> make_people_shard(const PeopleOptions& options, int shard, int count,
                                             const std::function<void(double)>& progress = {});
 

@@ -15,7 +15,7 @@ std::array<vec3, kKeypoints> keypoints_of(const Figure& figure);
 PeopleSample truth_of(const RayTracer& tracer, const simulator::CameraView& camera, const Figure& figure,
                       const Rendering& rendering);
 
-/// The square that a frontal face detector would report: x, y, width, height.
+/// The square from brow to chin, about 0.15 m of an adult: x, y, width, height.
 glm::vec4 face_box(const Figure& figure, const simulator::CameraView& camera);
 
 /// The angle between where the head looks and the camera, 0 to pi.

@@ -29,7 +29,7 @@ int main(int argc, char** argv) try {
     const dualpixel::Capture capture = dualpixel::read_capture(argv[1], false);
     std::cout << dualpixel::pipeline::run_portrait(capture).stages.size() << " stages\n";
   }
-  if (dualpixel::pipeline::has_face_detector()) {
+  if (dualpixel::pipeline::has_person_network()) {
     std::cout << dualpixel::pipeline::find_faces(dualpixel::Image(64, 64, 3)).size() << " faces\n";
   }
   if (argc == 3 && dualpixel::pipeline::has_person_network()) dualpixel::pipeline::PersonNetwork();

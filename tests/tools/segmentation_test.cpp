@@ -152,7 +152,7 @@ class SlowSegmentationExperiment : public testing::Test {
 };
 
 TEST_F(SlowSegmentationExperiment, ScoresWhatItFinds) {
-  if (!pipeline::has_person_network() || !pipeline::has_face_detector()) GTEST_SKIP() << "built without";
+  if (!pipeline::has_person_network()) GTEST_SKIP() << "built without";
   Image picture(640, 480, 3, 0.2F), truth(640, 480);
   pipeline::draw_face(picture, 300, 220, 160);
   const pipeline::Face face = pipeline::find_faces(picture).at(0);
@@ -186,7 +186,7 @@ TEST_F(SlowSegmentationExperiment, ScoresWhatItFinds) {
 }
 
 TEST_F(SlowSegmentationExperiment, WithoutAnyFaceThereIsNoMeanOfThoseFound) {
-  if (!pipeline::has_person_network() || !pipeline::has_face_detector()) GTEST_SKIP() << "built without";
+  if (!pipeline::has_person_network()) GTEST_SKIP() << "built without";
   write_picture(folder / "images/wall.png", Image(64, 48, 3, 0.2F));
   write_png8(folder / "masks/wall.png", Image(64, 48, 1, 1));
   const Outcome outcome = run();
@@ -264,7 +264,7 @@ bool has_trained_network() {
 }
 
 TEST(SlowPortraitPeople, AreFoundWithoutAMask) {
-  if (!has_trained_network() || !pipeline::has_face_detector()) GTEST_SKIP() << "built without";
+  if (!has_trained_network()) GTEST_SKIP() << "built without";
   const auto result_of = [](const std::string& arguments, const TemporaryFolder& folder, bool warns) {
     const Outcome outcome = run_command(arguments);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -295,7 +295,7 @@ TEST(SlowPortraitPeople, AreFoundWithoutAMask) {
 }
 
 TEST(SlowPortraitPeople, ATapOnAWallFindsNobody) {
-  if (!has_trained_network() || !pipeline::has_face_detector()) GTEST_SKIP() << "built without";
+  if (!has_trained_network()) GTEST_SKIP() << "built without";
   const TemporaryFolder folder;
   const auto result_of = [&](bool with_face) {
     const Outcome outcome = run_command(write_pair(folder, with_face) + "--mode dp+seg --tap 150,110");

@@ -258,14 +258,6 @@ std::optional<pipeline::Face> tap_in_sight(const PortraitOptions& options, const
       .tap;
 }
 
-/// What a mode that the user chose needs is required; mode auto goes without where this build cannot.
-bool can_find_people(const PortraitCommand& command, bool faces_known) {
-  if (faces_known || pipeline::has_face_detector()) return true;
-  if (command.mode == "auto" && !command.photograph()) return false;
-  throw InputError(
-      fmt::format("--mode {}: this build has no face detector (oneDNN): give --face or --mask", command.mode));
-}
-
 void run(const PortraitCommand& command) {
   PortraitOptions options = options_of(command);
   if (!command.calibration.empty()) options.calibration = evaluation::read_calibration_folder(command.calibration);
@@ -285,8 +277,7 @@ void run(const PortraitCommand& command) {
   std::vector<std::string> assumed;
   Capture capture = read_input(command, options, assumed);
   if (command.tap) options.tap = tapped(*command.tap, capture.camera, options.transposed);
-  const pipeline::KnownSubject known = known_subject(capture, options);
-  if (network && can_find_people(command, !known.faces.empty())) {
+  if (network) {
     const std::optional<pipeline::Face> tap = tap_in_sight(options, capture);
     options.find_people = [&, tap](const Image& picture, const std::vector<pipeline::Face>& seeds) {
       return tap && seeds.empty() ? pipeline::find_people_at(picture, *tap, *network)

@@ -18,16 +18,9 @@ constexpr int kSide = kNetworkSize_px, kCells = kSide / pipeline::kFaceCell_px;
 constexpr double kTurnedAway_deg = 105;  // an eye and the nose are seen up to about there
 constexpr double kLeastSigma_cells = 0.7, kSigma_sides = 0.1;
 
-double turn_of(const scenes::PersonSample& sample) {
-  for (const std::string& tag : sample.tags) {
-    if (tag.rfind("turn:", 0) == 0) return std::stod(tag.substr(5));
-  }
-  return 0;
-}
-
 TrueFace face_of(const scenes::PersonSample& sample) {
   const bool hidden = std::find(sample.tags.begin(), sample.tags.end(), "face:hidden") != sample.tags.end();
-  return {sample.face[0], sample.face[1], sample.face[2], turn_of(sample),
+  return {sample.face[0], sample.face[1], sample.face[2], sample.turn_deg,
           !hidden && sample.face[2] >= kSmallestFace_px};
 }
 
@@ -69,7 +62,7 @@ std::vector<FacePicture> face_pictures(const scenes::PeopleSet& set) {
   std::map<std::uint64_t, std::vector<TrueFace>> faces;  // of a scene
   for (std::size_t i = 0; i < set.size(); ++i) {
     std::vector<TrueFace>& of_scene = faces[set[i].seed];
-    if (set[i].people == 0 || set[i].composite || turn_of(set[i]) > kTurnedAway_deg) continue;
+    if (set[i].people == 0 || set[i].composite || set[i].turn_deg > kTurnedAway_deg) continue;
     of_scene.push_back(face_of(set[i]));
   }
   std::vector<FacePicture> pictures;

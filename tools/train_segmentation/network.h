@@ -36,7 +36,7 @@ struct NetworkShape {
   std::array<int, 4> channels = {32, 64, 96, 64};  ///< at 64, 32, 16 and 8 px
 };
 
-/// Small enough for a few milliseconds of one core and 300 kB.
+/// Small enough for a few milliseconds of one core and 540 kB.
 NetworkShape face_network_shape();
 
 /// Convolution (odd kernel, padded to keep the size), batch normalization, and ReLU where asked for.

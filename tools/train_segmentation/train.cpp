@@ -37,13 +37,26 @@ constexpr double kIouFloor_px = 8;  // limits the weight of a few wrong pixels w
 constexpr double kPeakRate = 3e-3, kFineTuneRate = 3e-4, kLastRate = 1e-6, kWarmUp = 0.05;
 constexpr double kSgdRate = 0.1, kSgdLastRate = 1e-4, kSgdLastShare = 0.1;  // the share is ours
 constexpr const char* kWeightsFile = "person.safetensors";
+constexpr const char* kCheckpointFile = "checkpoint.pt";
 constexpr double kCheckpointEvery_s = 300;
 constexpr std::size_t kWatchedHeldOut = 320;  // of the held-out samples, at each checkpoint; the end takes them all
 constexpr std::size_t kMeasured = 64;         // samples, for the statistics that exported weights lack
 
+}  // namespace
+
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-}  // namespace
+void require_no_run(const std::string& folder, const char* file, const char* advice) {
+  std::error_code error;
+  if (!std::filesystem::exists(folder + "/" + file, error)) return;
+  throw InputError(fmt::format("{}: holds a run; {}", printable(folder), advice));
+}
+
+void make_run_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!std::filesystem::is_directory(folder)) throw InputError(printable(folder) + ": cannot be made a folder");
+}
 
 int ready_threads(const TrainOptions& options) {
   const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
@@ -257,9 +270,7 @@ Checkpoint start_of(const TrainOptions& options, const std::string& path, const 
     }
     return state;
   }
-  if (std::filesystem::exists(path)) {
-    throw InputError(printable(options.output) + ": holds a run; resume it with --resume, or name another folder");
-  }
+  require_no_run(options.output, kCheckpointFile, "resume it with --resume, or name another folder");
   std::error_code error;
   if (std::filesystem::equivalent(options.fine_tune, options.output + "/" + kWeightsFile, error)) {
     throw InputError(printable(options.fine_tune) + ": the run would write over it: name another folder");
@@ -291,14 +302,10 @@ std::vector<std::size_t> samples_to_learn_from(const TrainOptions& options, cons
 void train(const TrainOptions& options, const std::function<bool(std::uint64_t samples)>& stop) {
   const scenes::PeopleSet set(options.data, false), held_out(options.held_out, true);
   const int threads = ready_threads(options);
-  const std::string checkpoint = options.output + "/checkpoint.pt";
+  const std::string checkpoint = options.output + "/" + kCheckpointFile;
   std::vector<std::size_t> kept = samples_to_learn_from(options, set);
   Checkpoint state = start_of(options, checkpoint, set, kept, held_out, threads);
-  std::error_code error;
-  std::filesystem::create_directories(options.output, error);
-  if (!std::filesystem::is_directory(options.output)) {
-    throw InputError(printable(options.output) + ": cannot be made a folder");
-  }
+  make_run_folder(options.output);
   const bool fine_tune = !options.fine_tune.empty();
   if (fine_tune && options.prune > 0) {
     // by the first phase's network, also when the second phase is resumed

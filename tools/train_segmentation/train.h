@@ -55,6 +55,15 @@ double work_done(double samples, double total, double half_size);
 /// Makes LibTorch ready; how many threads it uses. Throws InputError where it has not the device.
 int ready_threads(const TrainOptions& options);
 
+/// Throws InputError where the folder has the file, which runs leave; `advice` ends the message.
+void require_no_run(const std::string& folder, const char* file, const char* advice);
+
+/// Throws InputError where it cannot be made one.
+void make_run_folder(const std::string& folder);
+
+/// Of a clock that never goes back.
+double now_s();
+
 /// After the share `done` of a run.
 double learning_rate(double done, double peak, bool sgd);
 

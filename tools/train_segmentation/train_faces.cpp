@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -26,8 +24,7 @@ constexpr double kCenterWeight = 5;
 constexpr double kLeastScore = 0.05, kLeastOverlap = 0.5, kBorneAlarms = 0.02;
 constexpr double kReportEvery_s = 60;
 constexpr const char* kFacesFile = "faces.safetensors";
-
-double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+constexpr const char* kLogFile = "log.json";
 
 pipeline::Face box_of(const TrueFace& face) { return {face.x, face.y, face.side, face.side}; }
 
@@ -119,10 +116,11 @@ void train_faces(const TrainOptions& options, const std::function<bool(std::uint
       held_out_set(options.held_out, true, scenes::PeopleSetKind::faces);
   const FaceExamples examples(set), held_out(held_out_set);
   const int threads = ready_threads(options);
+  require_no_run(options.output, kLogFile, "name another folder");
+  make_run_folder(options.output);
   Checkpoint state = new_checkpoint(face_network_shape(), options.seed);
   state.network->to(options.device);
   forget_optimizer(state);
-  std::filesystem::create_directories(options.output);
   std::vector<std::size_t> all(examples.pictures().size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   AugmentedBatches batches(all, kBatch, options.seed, 0,
@@ -150,7 +148,7 @@ void train_faces(const TrainOptions& options, const std::function<bool(std::uint
                       {"hours", options.hours},  {"rate", peak},
                       {"threads", threads},      {"training_pictures", examples.pictures().size()},
                       {"points", points}};
-    replace_file(options.output + "/log.json", log.dump(1) + "\n");
+    replace_file(options.output + "/" + kLogFile, log.dump(1) + "\n");
     replace_file(options.output + "/" + kFacesFile, safetensors(folded_layers(state.network)));
     replace_file(options.output + "/scores.csv", scores_table(found));
     loss_sum = losses = 0;

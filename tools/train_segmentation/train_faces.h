@@ -30,7 +30,8 @@ std::vector<FaceFound> find_faces_of(Network& network, const FaceExamples& examp
 double recall_at(const std::vector<FaceFound>& found, std::size_t pictures, double alarms_per_picture);
 
 /// Trains on sets of `dualpixel people --faces`: of the options data, held_out, output, samples or hours, seed, rate,
-/// device, bf16, and threads. Writes faces.safetensors, log.json, and scores.csv (FaceFound of the held-out pictures).
+/// device, and threads. Writes faces.safetensors, log.json, and scores.csv (FaceFound of the held-out pictures).
+/// Throws InputError for unusable data and where `output` cannot be made a folder or holds a run.
 void train_faces(const TrainOptions& options, const std::function<bool(std::uint64_t samples)>& stop);
 
 }  // namespace dualpixel::tools

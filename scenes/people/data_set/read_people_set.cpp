@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 
 #include "capture/error.h"
@@ -16,6 +18,15 @@ namespace dualpixel::scenes {
 namespace {
 
 constexpr std::size_t kSide = kPictureSide_px;
+
+/// Of a tag such as "turn:30".
+double turn_of(const std::string& tag, const Fields& fields) {
+  const char* const first = tag.data() + std::string_view("turn:").size();
+  double turn_deg = -1;
+  const auto [end, error] = std::from_chars(first, tag.data() + tag.size(), turn_deg);
+  if (error == std::errc() && end == tag.data() + tag.size() && turn_deg >= 0 && turn_deg <= 180) return turn_deg;
+  fields.fail("tags", tag + ": must be turn: and degrees, 0 to 180");
+}
 
 }  // namespace
 
@@ -90,6 +101,7 @@ void PeopleSet::add_shard(const std::string& shard, PeopleSetKind kind) {
     for (const nlohmann::json& tag : tags) {
       if (!tag.is_string()) fields.fail("tags", "must be a list of words");
       sample.tags.push_back(printable(tag.get<std::string>()));
+      if (sample.tags.back().starts_with("turn:")) sample.turn_deg = turn_of(sample.tags.back(), fields);
     }
     fields.required("seed").integer("seed", sample.seed, 0, std::numeric_limits<std::uint64_t>::max());
     samples_.push_back(std::move(sample));

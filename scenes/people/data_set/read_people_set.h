@@ -26,6 +26,7 @@ struct PersonSample {
   int people = 1;                 ///< in the picture; 0 in sets for faces alone
   bool composite = false;         ///< in front of another background
   std::uint64_t seed = 0;         ///< of the scene: a rendered picture and its composites share it
+  double turn_deg = 0;            ///< of the head from the camera, 0..180, by the tag "turn:30" of sets for faces
 };
 
 /// The path of the first file of a shard (a folder) whose hash differs from the one in shard.json beside it; "": none.

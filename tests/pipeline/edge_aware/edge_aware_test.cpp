@@ -505,5 +505,22 @@ TEST(FilterMask, SnapsACoarseMaskToThePicturesEdge) {
   for (const float value : filter_mask(Image(1, 1, 1, 1.0f), Image(1, 1, 3, 9.0f)).data) EXPECT_GT(value, 0.99f);
 }
 
+TEST(FilterMask, SwitchedOffOnlyChangesTheSize) {
+  const Image guide = two_tone(240, 160, 117);
+  Image mask(30, 20);
+  for (int y = 0; y < 20; ++y) {
+    for (int x = 0; x < 30; ++x) mask.at(x, y) = static_cast<float>(x) / 29;
+  }
+  FilterMaskOptions off;
+  set_field(fields(off), "on=0");
+  const Image large = filter_mask(mask, guide, off);
+  ASSERT_TRUE(large.same_size(guide));
+  // a ramp stays one: pixel x of 240 lies at (x + 1/2) / 8 - 1/2 of 30, whatever the picture's edges
+  for (int x = 4; x < 236; ++x) EXPECT_NEAR(large.at(x, 80), ((x + 0.5) / 8 - 0.5) / 29, 1e-5) << x;
+  const Image small = filter_mask(large, two_tone(30, 20, 15), off);
+  for (int x = 1; x < 29; ++x) EXPECT_NEAR(small.at(x, 10), static_cast<double>(x) / 29, 1e-5) << x;
+  EXPECT_THROW(set_field(fields(off), "on=2"), InputError);
+}
+
 }  // namespace
 }  // namespace dualpixel::pipeline
