@@ -77,11 +77,10 @@ Parameters draw_parameters(const std::string& kind, std::span<const Parameter> t
       throw InputError(fmt::format("{}: {}: unknown parameter{}; there are {}", kind, printable(name),
                                    did_you_mean(name, names), fmt::join(names, ", ")));
     }
-    if (row->type == Parameter::Type::folder) {
-      values.choices_[name] = text;
-    } else if (row->choices.empty()) {
+    const bool is_folder = row->type == Parameter::Type::folder;
+    if (row->choices.empty() && !is_folder) {
       values.numbers_[name] = read_number(kind, *row, text);
-    } else if (std::find(row->choices.begin(), row->choices.end(), text) != row->choices.end()) {
+    } else if (is_folder || std::find(row->choices.begin(), row->choices.end(), text) != row->choices.end()) {
       values.choices_[name] = text;
     } else {
       refuse_name(fmt::format("{}: {}", kind, name), text, as_strings(row->choices));

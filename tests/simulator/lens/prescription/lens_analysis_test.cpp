@@ -61,14 +61,14 @@ std::vector<PassingRay> passing_rays(const Beam& beam, const double chief[2], do
     passing.clear();
     BeamRays rays;
     for (int first = 0; first < side * side; first += kBeamLanes) {
-      for (int i = 0; i < kBeamLanes; ++i) {
-        beam.launch(rays, i, left + (first + i) % side * dx, top + (first + i) / side * dy);
-      }
+      const auto column = [&](int i) { return (first + i) % side; };
+      const auto row = [&](int i) { return (first + i) / side; };
+      for (int i = 0; i < kBeamLanes; ++i) beam.launch(rays, i, left + column(i) * dx, top + row(i) * dy);
       beam.trace(rays);
       move_to_plane(rays, beam.sensor_z() + sensor_shift_mm);
       for (int i = 0; i < kBeamLanes; ++i) {
         if (rays.end[i] != 0) continue;
-        const double px = left + (first + i) % side * dx, py = top + (first + i) / side * dy;
+        const double px = left + column(i) * dx, py = top + row(i) * dy;
         low_x = std::min(low_x, px), high_x = std::max(high_x, px);
         low_y = std::min(low_y, py), high_y = std::max(high_y, py);
         passing.push_back({rays.x[i], rays.y[i], rays.stop_x[i], rays.stop_y[i]});
@@ -119,7 +119,8 @@ double naive_rear_efficiency(const Prescription& lens, double wavelength_nm) {
   for (int first = 0; first < kSide * kSide; first += kBeamLanes) {
     bool inside[kBeamLanes];
     for (int i = 0; i < kBeamLanes; ++i) {
-      const double x = (2.0 * ((first + i) % kSide) + 1) / kSide - 1, y = (2.0 * ((first + i) / kSide) + 1) / kSide - 1;
+      const int column = (first + i) % kSide, row = (first + i) / kSide;
+      const double x = (2.0 * column + 1) / kSide - 1, y = (2.0 * row + 1) / kSide - 1;
       inside[i] = x * x + y * y <= 1;
       const double dx = x * radius, dy = y * radius, dz = rear_z - traced.sensor_z_mm();
       const double length = std::sqrt(dx * dx + dy * dy + dz * dz);
