@@ -301,11 +301,22 @@ RTCGeometry new_strands(RTCDevice device, const Mesh& mesh) {
   return geometry;
 }
 
+/// An Embree may be compiled without what pictures rely on: Conan Center's drops back faces, for example.
+void check_features(RTCDevice device) {
+  const auto has = [&](RTCDeviceProperty property) { return rtcGetDeviceProperty(device, property) != 0; };
+  const bool complete = !has(RTC_DEVICE_PROPERTY_BACKFACE_CULLING_ENABLED) &&
+                        has(RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED) &&
+                        has(RTC_DEVICE_PROPERTY_CURVE_GEOMETRY_SUPPORTED);
+  if (!complete)
+    throw std::runtime_error("Embree: is compiled to drop back faces, or without filter functions or curves");
+}
+
 }  // namespace
 
 Intersector::Intersector(const Scene& scene) : first_instance_(static_cast<unsigned>(scene.meshes.size())) {
   device_.reset(rtcNewDevice(nullptr));
   check(device_.get(), "no device");
+  check_features(device_.get());
   embree_scene_.reset(rtcNewScene(device_.get()));
   for (const Mesh& mesh : scene.meshes) {
     if (!glass_ && is_glass(scene, mesh)) glass_.reset(rtcNewScene(device_.get()));

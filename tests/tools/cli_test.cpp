@@ -68,6 +68,7 @@ TEST(Cli, MisspeltOptionsNameTheNearest) {
          "--mtcher: no such option; did you mean '--matcher'? (see 'dualpixel portrait --help')");
   expect("experiment failures --outptu x",
          "--outptu: no such option; did you mean '--output'? (see 'dualpixel experiment failures --help')");
+  expect("--max-tim 3 info x", "--max-tim: no such option; did you mean '--max-time'? (see 'dualpixel info --help')");
   expect("--versoin", "--versoin: no such option; did you mean '--version'? (see 'dualpixel --help')");
   expect("bench rendr", "bench rendr: is no scene and no benchmark; did you mean 'render'?");
   expect("info x --frobnicate", "--frobnicate: no such option (see 'dualpixel info --help')");
@@ -233,16 +234,23 @@ TEST(SlowCli, APictureBeyondMemoryIsRefusedByName) {
   const std::string pair =
       fmt::format("portrait --left '{0}/huge.png' --right '{0}/huge.png' -o '{0}/out'", folder.path.string());
   for (const int limit_mb : {700, 1800}) {
-    const std::string command =
-        fmt::format("ulimit -v {}; '" DUALPIXEL_PROGRAM "' {} 2>'{}/err'", limit_mb * 1024, pair, folder.path.string());
-    const int status = std::system(command.c_str());
-    const std::string err = read_bytes(folder / "err");
-    EXPECT_EQ(WEXITSTATUS(status), 2) << limit_mb << ": " << err;
-    EXPECT_NE(err.find("huge.png"), std::string::npos) << err;
-    EXPECT_NE(err.find("not enough memory"), std::string::npos) << err;
-    EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
+    const Outcome outcome = run_program(fmt::format("--max-memory {} {}", limit_mb, pair));
+    expect_one_line_refusal(outcome);
+    EXPECT_NE(outcome.err.find("huge.png"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("not enough memory"), std::string::npos) << outcome.err;
     EXPECT_FALSE(std::filesystem::exists(folder / "out"));
   }
+}
+
+TEST(SlowCli, EndsAtItsTimeLimitAndLeavesNothing) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_program(
+      fmt::format("--max-time 1 simulate '" DUALPIXEL_SCENES_DIR "/portrait.json' -o '{}'", folder / "out"));
+  expect_one_line_refusal(outcome);
+  EXPECT_EQ(outcome.err, "dualpixel: --max-time: not done after 1 s\n");
+  EXPECT_EQ(folder.names(), std::set<std::string>());
+  EXPECT_EQ(run_program("--max-time 600 experiment --help").status, 0);
+  expect_one_line_refusal(run_program("--max-time 0 info '" DUALPIXEL_SCENES_DIR "/portrait.json'"));
 }
 
 TEST(Cli, AFullDiskOnStandardOutputIsNoSuccess) {

@@ -1,9 +1,12 @@
 #include "tools/cli/program.h"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
+#include <cstdint>
 #include <exception>
 #include <iostream>
 #include <new>
@@ -70,12 +73,14 @@ Chosen chosen_command(const CLI::App& program) {
   return chosen;
 }
 
-/// What to say of the first word that looks like a long option and is none of the command's.
+/// What to say of the first word that looks like a long option and is none of the command's or the program's.
 std::optional<std::string> unknown_option(const CLI::App& program, int argc, char** argv) {
   const auto [command, see] = chosen_command(program);
   std::vector<std::string> names;
-  for (const CLI::Option* option : command->get_options()) {
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  for (const CLI::App* each : {command, &program}) {
+    for (const CLI::Option* option : each->get_options()) {
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    }
   }
   for (int i = 1; i < argc && std::string_view(argv[i]) != "--"; ++i) {
     const std::string word(argv[i]), name = word.substr(0, word.find('='));
@@ -85,12 +90,35 @@ std::optional<std::string> unknown_option(const CLI::App& program, int argc, cha
   return {};
 }
 
+/// Written before the command, as they hold for all of it.
+void add_limits(CLI::App& program) {
+  program
+      .add_option_function<std::uint64_t>(
+          "--max-memory",
+          [](std::uint64_t megabytes) {
+            rlimit limit{};
+            getrlimit(RLIMIT_AS, &limit);
+            limit.rlim_cur = std::min<rlim_t>(megabytes << 20, limit.rlim_max);
+            setrlimit(RLIMIT_AS, &limit);
+          },
+          "Refuse what needs more memory than MB: that of addresses, as with ulimit -v")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40))
+      ->type_name("MB");
+  program
+      .add_option_function<std::int64_t>(
+          "--max-time", [](std::int64_t seconds) { end_after(std::chrono::seconds(seconds)); },
+          "End with status 2 and without output after so many seconds")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}))
+      ->type_name("S");
+}
+
 }  // namespace
 
 int program_main(int argc, char** argv) {
   CLI::App program("Dual-pixel camera simulator and portrait pipeline.", "dualpixel");
   program.set_version_flag("--version", "dualpixel " DUALPIXEL_VERSION);
   program.require_subcommand(1);
+  add_limits(program);
   program.footer(
       "Example:\n  dualpixel simulate build/release/scenes/portrait.json -o out/capture\n  dualpixel portrait "
       "out/capture -o out/dp");

@@ -1,18 +1,27 @@
 #include "tools/cli/signals.h"
 
+#include <fmt/format.h>
 #include <signal.h>
 #include <unistd.h>
 
+#include <iostream>
 #include <thread>
 
 #include "capture/files.h"
 #include "evaluation/methods/child_process.h"
+#include "tools/cli/program.h"
 
 namespace dualpixel::tools {
 namespace {
 
 std::atomic<bool> first_is_noted = false;
 std::atomic<int> noted_signal = 0;
+
+[[noreturn]] void end_without_output(int status) {
+  evaluation::end_child_processes();
+  remove_unfinished_outputs();
+  _exit(status);
+}
 
 }  // namespace
 
@@ -29,15 +38,21 @@ void end_cleanly_on_signals() {
       noted_signal = signal_number;
       sigwait(&signals, &signal_number);
     }
-    evaluation::end_child_processes();
-    remove_unfinished_outputs();
-    _exit(128 + signal_number);
+    end_without_output(128 + signal_number);
   }).detach();
 }
 
 const std::atomic<int>& note_first_signal() {
   first_is_noted = true;
   return noted_signal;
+}
+
+void end_after(std::chrono::seconds limit) {
+  std::thread([limit] {
+    std::this_thread::sleep_for(limit);
+    std::cerr << fmt::format("dualpixel: --max-time: not done after {} s\n", limit.count());
+    end_without_output(kBadInput);
+  }).detach();
 }
 
 }  // namespace dualpixel::tools

@@ -1,5 +1,6 @@
 #pragma once
 #include <atomic>
+#include <chrono>
 
 namespace dualpixel::tools {
 
@@ -12,5 +13,8 @@ void end_cleanly_on_signals();
 /// From now on the first signal is only noted in what is returned (0: none), for work that ends by itself at its next
 /// step; the second ends the process as above.
 const std::atomic<int>& note_first_signal();
+
+/// Ends the process as a signal does once `limit` has passed, with status 2 and a line on stderr.
+void end_after(std::chrono::seconds limit);
 
 }  // namespace dualpixel::tools
