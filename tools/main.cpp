@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "tools/cli/exit_status.h"
 #include "tools/cli/program.h"
 
 namespace {

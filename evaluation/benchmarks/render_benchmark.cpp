@@ -254,11 +254,15 @@ std::vector<RenderCurve> measure_uniform(const Patches& patches, const Reference
 }
 
 /// Points of light take part of the time: they are computed anew for each run.
+/// Of as many light samples as camera samples a photosite, or of those that `light` has.
+enum class LightSamples { as_camera, given };
+
 RenderCurve measure_light_cache(const std::string& name, LightCacheOptions light, Patches& patches,
-                                const Reference& reference, int most_samples) {
+                                const Reference& reference, int most_samples,
+                                LightSamples count = LightSamples::as_camera) {
   RenderCurve curve{name, {}};
   for (int samples = 16; samples <= most_samples; samples *= 2) {
-    light.light_samples = samples;
+    if (count == LightSamples::as_camera) light.light_samples = samples;
     if (light.light_spacing_px > 0) patches.world.light_cache = std::make_unique<LightCache>(light);
     Halves halves;
     const double time_s = cpu_seconds([&] { halves = render(patches, Sampling::mirrored, 3, uniform(samples)); });
@@ -346,7 +350,7 @@ nlohmann::ordered_json to_json(const RenderRun& run) {
   return json;
 }
 
-/// A scene file's, and what they are patches of.
+/// A loaded scene, and patches of it, which refer to it: not to be copied.
 struct PatchedScene {
   explicit PatchedScene(const Simulation& s)
       : scene(simulator::load_scene(s)), patches{simulator::RenderScene(scene, {.light_spacing_px = 0}), {}, {}, 0} {
@@ -357,6 +361,9 @@ struct PatchedScene {
   }
   explicit PatchedScene(const std::string& scene_file)
       : PatchedScene(simulator::read_simulation(read_json_file(scene_file), scene_file)) {}
+
+  PatchedScene(const PatchedScene&) = delete;
+  PatchedScene& operator=(const PatchedScene&) = delete;
 
   simulator::Scene scene;
   Patches patches;
@@ -374,6 +381,8 @@ std::vector<RenderCurve> measure_light_points(const std::string& scene_file, con
     curves.push_back(measure_light_cache(name, LightCacheOptions{.light_spacing_px = spacing}, made.patches, reference,
                                          options.most_samples));
   }
+  const std::string name = fmt::format("as by default, {} light samples", LightCacheOptions{}.light_samples);
+  curves.push_back(measure_light_cache(name, {}, made.patches, reference, options.most_samples, LightSamples::given));
   return curves;
 }
 

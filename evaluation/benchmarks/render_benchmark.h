@@ -62,7 +62,8 @@ SceneRenderBenchmark measure_rendering(const std::string& scene_file, const Rend
                                        const std::function<void(double fraction)>& progress);
 
 /// The default sampling with light at points of surfaces so many photosites apart, as many light samples at each as
-/// camera samples a photosite, over growing counts. 0: light sampled by every path. Making the points is in the time.
+/// camera samples a photosite, over growing counts. 0: light sampled by every path. The last curve has the default
+/// points and light samples. Making the points is in the time.
 std::vector<RenderCurve> measure_light_points(const std::string& scene_file, const RenderBenchmarkOptions& options,
                                               const std::vector<double>& spacings_px);
 

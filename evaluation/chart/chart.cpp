@@ -169,10 +169,16 @@ Json to_json(const Chart& chart) {
   return json;
 }
 
+bool is_of_other_version(const nlohmann::json& json) {
+  return json.is_object() && json.contains("format") && json["format"] == kFormat && json.contains("version") &&
+         json["version"] != kVersion;
+}
+
 Chart read_chart(const nlohmann::json& json, const std::string& file) {
   try {
     if (json.at("format") != kFormat || json.at("version") != kVersion) {
-      throw InputError(fmt::format("{}: /format, /version: must be \"{}\" and {}", printable(file), kFormat, kVersion));
+      throw InputError(fmt::format("{}: /format, /version: must be \"{}\" and {}; measure it anew by 'dualpixel chart'",
+                                   printable(file), kFormat, kVersion));
     }
     Chart chart{json.at("quick"), json.at("program"), json.at("machine"), {}, json.at("left_out"), json.at("complete")};
     for (const nlohmann::json& section : json.at("sections")) chart.sections.push_back(section_of(section));

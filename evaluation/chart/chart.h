@@ -84,6 +84,8 @@ std::vector<FrontStep> front_steps(const std::vector<ChartPoint>& points);
 Measured mean_of(const std::vector<double>& repetitions);
 
 nlohmann::ordered_json to_json(const Chart& chart);
+/// Whether this is a chart's JSON as other releases of the program write it.
+bool is_of_other_version(const nlohmann::json& json);
 /// Throws InputError that names `file`.
 Chart read_chart(const nlohmann::json& json, const std::string& file);
 std::string to_page(const Chart& chart);

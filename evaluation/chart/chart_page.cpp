@@ -87,7 +87,7 @@ std::string steps_of(const ChartSection& section) {
   const std::vector<FrontStep> steps = front_steps(section.points);
   if (steps.empty()) return "";
   Table table{{"from", "to", "more time, " + section.time_unit, "less error, " + section.error_unit,
-               fmt::format("less error for each of {}", section.time_unit)},
+               fmt::format("error saved per {}", section.time_unit)},
               {}};
   for (const FrontStep& step : steps) {
     table.rows.push_back({step.from, step.to, fmt::format("{:.3g}", step.more_time),

@@ -10,6 +10,7 @@
 #include "evaluation/chart/pipeline_stage.h"
 #include "evaluation/experiments/calibration_cost.h"
 #include "pipeline/disparity/matchers.h"
+#include "pipeline/segmentation/network.h"
 #include "simulator/scene_file.h"
 
 namespace dualpixel::evaluation {
@@ -22,7 +23,7 @@ ChartPart measure_renderer(const ChartInput& input) {
       measure_rendering(input.scenes_folder + "/slanted_planes.json", options, [](double) {});
   ChartSection section{"Renderer",
                        "24 patches of slanted_planes.json, each way of sampling at growing counts; one run each, "
-                       "against a converged reference.",
+                       "against a reference of many more, whose own error is subtracted.",
                        "of the sensor's noise",
                        "CPU s",
                        {}};
@@ -41,20 +42,17 @@ ChartPart measure_light(const ChartInput& input) {
   ChartSection section{"Light",
                        "24 patches of portrait.json: where the light of a surface is known, at points so many "
                        "photosites apart or by every sample; making the points is in the time. One run each, against a "
-                       "converged reference.",
+                       "reference of many more samples, whose own error is subtracted.",
                        "of the sensor's noise",
                        "CPU s",
                        {}};
-  const double chosen_px = simulator::LightCacheOptions{}.light_spacing_px;
-  const std::vector<double> spacings_px = {0, 16, 8, chosen_px, 2};
   const std::vector<RenderCurve> curves =
-      measure_light_points(input.scenes_folder + "/portrait.json", options, spacings_px);
-  for (std::size_t i = 0; i < curves.size(); ++i) {
-    for (const RenderRun& run : curves[i].runs) {
-      section.points.push_back({fmt::format("{}, {:.3g} spp", curves[i].name, run.samples),
-                                {run.error},
-                                {run.time_s},
-                                spacings_px[i] == chosen_px && run.samples == 16});
+      measure_light_points(input.scenes_folder + "/portrait.json", options, {0, 16, 8, 4, 2});
+  for (const RenderCurve& curve : curves) {
+    for (const RenderRun& run : curve.runs) {
+      const bool is_default = &curve == &curves.back() && run.samples == 16;  // as portrait.json has it
+      section.points.push_back(
+          {fmt::format("{}, {:.3g} spp", curve.name, run.samples), {run.error}, {run.time_s}, is_default});
     }
   }
   return {{section}};
@@ -185,6 +183,7 @@ std::vector<std::string> chart_left_out(bool quick) {
       "The network in bf16: a process can run it in one precision only; bench_segmentation and experiment segmentation "
       "--bf16 have it.",
       "Cycles: tools/compare_cycles.py runs it."};
+  if (!pipeline::has_person_network()) lines.emplace_back("Person masks: this build has no oneDNN.");
   if (quick) lines.insert(lines.begin(), "Calibration and growth: take minutes; without --quick they are here.");
   return lines;
 }

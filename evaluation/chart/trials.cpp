@@ -14,8 +14,6 @@
 #include "pipeline/defocus/mask_blur.h"
 #include "pipeline/defocus/match_lens.h"
 #include "pipeline/defocus/methods.h"
-#include "pipeline/edge_aware/filter_mask.h"
-#include "pipeline/edge_aware/guide.h"
 #include "pipeline/segmentation/network.h"
 #include "pipeline/segmentation/person_mask.h"
 
@@ -26,10 +24,6 @@ double percent_of_white(double psnr_db) { return 100 * std::pow(10, -psnr_db / 2
 
 /// Of three runs: what is made once is in the first.
 double least_cpu_ms(const std::function<void()>& work) { return times({work}, 3).cpu_ms.front(); }
-
-Image filtered(const Image& mask, const Image& picture) {
-  return pipeline::filter_mask(mask, pipeline::encode_guide(picture, pipeline::guide_gain(picture)));
-}
 
 }  // namespace
 
@@ -74,7 +68,7 @@ std::vector<Trial> try_masks(const Capture& capture, const Image& picture) {
     const double find_ms = least_cpu_ms([&] { coarse = pipeline::find_people(picture, given, network).mask; });
     if (coarse.empty()) coarse = Image(2, 2);
     const Image enlarged = resize_bilinear(coarse, truth.width, truth.height);
-    const double filter_ms = least_cpu_ms([&] { fine = filtered(coarse, picture); });
+    const double filter_ms = least_cpu_ms([&] { fine = filtered_mask(coarse, picture); });
     trials.push_back({name, 100 * (1 - mask_iou(enlarged, truth)), find_ms, is_default});
     trials.push_back({name + ", filtered", 100 * (1 - mask_iou(fine, truth)), find_ms + filter_ms, false});
   };

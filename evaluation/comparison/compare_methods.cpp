@@ -145,6 +145,12 @@ PictureFigures read_figures(Fields fields) {
 
 std::vector<std::string> compared_methods() { return {"dp+seg", "seg", "dp", "Shen et al.", "Barron et al."}; }
 
+std::vector<std::string> compared_names() {
+  std::vector<std::string> names = compared_methods();
+  names.insert(names.end(), {"true disparity", "not blurred"});
+  return names;
+}
+
 ComparedPictures compare_methods(const Capture& capture, const std::string& name, pipeline::PersonNetwork& network) {
   const Truth& truth = *capture.truth;
   const double pupil_mm = truth.photograph_aperture_scale * capture.camera.focal_length_mm / capture.camera.f_number;
@@ -165,8 +171,7 @@ ComparedPictures compare_methods(const Capture& capture, const std::string& name
   for (const Image& picture : linear.pictures) compared.pictures_srgb.push_back(displayed(clipped(picture)));
   const std::vector<Image> five(compared.pictures_srgb.begin(), compared.pictures_srgb.end() - kReferences);
   figures.crops = crops_that_differ(five, truth.person_mask);
-  std::vector<std::string> names = compared_methods();
-  names.insert(names.end(), {"true disparity", "not blurred"});
+  const std::vector<std::string> names = compared_names();
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Image& picture = compared.pictures_srgb[i];
     figures.methods.push_back({names[i], figures_of(picture, compared.photograph_srgb),

@@ -32,11 +32,14 @@ struct SceneComparison {
   bool by_stated_face = false;  ///< no face was detected there; the network was told where the capture states one
   double mask_iou = 0;          ///< of the mask that was found, at its own size; 0 where there is none, or nobody
   std::vector<Crop> crops;
-  std::vector<MethodFigures> methods;  ///< the five, and then "true disparity" and "not blurred"
+  std::vector<MethodFigures> methods;  ///< compared_names(): the five, and then "true disparity" and "not blurred"
 };
 
 /// In the order of tables.
 std::vector<std::string> compared_methods();
+
+/// Those of SceneComparison::methods.
+std::vector<std::string> compared_names();
 
 struct ComparedPictures {
   SceneComparison figures;

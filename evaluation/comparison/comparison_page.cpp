@@ -51,7 +51,7 @@ std::string scene_section(const ComparedPictures& scene) {
   }
   html += "<div class=\"pictures\">";
   const auto picture = [&](const std::string& title, const std::string& caption, const Image& srgb) {
-    const Image small = resized(srgb, srgb.width / 3, srgb.height / 3);
+    const Image small = resized(srgb, std::max(1, srgb.width / 3), std::max(1, srgb.height / 3));
     html += html_figure({title, caption, jpeg_data_uri(small, 85)});
     if (!figures.crops.empty()) html += html_figure({"", "", jpeg_data_uri(cropped(srgb, figures.crops[0]), 92)});
   };

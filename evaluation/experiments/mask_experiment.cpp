@@ -15,8 +15,6 @@
 #include "capture/image/resample.h"
 #include "evaluation/metrics/mask_metrics.h"
 #include "evaluation/report/report_images.h"
-#include "pipeline/edge_aware/filter_mask.h"
-#include "pipeline/edge_aware/guide.h"
 #include "pipeline/segmentation/person_mask.h"
 
 namespace dualpixel::evaluation {
@@ -87,7 +85,7 @@ Scored score(const MaskedPicture& pair, pipeline::PersonNetwork& network) {
     rgb = Image(width, height, 3);
     for (std::size_t i = 0; i < rgb.data.size(); ++i) rgb.data[i] = scored.picture.data[i / 3];
   }
-  scored.filtered = pipeline::filter_mask(found.mask, pipeline::encode_guide(rgb, pipeline::guide_gain(rgb)));
+  scored.filtered = filtered_mask(found.mask, rgb);
   const bool smaller = width < found.mask.width;
   s.iou = mask_iou(smaller ? resize_area(found.mask, width, height) : resize_bilinear(found.mask, width, height),
                    scored.truth);

@@ -2,7 +2,14 @@
 
 #include <numeric>
 
+#include "pipeline/edge_aware/filter_mask.h"
+#include "pipeline/edge_aware/guide.h"
+
 namespace dualpixel::evaluation {
+
+Image filtered_mask(const Image& mask, const Image& picture) {
+  return pipeline::filter_mask(mask, pipeline::encode_guide(picture, pipeline::guide_gain(picture)));
+}
 
 double mask_iou(const Image& estimate, const Image& truth) {
   std::size_t both = 0, either = 0;

@@ -8,8 +8,6 @@
 
 #include "capture/image/image_io.h"
 #include "evaluation/metrics/mask_metrics.h"
-#include "pipeline/edge_aware/filter_mask.h"
-#include "pipeline/edge_aware/guide.h"
 #include "pipeline/segmentation/person_mask.h"
 
 namespace dualpixel::evaluation {
@@ -23,10 +21,6 @@ static_assert(scenes::kPictureSide_px == pipeline::kNetworkSize_px);
 
 Image input_of(const scenes::PersonSample& sample) {
   return pipeline::network_input(picture_of(sample), {sample.face[0], sample.face[1], sample.face[2], sample.face[3]});
-}
-
-Image filtered(const Image& mask, const Image& picture) {
-  return pipeline::filter_mask(mask, pipeline::encode_guide(picture, pipeline::guide_gain(picture)));
 }
 
 /// Sums, of which a row holds the means.
@@ -96,7 +90,7 @@ Image mask_of(const scenes::PersonSample& sample) {
 }
 
 Image filtered_mask_of(const scenes::PersonSample& sample, pipeline::PersonNetwork& network) {
-  return filtered(network(input_of(sample)), picture_of(sample));
+  return filtered_mask(network(input_of(sample)), picture_of(sample));
 }
 
 PeopleScores score_people(const scenes::PeopleSet& set, pipeline::PersonNetwork& network,
@@ -107,11 +101,11 @@ PeopleScores score_people(const scenes::PeopleSet& set, pipeline::PersonNetwork&
   for (std::size_t i = 0; i < set.size(); ++i) {
     const scenes::PersonSample& sample = set[i];
     Image input = input_of(sample);
-    const Image truth = mask_of(sample), mask = network(input), filtered_mask = filtered(mask, picture_of(sample));
+    const Image truth = mask_of(sample), mask = network(input), filtered = filtered_mask(mask, picture_of(sample));
     for (std::size_t p = 0; p < input.pixel_count(); ++p) input.data[4 * p + 3] = 0;
     const Image gradient = mask_gradient_errors(mask, truth);
-    const Image filtered_gradient = mask_gradient_errors(filtered_mask, truth);
-    Sums one{0, mask_iou(mask, truth), mask_iou(filtered_mask, truth), mask_iou(network(input), truth)};
+    const Image filtered_gradient = mask_gradient_errors(filtered, truth);
+    Sums one{0, mask_iou(mask, truth), mask_iou(filtered, truth), mask_iou(network(input), truth)};
     add_region(one, gradient, filtered_gradient, [](double, double) { return true; });
     scores.filtered_iou.push_back(one.filtered_iou);
     const auto add = [&](Sums& sums) {

@@ -13,7 +13,7 @@
 namespace dualpixel::pipeline {
 
 OptionFields fields(FilterMaskOptions& options) {
-  OptionFields all = {{"on", &options.on, 0, 1, "", "ours"},
+  OptionFields all = {{"on", &options.on, 0, 1, "1: yes, 0: no", "ours"},
                       {"erosion", &options.erosion, 0, 1, "of the larger side", "3.4: 0.05"},
                       {"sigmoid_slope", &options.sigmoid_slope, 0, 1e6, "", "ours"},
                       {"blur_sigma_px", &options.blur_sigma_px, 0.1, 100, "half-resolution px", "ours"}};

@@ -26,7 +26,7 @@ std::pair<int, int> middle(int size, int step) {
 
 template <typename Pixel>
 ImageOf<Pixel> cut_pixels(const ImageOf<Pixel>& image, const Window& window) {
-  if (image.empty()) return image;
+  if (image.empty()) return {};
   ImageOf<Pixel> part(window.width, window.height, image.channels);
   for (int y = 0; y < window.height; ++y) {
     std::copy_n(image.row(window.y + y) + static_cast<std::ptrdiff_t>(window.x) * image.channels,

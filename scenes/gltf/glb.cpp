@@ -31,6 +31,7 @@ std::vector<unsigned char> png(int width, int height, int channels, const unsign
   output->set_ioproxy(&memory);
   OIIO::ImageSpec spec(width, height, channels, OIIO::TypeDesc::UINT8);
   spec.attribute("png:compressionLevel", level);
+  spec.attribute("oiio:UnassociatedAlpha", 1);  // or colors would be divided by it
   if (!output->open("texture.png", spec) || !output->write_image(OIIO::TypeDesc::UINT8, pixels) || !output->close()) {
     throw std::runtime_error("a texture could not be encoded: " + output->geterror());
   }

@@ -44,14 +44,23 @@ void subdivide(SceneObject& object, bool rest_is_direction) {
 
 bool is_skin(const Material& material) { return material.kind == Kind::skin || material.kind == Kind::face; }
 
-/// Pores and fine lines, without which skin shines like wax: normals that waver by a few degrees over 2 mm, and spots.
-void roughen_skin(const Material& material, const std::vector<vec3>& rest, std::vector<vec3>& normals,
-                  std::vector<vec3>& colors) {
+/// Noise over 2 mm, -1/2 ... 1/2.
+float skin_wave(const Material& material, std::uint32_t k, const vec3& at) {
+  return noise(material.seed + k, at * 480.0f) - 0.5f;
+}
+
+/// Pores and fine lines, without which skin shines like wax: normals that waver by a few degrees.
+void roughen_skin(const Material& material, const std::vector<vec3>& rest, std::vector<vec3>& normals) {
   for (std::size_t i = 0; i < normals.size(); ++i) {
-    const vec3 p = rest[i] * 480.0f;
-    const auto wave = [&](std::uint32_t k) { return noise(material.seed + k, p) - 0.5f; };
+    const auto wave = [&](std::uint32_t k) { return skin_wave(material, k, rest[i]); };
     normals[i] = glm::normalize(normals[i] + 0.14f * vec3(wave(31), wave(32), wave(33)));
-    colors[i] *= 1 + 0.07f * wave(34) + 0.14f * (fractal(material.seed + 35, rest[i] * 110.0f, 2) - 0.5f);
+  }
+}
+
+void spot_skin(const Material& material, const std::vector<vec3>& rest, std::vector<vec3>& colors) {
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    colors[i] *= 1 + 0.07f * skin_wave(material, 34, rest[i]) +
+                 0.14f * (fractal(material.seed + 35, rest[i] * 110.0f, 2) - 0.5f);
   }
 }
 
@@ -78,7 +87,10 @@ void add_object_mesh(SceneBuilder& build, SceneObject object, const Material& ma
   const float shade = object.hair_m > 0 ? 0.55f : 1.0f;  // what shows between strands
   tbb::parallel_for(std::size_t{0}, colors.size(),
                     [&](std::size_t i) { colors[i] = shade * reflectance(material, object.rest[i]); });
-  if (is_skin(material)) roughen_skin(material, object.rest, mesh.normals, colors);
+  if (is_skin(material)) {
+    roughen_skin(material, object.rest, mesh.normals);
+    spot_skin(material, object.rest, colors);
+  }
   for (vec3& color : colors) color = glm::clamp(color, vec3(0), vec3(1));
   mesh.triangles = std::move(object.triangles);
   drop_flat_triangles(mesh);
@@ -98,25 +110,21 @@ int add_tinted_texture(SceneBuilder& build, const Material& material) {
   return build.glb.add_texture(texture.width, texture.height, rgba);
 }
 
-/// Skin of MakeHuman's is known by its texture; eyes by how they shine.
+/// Skin of MakeHuman's is known by its texture.
 void add_textured_mesh(SceneBuilder& build, SceneObject object, const Material& material, const Figure& figure) {
   const bool skin = material.texture == figure.skin.texture;
-  const bool eye = material.gloss_power > 100;
   Mesh mesh;
   mesh.positions = std::move(object.positions);
   mesh.normals = std::move(object.normals);
   for (vec3& n : mesh.normals) n = glm::dot(n, n) > 1e-12f ? glm::normalize(n) : vec3(0, 1, 0);
   for (const vec3& uv : object.rest) mesh.uvs.emplace_back(uv.x, uv.y);
-  if (skin) {
-    std::vector<vec3> unused(mesh.positions.size());
-    roughen_skin(material, mesh.positions, mesh.normals, unused);
-  }
+  if (skin) roughen_skin(material, mesh.positions, mesh.normals);
   mesh.triangles = std::move(object.triangles);
   drop_flat_triangles(mesh);
   if (mesh.triangles.empty()) return;
-  GlbMaterial textured{.texture = add_tinted_texture(build, material), .roughness = eye ? 0.12f : 0.8f};
+  GlbMaterial textured{.texture = add_tinted_texture(build, material), .roughness = material.iris ? 0.12f : 0.8f};
   if (skin) textured.roughness = 0.5f, textured.subsurface = 0.8f;
-  textured.cut_out = material.cut_out || eye;  // corneas are clear
+  textured.cut_out = material.cut_out || material.iris;  // corneas are clear
   build.glb.add_node("person", mesh, build.add_material(textured), true);
 }
 

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "capture/error.h"
+#include "tools/cli/exit_status.h"
 #include "tools/cli/file_fault.h"
 #include "tools/cli/signals.h"
 #include "tools/commands/commands.h"

@@ -9,7 +9,7 @@
 
 #include "capture/files.h"
 #include "evaluation/methods/child_process.h"
-#include "tools/cli/program.h"
+#include "tools/cli/exit_status.h"
 
 namespace dualpixel::tools {
 namespace {

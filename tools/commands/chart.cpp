@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -43,23 +42,13 @@ std::string machine() {
 /// The sections that an interrupted run of the same kind has left in `file`.
 evaluation::Chart interrupted(const std::string& file, const evaluation::Chart& fresh) {
   if (!fs::exists(file)) return fresh;
-  evaluation::Chart chart = evaluation::read_chart(read_json_file(file), file);
+  const nlohmann::json json = read_json_file(file);
+  if (evaluation::is_of_other_version(json)) return fresh;
+  evaluation::Chart chart = evaluation::read_chart(json, file);
   const bool same =
       !chart.complete && chart.quick == fresh.quick && chart.version == fresh.version && chart.machine == fresh.machine;
   return same ? chart : fresh;
 }
-
-/// A folder beside the page for as long as it is measured.
-struct ScratchFolder {
-  std::string path;
-  explicit ScratchFolder(std::string path_) : path(std::move(path_)) { fs::create_directories(path); }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-};
 
 void run(const ChartOptions& options) {
   std::optional<evaluation::Chart> older;
@@ -68,8 +57,8 @@ void run(const ChartOptions& options) {
   if (json_file == options.page) throw InputError(printable(options.page) + ": must not end in .json");
   evaluation::Chart chart = interrupted(json_file, {options.quick, DUALPIXEL_VERSION, machine(), {}, {}, false});
   chart.left_out = evaluation::chart_left_out(options.quick);
-  const ScratchFolder scratch(options.page + ".scratch");
-  const evaluation::ChartInput input{options.quick, options.scenes, options.lenses, scratch.path};
+  const NewFolder scratch(options.page + ".scratch", "capture");  // never made: it goes when the page is there
+  const evaluation::ChartInput input{options.quick, options.scenes, options.lenses, scratch.path()};
   Progress progress("chart");
   std::size_t done = 0;
   for (const evaluation::ChartStage& stage : evaluation::chart_stages()) {

@@ -119,6 +119,7 @@ void add_eyes_brows_and_lashes(Dressing& dressing, const MakeHumanAssets& assets
     if (!assets.irises.empty()) {
       material.kind = Material::Kind::textured;
       material.texture = *pick(rng, assets.irises);
+      material.iris = true;
     }
     add_fitted(dressing, *eye, material);
   }

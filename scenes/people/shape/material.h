@@ -59,6 +59,7 @@ struct Material {
   glm::vec3 emission{0};   ///< emitted radiance over reflectance, in the dome light's units
   std::shared_ptr<const simulator::Texture> texture;
   bool cut_out = false;      ///< where the texture's alpha is below 1/2 rays pass through
+  bool iris = false;         ///< the texture is that of an eye behind a clear cornea
   std::array<float, 6> v{};  ///< face or garment parameters: see FaceDetail, kPlacket
 };
 

@@ -72,6 +72,23 @@ TEST(Chart, BarsShowTheirParts) {
   EXPECT_NE(page.find("What more time buys"), std::string::npos);
 }
 
+TEST(Chart, GrowthHasItsPlot) {
+  const std::string page = to_page(small_chart());
+  EXPECT_NE(page.find("<h2>Growth</h2>"), std::string::npos);
+  for (const char* label : {">triangles</text>", ">ns</text>", "a ray"}) EXPECT_NE(page.find(label), std::string::npos);
+}
+
+TEST(Chart, OfAnotherReleaseIsTold) {
+  nlohmann::json json = to_json(small_chart());
+  EXPECT_FALSE(is_of_other_version(json));
+  json["version"] = 1;
+  EXPECT_TRUE(is_of_other_version(json));
+  EXPECT_THROW(read_chart(json, "x"), InputError);
+  for (const nlohmann::json& other : {nlohmann::json::array(), nlohmann::json{{"version", 1}}}) {
+    EXPECT_FALSE(is_of_other_version(other));
+  }
+}
+
 TEST(Chart, ComparisonPassesOverNoise) {
   const Chart before = small_chart();
   Chart now = before;

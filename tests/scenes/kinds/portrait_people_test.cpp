@@ -11,6 +11,7 @@ namespace dualpixel::scenes {
 namespace {
 
 // Eyes of assets keep their picture, a little darker than white (0.9 of its light), and where it is clear nothing is.
+// write_png8 takes color times alpha: half of white everywhere.
 TEST(PortraitPeople, AreMadeFromMakeHumansAssets) {
   const TemporaryFolder folder;
   write_makehuman(folder, smallest_body(), R"({"weights": {"head": [[0, 1.0]]}})");
@@ -19,7 +20,11 @@ TEST(PortraitPeople, AreMadeFromMakeHumansAssets) {
   folder.write("eyes/round/a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
   std::filesystem::create_directories(folder / "eyes/materials");
   Image iris(4, 4, 4, 0.5f);
-  for (int y = 0; y < 4; ++y) iris.at(0, y, 3) = 0, iris.at(1, y, 3) = 1, iris.at(2, y, 3) = 1, iris.at(3, y, 3) = 1;
+  for (int y = 0; y < 4; ++y) {
+    iris.at(0, y, 3) = 0, iris.at(1, y, 3) = 1, iris.at(3, y, 3) = 1;
+    for (int c = 0; c < 3; ++c) iris.at(2, y, c) = 0.3f;
+    iris.at(2, y, 3) = 0.6f;
+  }
   write_png8(folder / "eyes/materials/iris.png", iris);
 
   const MakeHumanAssets assets(folder.path.string());
@@ -43,6 +48,8 @@ TEST(PortraitPeople, AreMadeFromMakeHumansAssets) {
     EXPECT_EQ(texture.bytes()[4 + 3], 255);
     // sRGB 128 is .2159 of linear light; .9 of that is 121.8
     EXPECT_NEAR(texture.bytes()[4], 122, 1);
+    EXPECT_EQ(texture.bytes()[8 + 3], 153);
+    EXPECT_NEAR(texture.bytes()[8], 122, 1);
   }
   EXPECT_EQ(eyes, 1);
 }

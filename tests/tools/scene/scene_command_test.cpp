@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/scenes/people/makehuman_assets.h"
 #include "tests/tools/run_command.h"
 
 namespace dualpixel {
@@ -44,6 +45,26 @@ TEST(SceneCommand, ListsItsTableAsTextAndJson) {
   const nlohmann::json all = nlohmann::json::parse(run_command("scene --options --json").out);
   EXPECT_EQ(all.size(), 5U);
   EXPECT_EQ(all[0]["parameters"][0]["name"], "width_px");
+}
+
+TEST(SlowSceneCommand, PeopleOfMakeHumansAssetsAreAnotherPortrait) {
+  const TemporaryFolder folder;
+  const TemporaryFolder assets;
+  scenes::write_makehuman(assets, scenes::smallest_body(), R"({"weights": {"head": [[0, 1.0]]}})");
+  scenes::write_targets(assets, "");
+  const auto draw = [&](const std::string& name, const std::string& more) {
+    return run_command("scene portrait --seed 3 --set people=1 --set width_px=128 " + more + " -o '" + (folder / name) +
+                       "'");
+  };
+  const Outcome made = draw("assets", "--set 'makehuman=" + assets.path.string() + "'");
+  ASSERT_EQ(made.status, 0) << made.err;
+  ASSERT_EQ(draw("drawn", "").status, 0);
+  EXPECT_NE(read_bytes(folder / "assets" + "/scene.glb"), read_bytes(folder / "drawn" + "/scene.glb"));
+  const Outcome missing = draw("missing", "--set makehuman=/no/such/folder");
+  expect_one_line_refusal(missing);
+  EXPECT_NE(missing.err.find("/no/such/folder"), std::string::npos) << missing.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "missing"));
+  EXPECT_NE(run_command("scene portrait --options").out.find("makehuman"), std::string::npos);
 }
 
 TEST(SceneCommand, ReadsDefinitions) {

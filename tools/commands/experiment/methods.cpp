@@ -55,18 +55,30 @@ void compare(const evaluation::ComparisonScene& scene, const Capture& capture, p
   out.commit();
 }
 
-Image read_picture(const std::string& path, const Image* of_size) {
+Image read_rgb(const std::string& path) {
   Image picture = read_image(path);
-  if (picture.channels != 3 || (of_size != nullptr && !picture.same_size(*of_size))) {
-    throw InputError(printable(path) + ": must be RGB and of the photograph's size; remove the folder to make it anew");
-  }
+  if (picture.channels != 3) throw InputError(printable(path) + ": must be RGB; remove the folder to make it anew");
   return picture;
 }
 
-evaluation::ComparedPictures read_compared(const std::string& folder) {
+void check_names(const evaluation::SceneComparison& figures, const std::string& scene, const std::string& file) {
+  const auto check = [&](const std::string& field, const std::string& found, const std::string& name) {
+    if (found == name) return;
+    throw InputError(fmt::format("{}: {}: {}: must be {}; remove the folder to make it anew", printable(file), field,
+                                 printable(found), name));
+  };
+  check("/scene", figures.scene, scene);
+  const std::vector<std::string> names = evaluation::compared_names();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    check(fmt::format("/methods/{}/method", i), figures.methods[i].method, names[i]);
+  }
+}
+
+evaluation::ComparedPictures read_compared(const std::string& folder, const std::string& scene) {
   evaluation::ComparedPictures result;
   result.figures = evaluation::read_scene_comparison(folder + "/figures.json");
-  result.photograph_srgb = read_picture(folder + "/photograph.png", nullptr);
+  check_names(result.figures, scene, folder + "/figures.json");
+  result.photograph_srgb = read_rgb(folder + "/photograph.png");
   const Image& photograph = result.photograph_srgb;
   for (const evaluation::Crop& crop : result.figures.crops) {
     if (crop.x + crop.side > photograph.width || crop.y + crop.side > photograph.height) {
@@ -75,7 +87,11 @@ evaluation::ComparedPictures read_compared(const std::string& folder) {
     }
   }
   for (std::size_t i = 0; i < result.figures.methods.size(); ++i) {
-    result.pictures_srgb.push_back(read_picture(picture_file(folder, i), &photograph));
+    result.pictures_srgb.push_back(read_rgb(picture_file(folder, i)));
+    if (!result.pictures_srgb.back().same_size(photograph)) {
+      throw InputError(fmt::format("{}: must be of the photograph's size, {} x {}; remove the folder to make it anew",
+                                   printable(picture_file(folder, i)), photograph.width, photograph.height));
+    }
   }
   return result;
 }
@@ -101,7 +117,8 @@ void run(const MethodsCommand& command) {
   for (const evaluation::ComparisonScene& scene : evaluation::comparison_scenes().first(command.scenes)) {
     const std::string folder = command.folder + "/results/" + scene.name;
     if (!fs::exists(folder)) compare(scene, capture_of(scene, command.folder), network, folder);
-    const evaluation::ComparedPictures compared = read_compared(folder);  // the same page, made now or before
+    const evaluation::ComparedPictures compared =
+        read_compared(folder, scene.name);  // the same page, made now or before
     sections += scene_section(compared);
     figures.push_back(compared.figures);
     bar(static_cast<double>(figures.size()) / command.scenes);
