@@ -32,7 +32,7 @@ if ! $fast; then
     # clang-tidy reads one file at a time, without GCC's precompiled headers.
     cmake --preset release -B build/lint -DDUALPIXEL_TESTS=ON -DDUALPIXEL_TRAINER=OFF -DDUALPIXEL_ONNX=OFF \
       -DCMAKE_UNITY_BUILD=OFF -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >/dev/null
-    echo "$changed" | xargs -P "$(nproc)" -n 4 clang-tidy -p build/lint --quiet --warnings-as-errors='*'
+    echo "$changed" | xargs tools/lint.py build/lint
   fi
 fi
 

@@ -25,7 +25,7 @@ bool spans_decades(const std::vector<ChartPoint>& points, Measured ChartPoint::*
   return high > 4 * low && low > 0;
 }
 
-/// The front and the default bear their names; the table below holds all.
+/// The front and the default bear their names, others show theirs under the pointer; the table below holds all.
 Plot plot_of(const ChartSection& section) {
   const std::vector<bool> front = pareto_front(section.points);
   Plot plot;
@@ -42,7 +42,7 @@ Plot plot_of(const ChartSection& section) {
     const ChartPoint& point = section.points[i];
     Series& dots = point.is_default ? chosen : front[i] ? best : others;
     dots.points.emplace_back(point.time.value, point.error.value);
-    if (point.is_default || front[i]) dots.labels.push_back(point.name);
+    dots.labels.push_back(point.name);
     if (front[i]) front_points.emplace_back(point.time.value, point.error.value);
     if (point.error.standard_error) {
       const double half = *point.error.standard_error;
@@ -52,6 +52,7 @@ Plot plot_of(const ChartSection& section) {
       errors.points.emplace_back(kGap, kGap);
     }
   }
+  best.write_labels = chosen.write_labels = true;
   std::sort(front_points.begin(), front_points.end());
   line.points = front_points;
   line.dashed = true;

@@ -50,6 +50,13 @@ struct Axis {
   }
 };
 
+/// What the browser shows under the pointer.
+std::string dot_title(const Series& series, std::size_t k) {
+  const auto [x, y] = series.points[k];
+  const std::string label = k < series.labels.size() ? series.labels[k] + ": " : "";
+  return fmt::format("<title>{}{:.4g}, {:.4g}</title>", escape_html(label), x, y);
+}
+
 /// To the right of a dot; to the left of one in the right half, so that it stays inside.
 std::string dot_label(const std::string& label, double x, double y) {
   const bool right = x < kLeft + (kPlotWidth - kLeft - kRight) / 2;
@@ -127,8 +134,9 @@ std::string svg_plot(const Plot& plot) {
         end_line();
       } else if (series.dots) {
         const double dot_x = at_x(point.first), dot_y = at_y(point.second);
-        svg += fmt::format("<circle class=\"c{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\"/>", i % kColors, dot_x, dot_y);
-        if (k < series.labels.size()) svg += dot_label(series.labels[k], dot_x, dot_y);
+        svg += fmt::format("<circle class=\"c{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\">{}</circle>", i % kColors, dot_x,
+                           dot_y, dot_title(series, k));
+        if (series.write_labels && k < series.labels.size()) svg += dot_label(series.labels[k], dot_x, dot_y);
       } else {
         points += fmt::format("{:.1f},{:.1f} ", at_x(point.first), at_y(point.second));
       }

@@ -11,7 +11,8 @@ struct Series {
   std::vector<std::pair<double, double>> points;  ///< in the order they are joined; not finite: a gap
   bool dashed = false;
   bool dots = false;                     ///< points alone, no line
-  std::vector<std::string> labels = {};  ///< of the points, written beside dots; empty: none
+  std::vector<std::string> labels = {};  ///< of dots, shown with their values under the pointer; empty: none
+  bool write_labels = false;             ///< beside the dots, too
 };
 
 struct Plot {

@@ -153,6 +153,22 @@ class Viewer(unittest.TestCase):
                 self.assertEqual(position, f"{x // 2}, {y // 4}")
                 self.assertEqual(int(value), round(values[y // 4][x // 2] * 65535), (name, x, y))
 
+    def test_a_screenshot_shows_the_files_values(self):
+        confidence = floats_of(self.results[0] + "/maps.exr", "confidence")
+        self.press("9")
+        shot = str(self.out / "confidence.png")
+        self.browser.screenshot(shot)
+        codes = floats_of(shot, "0")
+        box = self.canvas_box()
+        for y in range(8, HEIGHT):  # the layer's name covers the rows above
+            for x in range(WIDTH):
+                row = int(box["y"] + (y + 0.5) / HEIGHT * box["height"])
+                column = int(box["x"] + (x + 0.5) / WIDTH * box["width"])
+                if row >= len(codes):  # below the window
+                    continue
+                # gray from 0 to 1: half a step of the page's 1/256, and half a code
+                self.assertLessEqual(abs(codes[row][column] - confidence[y][x]), 0.5 / 256 + 0.5 / 255 + 1e-6, (x, y))
+
     def test_keys_show_every_layer(self):
         names = self.browser.run("[...document.querySelectorAll('.choices')[0].children].map(b => b.lastChild.data)")
         self.assertEqual(names, ["Left view", "Right view", "Picture", "Portrait", "True photograph", "Disparity",

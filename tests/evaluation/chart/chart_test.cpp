@@ -78,6 +78,13 @@ TEST(Chart, GrowthHasItsPlot) {
   for (const char* label : {">triangles</text>", ">ns</text>", "a ray"}) EXPECT_NE(page.find(label), std::string::npos);
 }
 
+TEST(Chart, PointsTellNamesAndValues) {
+  const std::string page = to_page(small_chart());
+  EXPECT_NE(page.find("<title>neither: 101, 0.31</title>"), std::string::npos);
+  EXPECT_EQ(page.find(">neither</text>"), std::string::npos);
+  EXPECT_NE(page.find(">fast</text>"), std::string::npos);
+}
+
 TEST(Chart, OfAnotherReleaseIsTold) {
   nlohmann::json json = to_json(small_chart());
   EXPECT_FALSE(is_of_other_version(json));

@@ -22,8 +22,8 @@ class KeptMethods : public ::testing::Test {
     if (!pipeline::has_person_network()) GTEST_SKIP() << "built without oneDNN";
     std::filesystem::create_directories(scene);
     write_bytes(out + "/methods.json", "{}\n");
-    for (const std::string& name : evaluation::compared_names()) {
-      figures.methods.push_back({name, {30, 0.9, 0.1}, {29, 0.8, 0.2}});
+    for (const std::string& method : evaluation::compared_names()) {
+      figures.methods.push_back({method, {30, 0.9, 0.1}, {29, 0.8, 0.2}});
     }
     write_pictures(kWidth, kHeight);
   }
