@@ -18,18 +18,20 @@
 namespace dualpixel::evaluation {
 namespace {
 
+/// portrait.json's whole view on so many photosites.
+std::vector<std::string> of_width(int width) {
+  constexpr int kFullWidth = 2688;
+  constexpr double kFullPitch_um = 1.4;
+  return {fmt::format("sensor.width_px={}", width), fmt::format("sensor.height_px={}", width * 3 / 4),
+          fmt::format("sensor.pixel_pitch_um={}", kFullPitch_um * kFullWidth / width), "face_px=null",
+          "face=[0.4055,0.2083,0.2083,0.3571]"};
+}
+
 /// One burst of portrait.json, of its whole view with fewer and larger photosites. Seeds differ in all noise, the
 /// rendering's included. In short: a hand at rest, so that one render serves all frames, and fewer samples.
 Capture chart_capture(const ChartInput& input, int seed) {
-  constexpr int kFullWidth = 2688;
-  constexpr double kFullPitch_um = 1.4;
-  const int width = input.quick ? 448 : 1344;
-  std::vector<std::string> fields = {fmt::format("sensor.width_px={}", width),
-                                     fmt::format("sensor.height_px={}", width * 3 / 4),
-                                     fmt::format("sensor.pixel_pitch_um={}", kFullPitch_um * kFullWidth / width),
-                                     "face_px=null",
-                                     "face=[0.4055,0.2083,0.2083,0.3571]",
-                                     fmt::format("render.seed={}", seed)};
+  std::vector<std::string> fields = of_width(input.quick ? 448 : 1344);
+  fields.push_back(fmt::format("render.seed={}", seed));
   if (input.quick) {
     fields.insert(fields.end(),
                   {"burst.hand_shake=0", "render.samples_per_pixel=32", "render.photograph_samples_per_pixel=48"});
@@ -97,7 +99,7 @@ void run(Setting& setting, const Capture& whole) {
     setting.disparity_dp_px.push_back(*score.disparity.front().rmse_affine_px);
   }
   if (score.portrait && score.portrait->psnr_srgb_db) {
-    setting.portrait_percent.push_back(100 * std::pow(10, -*score.portrait->psnr_srgb_db / 20));
+    setting.portrait_percent.push_back(percent_of_white(*score.portrait->psnr_srgb_db));
   }
 }
 
@@ -185,6 +187,34 @@ ChartPart measure_pipeline(const ChartInput& input) {
                              "%", "CPU ms", points_of(masks)});
   }
   return part;
+}
+
+ChartPart measure_pipeline_growth(const ChartInput& input) {
+  ChartGrowth growth{"Whole pipeline: growth with photosites",
+                     "Mode dp+seg on bursts of portrait.json of nine frames, the true mask given: the fastest of three "
+                     "runs, wall time with all threads.",
+                     "photosites",
+                     "ms",
+                     {}};
+  for (const int width : {336, 672, 1344, 2688}) {
+    std::vector<std::string> fields = of_width(width);
+    fields.insert(fields.end(), {"burst.hand_shake=0", "render.samples_per_pixel=4",
+                                 "render.photograph_samples_per_pixel=1", "render.all_in_focus_samples_per_pixel=1"});
+    const Capture capture = simulate_scene(input.scenes_folder + "/portrait.json", fields);
+    pipeline::PortraitOptions options;
+    options.mode = pipeline::Mode::dp_seg;
+    for (int repeat = 0; repeat < 3; ++repeat) {
+      const auto stages = pipeline::run_portrait(capture, options, capture.truth->person_mask).stages;
+      growth.lines.resize(stages.size());
+      for (std::size_t i = 0; i < stages.size(); ++i) {
+        auto& [name, points] = growth.lines[i];
+        name = stages[i].name;
+        if (repeat == 0) points.emplace_back(width * (width * 3.0 / 4), stages[i].ms);
+        points.back().second = std::min(points.back().second, stages[i].ms);
+      }
+    }
+  }
+  return {.growths = {growth}};
 }
 
 std::string write_chart_capture(const ChartInput& input) {

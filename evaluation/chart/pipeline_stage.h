@@ -11,6 +11,9 @@ namespace dualpixel::evaluation {
 /// its error and time come from; defocus and person masks by themselves, on the same captures.
 ChartPart measure_pipeline(const ChartInput& input);
 
+/// How the time of mode dp+seg grows with the photosites, stage by stage.
+ChartPart measure_pipeline_growth(const ChartInput& input);
+
 /// Writes the first of the captures that measure_pipeline() works on into the scratch folder; its path.
 std::string write_chart_capture(const ChartInput& input);
 

@@ -174,7 +174,8 @@ const std::vector<ChartStage>& chart_stages() {
                                                  {"matchers", true, measure_matchers},
                                                  {"solver", true, measure_solver},
                                                  {"calibration", false, measure_calibration},
-                                                 {"growth", false, measure_growth}};
+                                                 {"growth", false, measure_growth},
+                                                 {"pipeline growth", false, measure_pipeline_growth}};
   return stages;
 }
 

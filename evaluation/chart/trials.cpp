@@ -20,12 +20,12 @@
 namespace dualpixel::evaluation {
 namespace {
 
-double percent_of_white(double psnr_db) { return 100 * std::pow(10, -psnr_db / 20); }
-
 /// Of three runs: what is made once is in the first.
 double least_cpu_ms(const std::function<void()>& work) { return times({work}, 3).cpu_ms.front(); }
 
 }  // namespace
+
+double percent_of_white(double psnr_db) { return 100 * std::pow(10, -psnr_db / 20); }
 
 std::vector<Trial> try_defocus(const Capture& capture) {
   const Truth& truth = *capture.truth;

@@ -15,6 +15,9 @@ struct Trial {
   bool is_default = false;
 };
 
+/// The RMS difference that a PSNR stands for, percent of white.
+double percent_of_white(double psnr_db);
+
 /// The defocus renderers and the baselines on the true all-in-focus picture, with true disparity and mask, against the
 /// true photograph: RMS difference in sRGB, percent of white.
 std::vector<Trial> try_defocus(const Capture& capture);
