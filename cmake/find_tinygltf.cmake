@@ -11,8 +11,12 @@ if(tinygltf_type MATCHES "^(SHARED|STATIC|UNKNOWN)_LIBRARY$" AND NOT DUALPIXEL_C
   target_link_libraries(dualpixel_tinygltf INTERFACE TinyGLTF::TinyGLTF)
 else()
   set(tinygltf_is_library OFF)
-  find_path(TINYGLTF_HEADERS tiny_gltf.h REQUIRED)
+  if(TARGET TinyGLTF::TinyGLTF)
+    get_target_property(tinygltf_folders TinyGLTF::TinyGLTF INTERFACE_INCLUDE_DIRECTORIES)
+  endif()
+  find_path(TINYGLTF_HEADERS tiny_gltf.h HINTS ${tinygltf_folders} REQUIRED)
   target_include_directories(dualpixel_tinygltf SYSTEM INTERFACE ${TINYGLTF_HEADERS})
   # OpenImageIO reads the textures, and nlohmann_json's header is a package of its own.
-  target_compile_definitions(dualpixel_tinygltf INTERFACE DUALPIXEL_COMPILE_TINYGLTF TINYGLTF_NO_STB_IMAGE TINYGLTF_NO_STB_IMAGE_WRITE)
+  target_compile_definitions(dualpixel_tinygltf INTERFACE DUALPIXEL_COMPILE_TINYGLTF TINYGLTF_NO_STB_IMAGE
+                                                          TINYGLTF_NO_STB_IMAGE_WRITE TINYGLTF_NO_INCLUDE_JSON)
 endif()

@@ -253,10 +253,10 @@ std::vector<RenderCurve> measure_uniform(const Patches& patches, const Reference
   return curves;
 }
 
-/// Points of light take part of the time: they are computed anew for each run.
-/// Of as many light samples as camera samples a photosite, or of those that `light` has.
+/// As many light samples as camera samples a photosite, or those that the options have.
 enum class LightSamples { as_camera, given };
 
+/// Points of light take part of the time: they are computed anew for each run.
 RenderCurve measure_light_cache(const std::string& name, LightCacheOptions light, Patches& patches,
                                 const Reference& reference, int most_samples,
                                 LightSamples count = LightSamples::as_camera) {

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "evaluation/comparison/comparison_table.h"
 #include "evaluation/report/page.h"
 #include "evaluation/report/report_images.h"

@@ -160,14 +160,17 @@ class Viewer(unittest.TestCase):
         self.browser.screenshot(shot)
         codes = floats_of(shot, "0")
         box = self.canvas_box()
+        compared = 0
         for y in range(8, HEIGHT):  # the layer's name covers the rows above
             for x in range(WIDTH):
                 row = int(box["y"] + (y + 0.5) / HEIGHT * box["height"])
                 column = int(box["x"] + (x + 0.5) / WIDTH * box["width"])
                 if row >= len(codes):  # below the window
                     continue
+                compared += 1
                 # gray from 0 to 1: half a step of the page's 1/256, and half a code
                 self.assertLessEqual(abs(codes[row][column] - confidence[y][x]), 0.5 / 256 + 0.5 / 255 + 1e-6, (x, y))
+        self.assertGreater(compared, WIDTH * HEIGHT / 2)
 
     def test_keys_show_every_layer(self):
         names = self.browser.run("[...document.querySelectorAll('.choices')[0].children].map(b => b.lastChild.data)")

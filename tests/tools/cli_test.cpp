@@ -234,7 +234,7 @@ TEST(SlowCli, APictureBeyondMemoryIsRefusedByName) {
   const std::string pair =
       fmt::format("portrait --left '{0}/huge.png' --right '{0}/huge.png' -o '{0}/out'", folder.path.string());
   for (const int limit_mb : {700, 1800}) {
-    const Outcome outcome = run_program(fmt::format("--max-memory {} {}", limit_mb, pair));
+    const Outcome outcome = run_program(fmt::format("{} --max-memory {}", pair, limit_mb));
     expect_one_line_refusal(outcome);
     EXPECT_NE(outcome.err.find("huge.png"), std::string::npos) << outcome.err;
     EXPECT_NE(outcome.err.find("not enough memory"), std::string::npos) << outcome.err;
@@ -250,6 +250,7 @@ TEST(SlowCli, EndsAtItsTimeLimitAndLeavesNothing) {
   EXPECT_EQ(outcome.err, "dualpixel: --max-time: not done after 1 s\n");
   EXPECT_EQ(folder.names(), std::set<std::string>());
   EXPECT_EQ(run_program("--max-time 600 experiment --help").status, 0);
+  EXPECT_NE(run_program("--max-time 9 inf x").err.find("did you mean 'info'"), std::string::npos);
   expect_one_line_refusal(run_program("--max-time 0 info '" DUALPIXEL_SCENES_DIR "/portrait.json'"));
 }
 

@@ -33,7 +33,8 @@ int report(int status, const std::string& message) {
 
 int report_no_memory(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
-  return report(kBadInput, printable(fmt::format("{}: there is not enough memory for this", fmt::join(words, " "))));
+  return report(kBadInput,
+                printable(fmt::format("{}", fmt::join(words, " "))) + ": there is not enough memory for this");
 }
 
 /// `status`, unless what was printed did not reach its reader.
@@ -44,7 +45,11 @@ int printed(int status) {
 /// What to say of the first word that is not a command, at the top or under `experiment` and its like.
 std::optional<std::string> unknown_command(const CLI::App& program, int argc, char** argv) {
   const CLI::App* parent = &program;
-  for (int i = 1; i < argc && argv[i][0] != '-' && parent->get_require_subcommand_min() > 0; ++i) {
+  int first = 1;
+  while (first < argc && std::string_view(argv[first]).starts_with("--max-")) {
+    first += std::string_view(argv[first]).find('=') == std::string_view::npos ? 2 : 1;
+  }
+  for (int i = first; i < argc && argv[i][0] != '-' && parent->get_require_subcommand_min() > 0; ++i) {
     std::vector<std::string> names;
     const CLI::App* found = nullptr;
     for (const CLI::App* command : parent->get_subcommands({})) {
@@ -91,16 +96,17 @@ std::optional<std::string> unknown_option(const CLI::App& program, int argc, cha
   return {};
 }
 
-/// Written before the command, as they hold for all of it.
+/// Before the command or among its options, as they hold for all of it.
 void add_limits(CLI::App& program) {
   program
       .add_option_function<std::uint64_t>(
           "--max-memory",
           [](std::uint64_t megabytes) {
             rlimit limit{};
-            getrlimit(RLIMIT_AS, &limit);
-            limit.rlim_cur = std::min<rlim_t>(megabytes << 20, limit.rlim_max);
-            setrlimit(RLIMIT_AS, &limit);
+            bool done = getrlimit(RLIMIT_AS, &limit) == 0;
+            limit.rlim_cur = std::min<rlim_t>(megabytes << 20, limit.rlim_cur);
+            done = done && setrlimit(RLIMIT_AS, &limit) == 0;
+            if (!done) throw InputError("--max-memory: this system does not let memory be limited");
           },
           "Refuse what needs more memory than MB: that of addresses, as with ulimit -v")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40))
@@ -108,7 +114,7 @@ void add_limits(CLI::App& program) {
   program
       .add_option_function<std::int64_t>(
           "--max-time", [](std::int64_t seconds) { end_after(std::chrono::seconds(seconds)); },
-          "End with status 2 and without output after so many seconds")
+          "End with status 2 after so many seconds; nothing half written is left")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}))
       ->type_name("S");
 }
@@ -120,6 +126,7 @@ int program_main(int argc, char** argv) {
   program.set_version_flag("--version", "dualpixel " DUALPIXEL_VERSION);
   program.require_subcommand(1);
   add_limits(program);
+  program.fallthrough();
   program.footer(
       "Example:\n  dualpixel simulate build/release/scenes/portrait.json -o out/capture\n  dualpixel portrait "
       "out/capture -o out/dp");

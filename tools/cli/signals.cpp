@@ -17,10 +17,9 @@ namespace {
 std::atomic<bool> first_is_noted = false;
 std::atomic<int> noted_signal = 0;
 
-[[noreturn]] void end_without_output(int status) {
+void clean_up() {
   evaluation::end_child_processes();
   remove_unfinished_outputs();
-  _exit(status);
 }
 
 }  // namespace
@@ -38,7 +37,8 @@ void end_cleanly_on_signals() {
       noted_signal = signal_number;
       sigwait(&signals, &signal_number);
     }
-    end_without_output(128 + signal_number);
+    clean_up();
+    _exit(128 + signal_number);
   }).detach();
 }
 
@@ -50,8 +50,13 @@ const std::atomic<int>& note_first_signal() {
 void end_after(std::chrono::seconds limit) {
   std::thread([limit] {
     std::this_thread::sleep_for(limit);
+    clean_up();
+    sigset_t pipe;  // perhaps nobody reads stderr
+    sigemptyset(&pipe);
+    sigaddset(&pipe, SIGPIPE);
+    pthread_sigmask(SIG_BLOCK, &pipe, nullptr);
     std::cerr << fmt::format("dualpixel: --max-time: not done after {} s\n", limit.count());
-    end_without_output(kBadInput);
+    _exit(kBadInput);
   }).detach();
 }
 

@@ -57,7 +57,7 @@ void run(const ChartOptions& options) {
   if (json_file == options.page) throw InputError(printable(options.page) + ": must not end in .json");
   evaluation::Chart chart = interrupted(json_file, {options.quick, DUALPIXEL_VERSION, machine(), {}, {}, false});
   chart.left_out = evaluation::chart_left_out(options.quick);
-  const NewFolder scratch(options.page + ".scratch", "capture");  // never made: it goes when the page is there
+  const NewFolder scratch(options.page + ".captures", "capture");  // never made: it goes when the page is there
   const evaluation::ChartInput input{options.quick, options.scenes, options.lenses, scratch.path()};
   Progress progress("chart");
   std::size_t done = 0;

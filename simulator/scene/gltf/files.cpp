@@ -10,7 +10,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <ranges>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -278,7 +277,9 @@ std::string hash_of_geometry(const std::string& bytes, const std::string& name, 
       covered.insert(
           buffer.substr(views[i].value("byteOffset", std::size_t{0}), views[i]["byteLength"].get<std::size_t>()));
     }
-    if (!covered.empty() && bytes_of(covered) <= bytes_of(std::views::values(buffers))) return hash_of_sorted(covered);
+    std::size_t given = 0;
+    for (const auto& [place, buffer] : buffers) given += buffer.size();
+    if (!covered.empty() && bytes_of(covered) <= given) return hash_of_sorted(covered);
   } catch (const InputError&) {
   } catch (const json::exception&) {
   }
