@@ -40,4 +40,5 @@ fi
 
 label=()
 if $fast; then label=(-L fast); fi
-ctest --test-dir build/release --output-on-failure -j "$(nproc)" "${label[@]}"
+# One more than cores: some tests wait for programs that they kill or ask.
+ctest --test-dir build/release --output-on-failure -j "$(($(nproc) + 1))" "${label[@]}"

@@ -279,6 +279,7 @@ ImageU32 read_exr_ids(const std::string& path) {
 void write_png8(const std::string& path, const Image& image) {
   ImageSpec spec(image.width, image.height, image.channels, TypeDesc::UINT8);
   spec["oiio:ColorSpace"] = "sRGB";
+  spec["oiio:UnassociatedAlpha"] = 1;  // as read_image() takes it
   write_picture(path, "png", spec, TypeDesc::FLOAT, image.data.data(), replace_file);
 }
 

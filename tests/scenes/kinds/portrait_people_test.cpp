@@ -11,7 +11,6 @@ namespace dualpixel::scenes {
 namespace {
 
 // Eyes of assets keep their picture, a little darker than white (0.9 of its light), and where it is clear nothing is.
-// write_png8 takes color times alpha: half of white everywhere.
 TEST(PortraitPeople, AreMadeFromMakeHumansAssets) {
   const TemporaryFolder folder;
   write_makehuman(folder, smallest_body(), R"({"weights": {"head": [[0, 1.0]]}})");
@@ -22,7 +21,6 @@ TEST(PortraitPeople, AreMadeFromMakeHumansAssets) {
   Image iris(4, 4, 4, 0.5f);
   for (int y = 0; y < 4; ++y) {
     iris.at(0, y, 3) = 0, iris.at(1, y, 3) = 1, iris.at(3, y, 3) = 1;
-    for (int c = 0; c < 3; ++c) iris.at(2, y, c) = 0.3f;
     iris.at(2, y, 3) = 0.6f;
   }
   write_png8(folder / "eyes/materials/iris.png", iris);
