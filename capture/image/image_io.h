@@ -39,8 +39,8 @@ void write_exr(const std::string& path, const std::vector<NamedPlane>& planes, b
 std::vector<Image> read_exr(const std::string& path, const std::vector<std::string>& channels);
 ImageU32 read_exr_ids(const std::string& path);
 
-/// 8-bit PNG; `image` holds display-ready values 0..1: gray or RGB, and alpha that colors are not multiplied by. Written with
-/// replace_file.
+/// 8-bit PNG; `image` holds display-ready values 0..1: gray or RGB, and alpha that colors are not multiplied by.
+/// Written with replace_file.
 void write_png8(const std::string& path, const Image& image);
 /// 16-bit PNG of unscaled integers, one or three channels; the header declares them linear, or sRGB.
 void write_png16(const std::string& path, const ImageU16& image, bool srgb = false);
