@@ -31,10 +31,10 @@ elif ! $fast; then
     changed=$(git diff-tree --root --no-commit-id --name-only --diff-filter=d -r HEAD -- "${linted[@]}")
   fi
   if [ -n "$changed" ]; then
-    # Files by themselves, without GCC's precompiled headers.
+    # clang-tidy reads one file at a time, without GCC's precompiled headers.
     cmake --preset release -B build/lint -DDUALPIXEL_TESTS=ON -DDUALPIXEL_TRAINER=OFF -DDUALPIXEL_ONNX=OFF \
       -DCMAKE_UNITY_BUILD=OFF -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >/dev/null
-    echo "$changed" | xargs tools/lint.py build/lint
+    echo "$changed" | xargs -P "$(nproc)" -n 4 clang-tidy -p build/lint --quiet --warnings-as-errors='*'
   fi
 fi
 
