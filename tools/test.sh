@@ -41,4 +41,5 @@ fi
 label=()
 if $fast; then label=(-L fast); fi
 # One more than cores: some tests wait for programs that they kill or ask.
+export OMP_WAIT_POLICY=passive  # waiting threads leave the cores to others
 ctest --test-dir build/release --output-on-failure -j "$(($(nproc) + 1))" "${label[@]}"

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -71,6 +72,16 @@ dnnl::primitive_attr attributes(OnednnGraph::Then then) {
 
 int side_of(const memory& m) { return static_cast<int>(dims_of(m)[2]); }
 
+/// The weights of `conv`, with zeros up to `in` and `out` channels.
+std::vector<float> with_channels(const ConvWeights& conv, memory::dim in, memory::dim out) {
+  const std::size_t kernel = std::size_t{1} * conv.kernel * conv.kernel, row = conv.in * kernel;
+  std::vector<float> weights(out * in * kernel);
+  for (int o = 0; o < conv.out; ++o) {
+    std::copy_n(conv.weight.begin() + o * row, row, weights.begin() + o * in * kernel);
+  }
+  return weights;
+}
+
 std::atomic<bool> has_claimed_bf16{false};
 
 }  // namespace
@@ -88,8 +99,9 @@ void claim_precision(Precision precision) {
 }
 
 OnednnGraph::Layout OnednnGraph::layout_of(Precision precision) {
-  if (precision == Precision::bf16) return {memory::data_type::bf16, memory::format_tag::nhwc, 4};
-  return {memory::data_type::f32, memory::format_tag::nChw8c, 8};
+  // oneDNN 3.7's bf16 convolutions for AVX-512 err by a third where output channels are no multiple of 16.
+  if (precision == Precision::bf16) return {memory::data_type::bf16, memory::format_tag::nhwc, 16, 16};
+  return {memory::data_type::f32, memory::format_tag::nChw8c, 1, 8};
 }
 
 OnednnGraph::OnednnGraph(const NetworkWeights& weights, int channels, int side, int threads, Precision precision)
@@ -109,9 +121,14 @@ memory OnednnGraph::picture() {
   return converted;
 }
 
+memory OnednnGraph::destination_of(const std::string& layer, int side, memory::data_type type) {
+  const int multiple = layout_.multiple;
+  const int channels = (weights_->layers.at(layer).out + multiple - 1) / multiple * multiple;
+  return memory({{1, channels, side, side}, type, layout_.format}, engine_);
+}
+
 memory OnednnGraph::convolve(const memory& source, const std::string& layer, int stride, Then then) {
-  const int side = side_of(source) / stride;
-  memory destination({{1, weights_->layers.at(layer).out, side, side}, layout_.type, layout_.format}, engine_);
+  memory destination = destination_of(layer, side_of(source) / stride, layout_.type);
   convolve_onto(source, layer, stride, then, destination);
   return destination;
 }
@@ -119,22 +136,25 @@ memory OnednnGraph::convolve(const memory& source, const std::string& layer, int
 void OnednnGraph::convolve_onto(const memory& source, const std::string& layer, int stride, Then then,
                                 const memory& destination) {
   const ConvWeights& conv = weights_->layers.at(layer);
-  const memory::dims shape = {conv.out, conv.in, conv.kernel, conv.kernel};
+  const memory::dim in = dims_of(source)[1], out = dims_of(destination)[1];
+  const memory::dims shape = {out, in, conv.kernel, conv.kernel};
   const memory::dim before = conv.kernel / 2, after = stride == 1 ? before : before - (stride - 1);
   const memory::dims strides = {stride, stride}, padding_before = {before, before}, padding_after = {after, after};
   const auto primitive =
       describe<dnnl::convolution_forward>(engine_, attributes(then), dnnl::algorithm::convolution_direct,
                                           source.get_desc(), memory::desc(shape, layout_.type, memory::format_tag::any),
-                                          memory::desc({conv.out}, memory::data_type::f32, memory::format_tag::x),
+                                          memory::desc({out}, memory::data_type::f32, memory::format_tag::x),
                                           destination.get_desc(), strides, padding_before, padding_after);
+  std::vector<float> bias = conv.bias;
+  bias.resize(out);
   const OpenMpThreads limit(threads_);
-  steps_.emplace_back(
-      dnnl::convolution_forward(primitive),
-      std::unordered_map<int, memory>{
-          {DNNL_ARG_SRC, source},
-          {DNNL_ARG_WEIGHTS, copy_of(conv.weight, shape, memory::format_tag::oihw, primitive.weights_desc())},
-          {DNNL_ARG_BIAS, copy_of(conv.bias, {conv.out}, memory::format_tag::x, primitive.bias_desc())},
-          {DNNL_ARG_DST, destination}});
+  steps_.emplace_back(dnnl::convolution_forward(primitive),
+                      std::unordered_map<int, memory>{
+                          {DNNL_ARG_SRC, source},
+                          {DNNL_ARG_WEIGHTS, copy_of(with_channels(conv, in, out), shape, memory::format_tag::oihw,
+                                                     primitive.weights_desc())},
+                          {DNNL_ARG_BIAS, copy_of(bias, {out}, memory::format_tag::x, primitive.bias_desc())},
+                          {DNNL_ARG_DST, destination}});
 }
 
 void OnednnGraph::add_twice_as_large(const memory& source, const memory& destination) {
@@ -161,8 +181,7 @@ memory OnednnGraph::stage(int s, const memory& x) {
 }
 
 memory OnednnGraph::last(const memory& source, const std::string& layer) {
-  const int side = side_of(source);
-  last_ = memory({{1, weights_->layers.at(layer).out, side, side}, memory::data_type::f32, layout_.format}, engine_);
+  last_ = destination_of(layer, side_of(source), memory::data_type::f32);
   convolve_onto(source, layer, 1, Then::nothing, last_);
   return last_;
 }

@@ -46,9 +46,12 @@ class OnednnGraph {
   struct Layout {
     dnnl::memory::data_type type;
     dnnl::memory::format_tag format;
-    int stride;  ///< values from pixel to pixel, of four channels
+    int multiple;  ///< a layer's channels are one of this; those beyond its own are 0
+    int stride;    ///< values from pixel to pixel of last()
   };
   static Layout layout_of(Precision precision);
+  /// For the results of a layer, or of last().
+  dnnl::memory destination_of(const std::string& layer, int side, dnnl::memory::data_type type);
   dnnl::memory copy_of(const std::vector<float>& values, const dnnl::memory::dims& shape,
                        dnnl::memory::format_tag format, const dnnl::memory::desc& wanted);
 

@@ -74,7 +74,7 @@ std::map<std::string, json> scores_of(const std::string& set, const TemporaryFol
 // 1700 held-out samples give a mean IoU of .951 and .961 for pictures of one person (docs/segmentation.md). These 160
 // have a standard error of .007, and .004 the 105 of one person: a build whose compiler draws other people lies within
 // three of them. By the same measure weights that score .890 or .921 would fail.
-TEST(SlowShippedWeights, FindPeopleOfKindsThatTrainingNeverDraws) {
+TEST(SweepShippedWeights, FindPeopleOfKindsThatTrainingNeverDraws) {
   NEEDS_SHIPPED_NETWORK();
   const TemporaryFolder folder;
   const std::string set = make_set(folder, 160);

@@ -50,7 +50,7 @@ SceneDefocus measure(const std::string& name) {
 // curvature and aberrations, too, which the photograph has not: through phone_6p the portrait reaches 27 dB.
 // True disparity and physically true blur against the ray-traced photograph, on a sixteenth of the photosites. From
 // the picture that the phone took there is its noise, its own blur and its clipped highlights on top.
-TEST(SlowDefocusExperiment, TrueDisparityComesNearThePhotograph) {
+TEST(SweepDefocusExperiment, TrueDisparityComesNearThePhotograph) {
   for (const auto& [name, floor_db] : {std::pair{"slanted_planes", 34.0}, {"portrait", 30.0}}) {
     const SceneDefocus scene = measure(name);
     EXPECT_GT(scene.steps[0].psnr.all_db, floor_db) << name;

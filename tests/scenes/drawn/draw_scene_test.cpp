@@ -114,16 +114,6 @@ TEST(DrawnScenes, SettingOneParameterLeavesTheOthers) {
   EXPECT_EQ(set.choices(), drawn.choices());
 }
 
-void expect_two_clean(const std::string& kind) {
-  for (const std::uint64_t seed : {2, 3}) expect_clean(kind, seed);
-}
-
-TEST(SlowDrawnScenes, TwoPortraits) { expect_two_clean("portrait"); }
-TEST(SlowDrawnScenes, TwoStillLifes) { expect_two_clean("still_life"); }
-TEST(SlowDrawnScenes, TwoRooms) { expect_two_clean("room"); }
-TEST(SlowDrawnScenes, TwoOutdoors) { expect_two_clean("outdoors"); }
-TEST(SlowDrawnScenes, TwoCharts) { expect_two_clean("chart"); }
-
 // `experiment scenes` takes any number of them, and renders them, too.
 TEST(SweepDrawnScenes, SixOfEachKind) {
   for (const SceneKind& kind : scene_kinds()) {

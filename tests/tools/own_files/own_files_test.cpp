@@ -190,19 +190,24 @@ TEST(SlowEvaluateCommand, ComparesMethodsOverADataSet) {
 }
 
 // A shell within a shell that waits for its child: all are in the group that is killed.
-TEST(SlowEvaluateCommand, EndsItsProgramsWhenASignalEndsIt) {
+TEST(SlowEvaluateCommand, EndsItsProgramsWhenASignalOrTimeEndsIt) {
   const TemporaryFolder folder;
   write_capture(pipeline::synthetic_capture(), folder / "set/one");
   std::filesystem::create_directory(folder / "scratch");
   const std::string in = "'" + folder.path.string() + "/";
   folder.write("method.sh", "sleep 600 & echo $$ $! >" + in + "pids'; wait\n");
-  for (const auto& [signal, status] : {std::pair{"TERM", 143}, {"INT", 130}}) {
-    SCOPED_TRACE(signal);
+  struct Case {
+    const char *option, *end;
+    int status;
+  };
+  for (const auto& [option, end, status] :
+       {Case{"", "kill -TERM $!", 143}, {"", "kill -INT $!", 130}, {"--max-time 5 ", "true", 2}}) {
+    SCOPED_TRACE(status);
     std::filesystem::remove(folder / "pids");
-    folder.write("run.sh", "TMPDIR=" + in + "scratch' '" DUALPIXEL_PROGRAM "' evaluate " + in + "set' -o " + in +
-                               "out' --method \"slow=sh " + in + "method.sh'; : {left} {right} {out}\" &\n" +
-                               "while ! test -s " + in + "pids'; do sleep 0.05; done\nkill -" + signal +
-                               " $!\nwait $!\n");
+    folder.write("run.sh", "TMPDIR=" + in + "scratch' '" DUALPIXEL_PROGRAM "' " + option + "evaluate " + in +
+                               "set' -o " + in + "out' --method \"slow=sh " + in +
+                               "method.sh'; : {left} {right} {out}\" &\n" + "while kill -0 $! && ! test -s " + in +
+                               "pids'; do sleep 0.05; done\n" + end + "\nwait $!\n");
     EXPECT_EQ(run_program("--version >/dev/null; sh " + in + "run.sh'").status, status);
     std::istringstream pids(read_bytes(folder / "pids"));
     int shell = 0, child = 0;
