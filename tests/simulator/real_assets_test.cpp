@@ -4,20 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 
 #include "simulator/render/intersector.h"
 #include "simulator/scene/gltf/gltf.h"
 #include "simulator/simulate.h"
+#include "tests/shared_folder.h"
 
 namespace dualpixel::simulator {
 namespace {
 
-std::filesystem::path shared_gltf() {
-  const char* shared = std::getenv("DUALPIXEL_SHARED");
-  return std::filesystem::path(shared ? shared : DUALPIXEL_SOURCE_DIR "/../shared") / "data/gltf";
-}
+std::filesystem::path shared_gltf() { return shared_folder() / "data/gltf"; }
 
 class RealAsset : public ::testing::TestWithParam<const char*> {};
 

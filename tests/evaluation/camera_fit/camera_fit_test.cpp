@@ -15,6 +15,7 @@
 #include "evaluation/camera_fit/camera_figures.h"
 #include "evaluation/camera_fit/camera_fit.h"
 #include "simulator/lens/lens_file.h"
+#include "tests/shared_folder.h"
 
 namespace dualpixel::evaluation {
 namespace {
@@ -186,7 +187,7 @@ json phone_measurements(const std::string& figures) {
 
 /// Empty where the measurements are not at hand.
 std::optional<CameraMeasurements> read_phone_measurements() {
-  const std::string figures = DUALPIXEL_SOURCE_DIR "/../shared/data/pixel4/pixel4.json";
+  const std::string figures = (shared_folder() / "data/pixel4/pixel4.json").string();
   if (!std::filesystem::exists(figures)) return std::nullopt;
   return read_camera_measurements(phone_measurements(figures),
                                   DUALPIXEL_SOURCE_DIR "/tests/data/camera_fit/phone_2019_start.json");

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 
 #include "capture/error.h"
@@ -13,6 +12,7 @@
 #include "evaluation/metrics/disparity_metrics.h"
 #include "pipeline/portrait/result_io.h"
 #include "tests/pipeline/texture.h"
+#include "tests/shared_folder.h"
 #include "tests/tools/run_command.h"
 
 namespace dualpixel::tools {
@@ -263,9 +263,7 @@ struct RealSet {
 class RealPair : public ::testing::TestWithParam<RealSet> {};
 
 TEST_P(RealPair, DisparityFollowsDepth) {
-  const char* shared = std::getenv("DUALPIXEL_SHARED");
-  const std::filesystem::path set =
-      std::filesystem::path(shared ? shared : DUALPIXEL_SOURCE_DIR "/../shared") / "data/dp119" / GetParam().folder;
+  const std::filesystem::path set = shared_folder() / "data/dp119" / GetParam().folder;
   if (!std::filesystem::exists(set)) GTEST_SKIP() << set << " is not there: it needs the shared folder of real pairs";
   const Image depth = read_image((set / "d.png").string());
   const TemporaryFolder folder;

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <utility>
 
+#include "tests/shared_folder.h"
 #include "tests/simulator/scene/gltf/gltf_builder.h"
 
 namespace dualpixel::simulator {
@@ -12,8 +12,7 @@ namespace {
 class GltfAssets : public ::testing::Test {
  protected:
   void SetUp() override {
-    const char* shared = std::getenv("DUALPIXEL_SHARED");
-    folder_ = std::filesystem::path(shared ? shared : DUALPIXEL_SOURCE_DIR "/../shared") / "data/gltf";
+    folder_ = shared_folder() / "data/gltf";
     if (!std::filesystem::is_directory(folder_)) {
       GTEST_SKIP() << folder_ << " is absent (DUALPIXEL_SHARED may name the folder that holds data/gltf)";
     }
