@@ -58,6 +58,14 @@ void forget(const std::string& temporary) {
   unfinished.erase(temporary);
 }
 
+/// Gives what is whole its final name. Not while unfinished outputs are removed, nor afterwards.
+int finish(const std::string& temporary, const std::string& final, unsigned flags) {
+  const std::lock_guard lock(unfinished_mutex);
+  const int status = renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, final.c_str(), flags);
+  if (status == 0 && flags != RENAME_EXCHANGE) unfinished.erase(temporary);
+  return status;
+}
+
 /// A name beside `path` that no other process or thread uses, nor one of the same number has left. Short, whatever the
 /// length of the final name.
 std::string temporary_sibling(const std::string& path) {
@@ -74,7 +82,8 @@ std::string temporary_sibling(const std::string& path) {
 std::string resolve(const std::string& path) {
   std::error_code error;
   fs::path resolved = fs::weakly_canonical(fs::absolute(path, error), error);
-  if (error || path.empty()) fail(path, "cannot be written: no such path");
+  if (path.empty()) throw InputError("the name of an output is empty");
+  if (error) fail(path, "cannot be written: no such path");
   if (!resolved.has_filename()) resolved = resolved.parent_path();
   return resolved.string();
 }
@@ -163,20 +172,22 @@ void replace_file(const std::string& path, std::string_view bytes) {
   }
   try {
     write_file(temporary, bytes);
-    if (rename(temporary.c_str(), target.c_str()) != 0) fail_errno(path, "cannot be written");
+    if (finish(temporary, target, 0) != 0) fail_errno(path, "cannot be written");
   } catch (...) {
     std::error_code error;
     fs::remove(temporary, error);
     forget(temporary);
     throw;
   }
-  forget(temporary);
 }
 
 void require_writable(const std::string& path) {
   const std::string probe = temporary_sibling(replaceable_file(path));
-  if (mkdir(probe.c_str(), 0777) != 0) fail_errno(path, "cannot be written");
-  rmdir(probe.c_str());
+  const auto make = [&] {
+    const std::lock_guard lock(unfinished_mutex);
+    return mkdir(probe.c_str(), 0777) == 0 && rmdir(probe.c_str()) == 0;
+  };
+  if (!make()) fail_errno(path, "cannot be written");
 }
 
 NewFolder::NewFolder(const std::string& final_path, const std::string& marker)
@@ -204,11 +215,9 @@ NewFolder::~NewFolder() {
 void NewFolder::commit() {
   sync_to_disk(temporary_);
   require_replaceable(final_, marker_);
-  if (rename(temporary_.c_str(), final_.c_str()) == 0) {
-    forget(temporary_);
+  if (finish(temporary_, final_, 0) == 0) {
     temporary_.clear();
-  } else if ((errno != ENOTEMPTY && errno != EEXIST) ||
-             renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, final_.c_str(), RENAME_EXCHANGE) != 0) {
+  } else if ((errno != ENOTEMPTY && errno != EEXIST) || finish(temporary_, final_, RENAME_EXCHANGE) != 0) {
     fail_errno(final_, "cannot be replaced");
   }
   // After an exchange the old folder stands under the temporary name, and the destructor removes it.
@@ -216,7 +225,7 @@ void NewFolder::commit() {
 }
 
 void remove_unfinished_outputs() {
-  const std::lock_guard lock(unfinished_mutex);
+  unfinished_mutex.lock();  // for good
   for (const auto& [temporary, final] : unfinished) {
     // Threads that still write may put a new file into a folder that is just being emptied: try again.
     std::error_code error;

@@ -62,7 +62,8 @@ class NewFolder {
 /// The path to name in a message about `path`: the final one of a temporary, or of what lies in one.
 std::string final_path(std::string path);
 
-/// Removes the temporaries of NewFolder and replace_file in this process: for a program that a signal ends.
+/// Removes the temporaries of NewFolder and replace_file in this process, which a signal or a limit ends: threads that
+/// would begin or finish an output from then on wait for ever.
 void remove_unfinished_outputs();
 
 }  // namespace dualpixel

@@ -79,7 +79,12 @@ class StructureCheck : public nlohmann::json_sax<json> {
   bool number_float(json::number_float_t, const std::string&) override { return true; }
   bool string(std::string&) override { return true; }
   bool binary(json::binary_t&) override { return true; }
-  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override { return false; }
+  bool parse_error(std::size_t byte, const std::string&, const nlohmann::detail::exception&) override {
+    fault_byte_ = byte;
+    return false;
+  }
+  /// Where the text ceases to be JSON, from 1 on; 0 where it does not.
+  std::size_t fault_byte() const { return fault_byte_; }
 
  private:
   bool enter() {
@@ -95,6 +100,7 @@ class StructureCheck : public nlohmann::json_sax<json> {
 
   const std::string& file_;
   int depth_ = 0;
+  std::size_t fault_byte_ = 0;
   std::vector<std::set<std::string>> keys_by_level_;  // of the objects that are open
 };
 
@@ -102,10 +108,14 @@ class StructureCheck : public nlohmann::json_sax<json> {
 
 json parse_json(const std::string& text, const std::string& file) {
   if (text.size() > kLargestJsonBytes) throw InputError(printable(file) + ": JSON of more than 64 MB is refused");
+  StructureCheck check(file);
   try {
-    StructureCheck check(file);
     json::sax_parse(text, &check);
     return json::parse(text);
+  } catch (const json::out_of_range& error) {  // says the number alone
+    const auto at = text.begin() + static_cast<std::ptrdiff_t>(std::min(check.fault_byte(), text.size()));
+    throw InputError(
+        fmt::format("{}: line {}: a number is too large", printable(file), 1 + std::count(text.begin(), at, '\n')));
   } catch (const json::exception& error) {
     // "[json.exception.parse_error.101] parse error at line 1, column 2: ..." starts with the library's own tag.
     const std::string message = error.what();

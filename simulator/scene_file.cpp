@@ -235,9 +235,14 @@ std::optional<OptionProblem> check_model_size(const Simulation& s) {
 
 std::optional<OptionProblem> check_face(const Simulation& s) {
   if (!s.face_px) return std::nullopt;
+  constexpr double kMost_px = 65536;
   const auto& f = *s.face_px;
-  if (f[0] >= 0 && f[1] >= 0 && f[2] > 0 && f[3] > 0) return std::nullopt;
-  return OptionProblem{"face_px", "must be x, y, width, height in photosites, width and height above 0"};
+  const bool is_box = f[0] >= 0 && f[1] >= 0 && f[2] > 0 && f[3] > 0;
+  if (is_box && *std::max_element(f.begin(), f.end()) <= kMost_px) return std::nullopt;
+  return OptionProblem{
+      "face_px", fmt::format("{:g}, {:g}, {:g}, {:g}: must be x, y, width, height in photosites: x and y in [0, {}], "
+                             "width and height above 0, at most {}",
+                             f[0], f[1], f[2], f[3], kMost_px, kMost_px)};
 }
 
 /// Lens and sensor of the camera that the scene file names, or none.

@@ -50,8 +50,8 @@ const CameraNode& camera_node(const Simulation& s, const Scene& scene) {
     if (node.name == s.camera_node) return node;
     names.push_back(node.name);
   }
-  throw InputError(fmt::format("{}: /nodes: no camera node is named '{}'{}", printable(s.gltf_path),
-                               printable(s.camera_node), did_you_mean(s.camera_node, names)));
+  throw InputError(fmt::format("{}: /nodes: no camera node is named '{}', the scene's camera.node{}",
+                               printable(s.gltf_path), printable(s.camera_node), did_you_mean(s.camera_node, names)));
 }
 
 bool gives_light(const Scene& scene) {

@@ -107,10 +107,13 @@ void check_truth(const Truth& truth, const Camera& camera, const CaptureCheck& c
 
 void check_capture(const Capture& capture, const CaptureCheck& check) {
   const Camera& camera = capture.camera;
-  check.require(camera.width_px % 2 == 0, "/camera/width_px", "must be even");
-  check.require(camera.height_px % 4 == 0, "/camera/height_px", "must be a multiple of 4");
-  check.require(camera.width_px % camera.dp_downsample_x == 0, "/camera/dp_downsample_x", "must divide width_px");
-  check.require(camera.height_px % camera.dp_downsample_y == 0, "/camera/dp_downsample_y", "must divide height_px");
+  check.require(camera.width_px % 2 == 0, "/camera/width_px", fmt::format("{}: must be even", camera.width_px));
+  check.require(camera.height_px % 4 == 0, "/camera/height_px",
+                fmt::format("{}: must be a multiple of 4", camera.height_px));
+  check.require(camera.width_px % camera.dp_downsample_x == 0, "/camera/dp_downsample_x",
+                fmt::format("{}: must divide width_px, {}", camera.dp_downsample_x, camera.width_px));
+  check.require(camera.height_px % camera.dp_downsample_y == 0, "/camera/dp_downsample_y",
+                fmt::format("{}: must divide height_px, {}", camera.dp_downsample_y, camera.height_px));
   check.require(
       camera.focus_distance_m > camera.focal_length_mm * 1e-3, "/camera/focus_distance_m",
       fmt::format("{:g} m lies inside the focal length of {:g} mm", camera.focus_distance_m, camera.focal_length_mm));

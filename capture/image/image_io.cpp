@@ -57,8 +57,11 @@ std::string format_of(const std::string& path) {
 void check_size(const std::string& path, std::int64_t width, std::int64_t height, std::int64_t channels) {
   if (width < 1 || height < 1 || width > kLongestSide || height > kLongestSide || channels < 1 ||
       channels > kMostChannels || width * height > kMostValues / channels) {
-    refuse(path, fmt::format("{} x {} pixels of {} channels: at most {} a side and {} values in all are allowed", width,
-                             height, channels, kLongestSide, kMostValues));
+    const auto stated = [](std::int64_t side) {
+      return static_cast<std::uint32_t>(side);
+    };  // OpenImageIO has it signed
+    refuse(path, fmt::format("{} x {} pixels of {} channels: at most {} a side and {} values in all are allowed",
+                             stated(width), stated(height), channels, kLongestSide, kMostValues));
   }
 }
 

@@ -32,7 +32,8 @@ std::string header_entry(const std::string& path, std::string_view header, const
 /// (height, width, channels) of "(480, 640" or the like.
 std::array<std::size_t, 3> shape_of(const std::string& path, const std::string& text) {
   std::vector<std::size_t> sides;
-  for (const char *at = text.data(), *const end = at + text.size(); at < end;) {
+  const bool is_tuple = text.find_first_not_of("(, 0123456789") == std::string::npos;
+  for (const char *at = text.data(), *const end = at + text.size(); is_tuple && at < end;) {
     std::size_t side = 0;
     const auto [next, error] = std::from_chars(at, end, side);
     if (error == std::errc()) sides.push_back(side);

@@ -35,7 +35,8 @@ bool is_header(std::string_view chunk) {
                                   : byte(9) == 3                                 ? "\1\2\4\10"
                                   : byte(9) == 2 || byte(9) == 4 || byte(9) == 6 ? "\10\20"
                                                                                  : "";
-  const auto is_side = [&](std::size_t i) { return big_endian(&chunk[i]) - 1 < 0x7fffffff; };
+  constexpr std::uint32_t kLongestSide = 1000000;  // that libpng reads
+  const auto is_side = [&](std::size_t i) { return big_endian(&chunk[i]) - 1 < kLongestSide; };
   return is_side(0) && is_side(4) && depths.find(static_cast<char>(depth)) != std::string_view::npos && byte(10) == 0 &&
          byte(11) == 0 && byte(12) <= 1;
 }
@@ -71,7 +72,8 @@ std::optional<std::string> fault_of_png(std::istream& png) {
       return "the checksum of its chunk " + printable(name) + " is wrong";
     }
     if ((name == "IHDR") != first) return "IHDR must be its first chunk, and the only one of that name";
-    if (first && !is_header(beginning)) return "its header IHDR says what no PNG may";
+    if (first && !is_header(beginning))
+      return "its header IHDR says what no PNG may, or that it is of more than a million pixels a side";
     first = false;
     const bool critical = name[0] >= 'A' && name[0] <= 'Z';
     if (critical && name != "IHDR" && name != "PLTE" && name != "IDAT" && name != "IEND") {

@@ -131,7 +131,8 @@ json read_about(const std::string& folder) {
   const std::string path = folder + "/" + kDatasetFile;
   json about = read_json_file(path);
   if (!about.is_object() || about.value("format", json()) != kFormat || about.value("version", json()) != 1) {
-    throw InputError(printable(path) + ": /format: is no data set of this version");
+    throw InputError(fmt::format("{}: /format: is no data set of this version: must be \"{}\", and /version 1",
+                                 printable(path), kFormat));
   }
   return about;
 }

@@ -53,7 +53,10 @@ Metadata read_metadata(const std::string& path) {
     metadata.face_px.emplace();
     fields.numbers("face_px", metadata.face_px->data(), 4);
     const std::array<double, 4>& face = *metadata.face_px;
-    if (!(face[2] > 0 && face[3] > 0)) fields.fail("face_px", "must be x, y, width, height, the last two above 0");
+    if (!(face[2] > 0 && face[3] > 0)) {
+      fields.fail("face_px", fmt::format("{:g}, {:g}, {:g}, {:g}: must be x, y, width, height, the last two above 0",
+                                         face[0], face[1], face[2], face[3]));
+    }
   }
   fields.done();
   return metadata;

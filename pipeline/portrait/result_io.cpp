@@ -10,6 +10,8 @@
 #include "capture/files.h"
 #include "capture/image/image_io.h"
 #include "capture/json_fields.h"
+#include "capture/names.h"
+#include "pipeline/portrait/options.h"
 
 namespace dualpixel::pipeline {
 namespace {
@@ -59,6 +61,17 @@ void require_size(const Image& image, const Image& reference, const std::string&
   if (image.same_size(reference)) return;
   throw InputError(fmt::format("{}: {} x {} pixels; input.exr has {} x {}", printable(file), image.width, image.height,
                                reference.width, reference.height));
+}
+
+/// Empty where it is not said.
+std::string made_in_mode(const nlohmann::json& provenance, const std::string& file) {
+  const auto mode = provenance.find("mode");
+  if (mode == provenance.end()) return "";
+  for (const Named<Mode>& each : kModes) {
+    if (each.value != Mode::automatic && *mode == each.name) return std::string(each.name);
+  }
+  throw InputError(fmt::format("{}: /provenance/mode: {}: must be \"dp\", \"dp+seg\" or \"seg\"", printable(file),
+                               printable(mode->dump())));
 }
 
 }  // namespace
@@ -112,7 +125,9 @@ StoredResult read_result(const std::string& path) {
   int version = 0;
   fields.required("format").choice("format", format, {kFormat});
   fields.required("version").integer("version", version, kResultFormatVersion, kResultFormatVersion);
-  if (!fields.required("provenance").raw("provenance").is_object()) fields.fail("provenance", "must be an object");
+  const nlohmann::json& provenance = fields.required("provenance").raw("provenance");
+  if (!provenance.is_object()) fields.fail("provenance", "must be an object");
+  stored.mode = made_in_mode(provenance, file(kMarker));
   fields.number("focus_disparity_dp_px", result.focus_disparity_dp_px, -1e6, 1e6);
   fields.integer("base_frame", result.base_frame, 0, 999);
   result.stages = read_stages(fields.required("stages").raw("stages"), fields, file(kMarker));
@@ -124,7 +139,8 @@ StoredResult read_result(const std::string& path) {
   require_size(result.portrait, result.input, file("portrait.exr"));
   require_size(result.portrait_srgb, result.input, file("portrait.png"));
 
-  if (std::filesystem::exists(file("maps.exr"))) {
+  const bool has_maps = std::filesystem::exists(file("maps.exr"));
+  if (has_maps) {
     const std::vector<std::string> stored_channels = picture_size(file("maps.exr")).channels;
     std::vector<std::string> channels;
     std::vector<Image PortraitResult::*> images;
@@ -141,11 +157,9 @@ StoredResult read_result(const std::string& path) {
   if (result.disparity_dp_px.empty() != result.confidence.empty()) {
     throw InputError(printable(file("maps.exr")) + ": disparity_dp_px and confidence must come together");
   }
-  const auto mode = stored.json["provenance"].find("mode");
-  if (mode != stored.json["provenance"].end() && mode->is_string()) stored.mode = mode->get<std::string>();
   if (result.disparity_dp_px.empty() && (stored.mode == "dp" || stored.mode == "dp+seg")) {
-    throw InputError(fmt::format("{}: lacks disparity_dp_px, which /provenance/mode \"{}\" makes",
-                                 printable(file("maps.exr")), stored.mode));
+    throw InputError(fmt::format("{}: {}, which /provenance/mode \"{}\" makes", printable(file("maps.exr")),
+                                 has_maps ? "lacks disparity_dp_px" : "is missing", stored.mode));
   }
   if (std::filesystem::exists(file("matched.exr"))) {
     const std::vector<std::string> stored_channels = picture_size(file("matched.exr")).channels;

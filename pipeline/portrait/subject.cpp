@@ -45,7 +45,9 @@ KnownSubject known_subject(const Capture& capture, const PortraitOptions& option
       known.faces.push_back(face);
       known.source = "capture";
     } else {
-      known.warnings.emplace_back("capture: /face_px: its center lies outside the picture; not used");
+      known.warnings.push_back(fmt::format(
+          "the capture's /face_px {:g}, {:g}, {:g}, {:g} has its center outside the picture of {} x {}; not used", x, y,
+          w, h, capture.camera.width_px, capture.camera.height_px));
     }
   }
   std::stable_sort(known.faces.begin(), known.faces.end(),

@@ -400,7 +400,7 @@ TEST(SlowCaptureIo, RefusesWhatTheDocumentForbids) {
   EXPECT_EQ(refusal([](json& d) { d["frmes"] = 1; }), where + "/frmes: unknown field; did you mean 'frames'?");
   EXPECT_EQ(refusal([](json& d) { d["conventions"]["axes"] = "opengl"; }),
             where + "/conventions/axes: must be \"opencv\"");
-  EXPECT_NE(refusal([](json& d) { d["camera"]["width_px"] = 15; }).find("/camera/width_px: must be even"),
+  EXPECT_NE(refusal([](json& d) { d["camera"]["width_px"] = 15; }).find("/camera/width_px: 15: must be even"),
             std::string::npos);
   EXPECT_NE(refusal([](json& d) { d["camera"]["width_px"] = 32; }).find("the camera calls for"), std::string::npos);
   EXPECT_NE(refusal([](json& d) { d["camera"]["focus_distance_m"] = 0.004; }).find("inside the focal length"),

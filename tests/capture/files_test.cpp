@@ -6,6 +6,9 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <thread>
+
 #include "capture/error.h"
 #include "tests/temporary_folder.h"
 
@@ -116,12 +119,22 @@ TEST(NewFolder, FollowsALinkToItsTarget) {
   EXPECT_TRUE(fs::exists(folder / "real/a"));
 }
 
-TEST(RemoveUnfinishedOutputs, LeavesNothing) {
-  const TemporaryFolder folder;
-  NewFolder output(folder / "out", "capture.json");
-  write_file(output.path() + "/a", "x");
-  remove_unfinished_outputs();
-  EXPECT_TRUE(folder.names().empty());
+// In a process of its own, which must end afterwards.
+TEST(NewFolderDeathTest, AnEndingProcessRemovesItAndBeginsAndFinishesNoOther) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto end = [] {
+    const TemporaryFolder folder;
+    NewFolder output(folder / "out", "capture.json");
+    write_file(output.path() + "/a", "x");
+    remove_unfinished_outputs();
+    std::thread([&] { replace_file(folder / "file", "x"); }).detach();
+    std::thread([&] { NewFolder(folder / "another", "capture.json").commit(); }).detach();
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    const bool is_empty = folder.names().empty();
+    fs::remove_all(folder.path);
+    _exit(is_empty ? 0 : 1);
+  };
+  EXPECT_EXIT(end(), testing::ExitedWithCode(0), "");
 }
 
 TEST(HashOf, IsXxh64) {

@@ -222,11 +222,13 @@ TEST(ImageIo, RefusesPngsThatNoProgramWritesInOneLine) {
   };
   const std::string header("\0\0\0\1\0\0\0\1\10\2\0\0\0", 13), data = png_chunk("IDAT", "\x78\x9c"),
                                                                end = png_chunk("IEND", "");
-  const std::pair<int, char> changes[] = {{3, 0}, {4, '\xff'}, {8, 3}, {9, 1}, {9, 5}, {10, 1}, {11, 1}, {12, 2}};
+  const std::pair<int, char> changes[] = {{3, 0}, {1, 16}, {4, '\x7f'}, {4, '\xff'}, {8, 3},
+                                          {9, 1}, {9, 5},  {10, 1},     {11, 1},     {12, 2}};
   for (const auto& [at, value] : changes) {
     std::string changed = header;
     changed[at] = value;
-    expect(kPngBegin + png_chunk("IHDR", changed) + data + end, "its header IHDR says what no PNG may");
+    expect(kPngBegin + png_chunk("IHDR", changed) + data + end,
+           "its header IHDR says what no PNG may, or that it is of more than a million pixels a side");
   }
   const std::string begin = kPngBegin + png_chunk("IHDR", header);
   const std::string order = "IHDR must be its first chunk, and the only one of that name";

@@ -61,6 +61,10 @@ TEST(ParseJson, RefusesWhatIsNotJsonInOneLine) {
   }
 }
 
+TEST(ParseJson, SaysWhereANumberIsTooLarge) {
+  EXPECT_EQ(parse_refusal("{\"a\": 1,\n \"b\": -1e999}"), "f.json: line 2: a number is too large");
+}
+
 TEST(ReadJsonFile, RefusesWhatIsNoReadableFile) {
   const TemporaryFolder folder;
   EXPECT_EQ(refusal([&] { read_json_file(folder / "none.json"); }), folder / "none.json" + ": no such file");

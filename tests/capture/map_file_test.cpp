@@ -74,12 +74,23 @@ TEST(MapFile, ScalesIntegers) {
 TEST(MapFile, RefusesWhatItCannotRead) {
   const TemporaryFolder folder;
   const std::string four(4, '\0');
+  const auto with_shape = [](const std::string& shape) {
+    std::string bytes = npy_bytes("<f4", {2, 2}, std::string(16, '\0'));
+    const std::size_t at = bytes.find("(2, 2)");
+    return bytes.replace(at, shape.size(), shape);  // over the padding
+  };
   const std::pair<std::string, std::string> bad[] = {
       {npy_bytes("<f2", {1, 2}, four), "holds '<f2'; must be float32, float64 or integers, little endian"},
       {npy_bytes("<f4", {2, 2}, four), "ends before its last value"},
       {npy_bytes("<f4", {65536, 65536, 4}, four), "ends before its last value"},  // 64 GiB were they there
       {npy_bytes("<f4", {7}, four),
        "has the shape (7, ); must be (height, width) or (height, width, channels), with at most 4 channels"},
+      {with_shape("(-2, 2)"),
+       "has the shape (-2, 2); must be (height, width) or (height, width, channels), with at "
+       "most 4 channels"},
+      {with_shape("(2x2, 2)"),
+       "has the shape (2x2, 2); must be (height, width) or (height, width, channels), with at "
+       "most 4 channels"},
       {npy_bytes("<f4", {2, 1, 3}, std::string(24, '\0')), "has 3 channels; one is needed"},
       {"\x93NUMPY\x01", "is not a NumPy file"},
       {"\x93NUMPY\x01" + std::string(1, '\0') + "\xff\xff{}}}", "ends before its header does"},

@@ -52,9 +52,17 @@ TEST(Options, EachProblemNamesFieldValueAndWhatIsAllowed) {
       {"burst/frames: 0: must be an integer in [1, 1000]", [](Simulation& s) { s.burst_frames = 0; }},
       {"environment/sun_glow_width_deg: 0: must", [](Simulation& s) { s.sky.sun_glow_width_deg = 0; }},
       {"environment/nits: -1: must lie in", [](Simulation& s) { s.environment_nits[2] = -1; }},
-      {"face_px: must be x, y, width, height",
+      {"face_px: 1, 1, 0, 1: must be x, y, width, height",
        [](Simulation& s) {
          s.face_px = {1, 1, 0, 1};
+       }},
+      {"face_px: -1, 1, 1, 1: must be x, y, width, height in photosites: x and y in [0, 65536]",
+       [](Simulation& s) {
+         s.face_px = {-1, 1, 1, 1};
+       }},
+      {"face_px: 1, 1, 1e+300, 1: must be",
+       [](Simulation& s) {
+         s.face_px = {1, 1, 1e300, 1};
        }},
       {"sensor/electrons_per_lux_s: 1e-30: must lie in",
        [](Simulation& s) { s.sensor.electrons_per_lux_s[0] = 1e-30; }},

@@ -50,7 +50,9 @@ const std::atomic<int>& note_first_signal() {
 void end_after(std::chrono::seconds limit) {
   std::thread([limit] {
     std::this_thread::sleep_for(limit);
-    clean_up();
+    remove_unfinished_outputs();
+    std::this_thread::sleep_for(std::chrono::seconds(1));  // a command whose output is whole ends by itself
+    evaluation::end_child_processes();
     sigset_t pipe;  // perhaps nobody reads stderr
     sigemptyset(&pipe);
     sigaddset(&pipe, SIGPIPE);

@@ -14,7 +14,7 @@ void end_cleanly_on_signals();
 /// step; the second ends the process as above.
 const std::atomic<int>& note_first_signal();
 
-/// Ends the process as a signal does once `limit` has passed, with status 2 and a line on stderr.
+/// Ends the process as a signal does within a second once `limit` has passed, with status 2 and a line on stderr.
 void end_after(std::chrono::seconds limit);
 
 }  // namespace dualpixel::tools

@@ -103,7 +103,9 @@ Prescription read_prescription(Fields& lens) {
   }
   bool disperses = false;
   std::vector<Fields> surfaces = lens.required("surfaces").objects("surfaces");
-  if (surfaces.empty() || surfaces.size() > 200) lens.fail("surfaces", "must be 1 to 200 surfaces");
+  if (surfaces.empty() || surfaces.size() > 200) {
+    lens.fail("surfaces", fmt::format("{} surfaces: must be 1 to 200", surfaces.size()));
+  }
   for (Fields& fields : surfaces) p.surfaces.push_back(read_surface(fields, disperses));
   if (!disperses) p.wavelengths_nm.fill(p.reference_nm);
   const auto stops = std::count_if(p.surfaces.begin(), p.surfaces.end(), [](const LensSurface& s) { return s.stop; });

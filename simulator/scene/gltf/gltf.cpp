@@ -26,7 +26,7 @@ namespace {
 
 constexpr std::size_t kLargestFileBytes = std::numeric_limits<std::int32_t>::max();
 constexpr std::size_t kMostVertices = 1 << 26;    // as stored, and as many corners of triangles
-constexpr std::size_t kMostPlacements = 1 << 20;  // of shared primitives: half a gigabyte
+constexpr std::size_t kMostPlacements = 1 << 20;  // of primitives: half a gigabyte
 constexpr double kFarthestNode_m = 1e6;           // for lights and cameras
 
 /// Whether a primitive that so many nodes use takes less memory stored once; bytes as measured with Embree 3.13, with
@@ -227,6 +227,15 @@ class MeshReader {
     corners_left_ -= corners(p);
   }
 
+  void count_placement(int node_index) {
+    if (placements_left_ == 0) {
+      fail_gltf(file_.name, fmt::format("/nodes/{}/mesh", node_index),
+                fmt::format("{}: the scene must place primitives at most {} times", file_.model.nodes[node_index].mesh,
+                            kMostPlacements));
+    }
+    --placements_left_;
+  }
+
   int material(const tinygltf::Primitive& p) const {
     return p.material < 0 ? static_cast<int>(file_.model.materials.size()) : p.material;
   }
@@ -236,6 +245,7 @@ class MeshReader {
     const tinygltf::Node& node = file_.model.nodes[node_index];
     const tinygltf::Primitive& p = primitive(node_index, i);
     count(node_index, p);
+    count_placement(node_index);
     const std::vector<double>& weights = node.weights.empty() ? file_.model.meshes[node.mesh].weights : node.weights;
     Mesh mesh = read_primitive(file_, node.mesh, i, weights, pose, zero_area);
     if (mesh.triangles.empty()) return;
@@ -261,12 +271,7 @@ class MeshReader {
     if (!shared.id && shared.mesh.triangles.empty()) return true;
     const std::optional<glm::mat4x3> matrix = placement_matrix(states_[node_index].world * shared.file_from_own);
     if (!matrix) return false;
-    if (placements_left_ == 0) {
-      fail_gltf(
-          file_.name, fmt::format("/nodes/{}/mesh", node_index),
-          fmt::format("{}: the scene must place shared primitives at most {} times", mesh_index, kMostPlacements));
-    }
-    --placements_left_;
+    count_placement(node_index);
     if (!shared.id) {
       shared.id = scene_.meshes.size();
       scene_.meshes.push_back(std::move(shared.mesh));

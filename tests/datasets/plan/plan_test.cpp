@@ -522,7 +522,8 @@ TEST(Plan, LeavesADescriptionOfAnotherKindAsItIs) {
   json another = json::parse(read_bytes(about));
   another["plan_xxh64"] = "0123456789abcdef";
   for (const auto& [text, message] : std::map<std::string, std::string>{
-           {R"({"title": "notes of mine"})", about + ": /format: is no data set of this version"},
+           {R"({"title": "notes of mine"})",
+            about + ": /format: is no data set of this version: must be \"dualpixel-dataset\", and /version 1"},
            {another.dump(), path + ": holds another plan, whose lines may not change: choose another folder"}}) {
     std::filesystem::remove(about);
     folder.write("mine.json", text);

@@ -100,6 +100,16 @@ TEST(ResultIo, RefusesWhatIsMissingOrDoesNotFit) {
   EXPECT_EQ(message(), path + "/portrait.exr: no such file");
 
   renew();
+  std::filesystem::remove(path + "/maps.exr");
+  EXPECT_EQ(message(), path + "/maps.exr: is missing, which /provenance/mode \"dp\" makes");
+
+  for (const nlohmann::json& mode : {nlohmann::json("q"), nlohmann::json("auto"), nlohmann::json(3)}) {
+    write_result(synthetic_result(synthetic_capture()), {{"mode", mode}}, path);
+    EXPECT_EQ(message(),
+              path + "/result.json: /provenance/mode: " + mode.dump() + ": must be \"dp\", \"dp+seg\" or \"seg\"");
+  }
+
+  renew();
   const Image small(8, 8, 3);
   write_png8(path + "/portrait.png", small);
   EXPECT_EQ(message(), path + "/portrait.png: 8 x 8 pixels; input.exr has 64 x 48");
@@ -109,8 +119,7 @@ TEST(ResultIo, RefusesWhatIsMissingOrDoesNotFit) {
   write_exr(path + "/maps.exr", {{"confidence", &other}}, false);
   EXPECT_EQ(message(), path + "/maps.exr: disparity_dp_px and confidence must come together");
 
-  renew();
-  std::filesystem::remove(path + "/maps.exr");
+  write_exr(path + "/maps.exr", {{"mask", &other}}, false);
   EXPECT_EQ(message(), path + "/maps.exr: lacks disparity_dp_px, which /provenance/mode \"dp\" makes");
   write_exr(path + "/maps.exr", {{"unknown", &other}}, false);
   EXPECT_EQ(message(), path + "/maps.exr: holds none of the maps of a result");

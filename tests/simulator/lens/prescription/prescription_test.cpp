@@ -429,7 +429,7 @@ TEST(Prescriptions, RefuseWhatCannotBeAndNameIt) {
            {"/surfaces/1/asphere/3.5", 1, "/surfaces/1/asphere/3.5: unknown field"},
            {"/surfaces/0/stop", false, "/surfaces: 0 of them"},
            {"/surfaces/3/stop", true, "/surfaces: 2 of them"},
-           {"/surfaces", nlohmann::json::array(), "/surfaces: must be 1 to 200"},
+           {"/surfaces", nlohmann::json::array(), "/surfaces: 0 surfaces: must be 1 to 200"},
            {"/f_number", 1.2, "/f_number: 1.2: the lens opens to f/1.8"},
            {"/wavelengths_nm", {600, 500, 10}, "/wavelengths_nm: 10"},
            {"/focus_gap", 99, "/focus_gap: 99"},

@@ -130,7 +130,7 @@ TEST(SlowGltfInstance, TooManyAndSingularAndTooFarPlacementsAreRefused) {
   const json primitive = gltf.primitive();
   for (int i = 1; i < 1024; ++i) gltf.root["meshes"][0]["primitives"].push_back(primitive);
   EXPECT_EQ(refusal([&] { gltf.read(); }),
-            "test.glb: /nodes/1024/mesh: 0: the scene must place shared primitives at most 1048576 times");
+            "test.glb: /nodes/1024/mesh: 0: the scene must place primitives at most 1048576 times");
   gltf.root["scenes"][0]["nodes"].erase(1024);
   const Scene scene = gltf.read();
   EXPECT_EQ(placements(scene), std::size_t{1} << 20);
