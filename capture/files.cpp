@@ -58,7 +58,7 @@ void forget(const std::string& temporary) {
   unfinished.erase(temporary);
 }
 
-/// Gives what is whole its final name. Not while unfinished outputs are removed, nor afterwards.
+/// Gives what is whole its final name. Not after stop_outputs().
 int finish(const std::string& temporary, const std::string& final, unsigned flags) {
   const std::lock_guard lock(unfinished_mutex);
   const int status = renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, final.c_str(), flags);
@@ -209,7 +209,13 @@ NewFolder::~NewFolder() {
   if (temporary_.empty()) return;
   std::error_code ignored;
   fs::remove_all(temporary_, ignored);
-  forget(temporary_);
+  // What is whole need not wait for others after stop_outputs(): its process may end.
+  if (!whole_) {
+    forget(temporary_);
+  } else if (unfinished_mutex.try_lock()) {
+    unfinished.erase(temporary_);
+    unfinished_mutex.unlock();
+  }
 }
 
 void NewFolder::commit() {
@@ -220,12 +226,14 @@ void NewFolder::commit() {
   } else if ((errno != ENOTEMPTY && errno != EEXIST) || finish(temporary_, final_, RENAME_EXCHANGE) != 0) {
     fail_errno(final_, "cannot be replaced");
   }
+  whole_ = true;
   // After an exchange the old folder stands under the temporary name, and the destructor removes it.
   sync_to_disk(fs::path(final_).parent_path().string());
 }
 
+void stop_outputs() { unfinished_mutex.lock(); }
+
 void remove_unfinished_outputs() {
-  unfinished_mutex.lock();  // for good
   for (const auto& [temporary, final] : unfinished) {
     // Threads that still write may put a new file into a folder that is just being emptied: try again.
     std::error_code error;

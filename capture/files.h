@@ -57,13 +57,16 @@ class NewFolder {
   std::string final_;
   std::string marker_;
   std::string temporary_;
+  bool whole_ = false;  ///< under its final name
 };
 
 /// The path to name in a message about `path`: the final one of a temporary, or of what lies in one.
 std::string final_path(std::string path);
 
-/// Removes the temporaries of NewFolder and replace_file in this process, which a signal or a limit ends: threads that
-/// would begin or finish an output from then on wait for ever.
+/// For a process that a signal or a limit ends: threads that would begin or finish an output wait for ever from now on.
+void stop_outputs();
+
+/// Removes the temporaries of NewFolder and replace_file in this process. After stop_outputs(), by the same thread.
 void remove_unfinished_outputs();
 
 }  // namespace dualpixel

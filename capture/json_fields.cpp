@@ -114,8 +114,9 @@ json parse_json(const std::string& text, const std::string& file) {
     return json::parse(text);
   } catch (const json::out_of_range& error) {  // says the number alone
     const auto at = text.begin() + static_cast<std::ptrdiff_t>(std::min(check.fault_byte(), text.size()));
-    throw InputError(
-        fmt::format("{}: line {}: a number is too large", printable(file), 1 + std::count(text.begin(), at, '\n')));
+    const bool has_lines = text.find('\n') != std::string::npos;
+    const std::string line = has_lines ? fmt::format("line {}: ", 1 + std::count(text.begin(), at, '\n')) : "";
+    throw InputError(fmt::format("{}: {}a number is too large", printable(file), line));
   } catch (const json::exception& error) {
     // "[json.exception.parse_error.101] parse error at line 1, column 2: ..." starts with the library's own tag.
     const std::string message = error.what();

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cstdint>
 #include <cstring>
+#include <string_view>
 
 #include "capture/error.h"
 #include "capture/files.h"
@@ -32,16 +33,23 @@ std::string header_entry(const std::string& path, std::string_view header, const
 /// (height, width, channels) of "(480, 640" or the like.
 std::array<std::size_t, 3> shape_of(const std::string& path, const std::string& text) {
   std::vector<std::size_t> sides;
-  const bool is_tuple = text.find_first_not_of("(, 0123456789") == std::string::npos;
-  for (const char *at = text.data(), *const end = at + text.size(); is_tuple && at < end;) {
+  bool is_tuple = text.starts_with('(');
+  for (std::string_view rest = std::string_view(text).substr(is_tuple); is_tuple && !rest.empty();) {
+    const std::size_t comma = rest.find(',');
+    const std::string_view item = rest.substr(0, comma);
+    rest.remove_prefix(comma == std::string_view::npos ? rest.size() : comma + 1);
+    const std::size_t first = item.find_first_not_of(' ');
+    if (first == std::string_view::npos && rest.empty()) break;  // (7,)
     std::size_t side = 0;
-    const auto [next, error] = std::from_chars(at, end, side);
-    if (error == std::errc()) sides.push_back(side);
-    at = error == std::errc() ? next : at + 1;
+    const char *const begin = item.data() + std::min(first, item.size()), *const end = item.data() + item.size();
+    const auto [after, error] = std::from_chars(begin, end, side);
+    const std::string_view unit(after, static_cast<std::size_t>(end - after));
+    is_tuple = error == std::errc() && (unit.empty() || unit == "L");  // Python 2 writes 480L
+    sides.push_back(side);
   }
   while (sides.size() > 2 && sides.front() == 1) sides.erase(sides.begin());
   if (sides.size() == 2) sides.push_back(1);
-  const bool fits = sides.size() == 3 && sides[0] >= 1 && sides[1] >= 1 && sides[2] >= 1 &&
+  const bool fits = is_tuple && sides.size() == 3 && sides[0] >= 1 && sides[1] >= 1 && sides[2] >= 1 &&
                     sides[0] <= kLongestArraySide && sides[1] <= kLongestArraySide && sides[2] <= kMostArrayChannels;
   if (!fits) {
     refuse_npy(path, fmt::format("has the shape {}); must be (height, width) or (height, width, channels), with at "

@@ -6,7 +6,9 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
+#include <functional>
 #include <thread>
 
 #include "capture/error.h"
@@ -120,16 +122,28 @@ TEST(NewFolder, FollowsALinkToItsTarget) {
 }
 
 // In a process of its own, which must end afterwards.
-TEST(NewFolderDeathTest, AnEndingProcessRemovesItAndBeginsAndFinishesNoOther) {
+TEST(StopOutputsDeathTest, NoneIsBegunOrFinishedAndRemovalLeavesNothing) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto end = [] {
     const TemporaryFolder folder;
     NewFolder output(folder / "out", "capture.json");
-    write_file(output.path() + "/a", "x");
-    remove_unfinished_outputs();
-    std::thread([&] { replace_file(folder / "file", "x"); }).detach();
-    std::thread([&] { NewFolder(folder / "another", "capture.json").commit(); }).detach();
+    std::atomic<bool> stopped = false;
+    const auto afterwards = [&](const std::function<void()>& work) {
+      std::thread([&stopped, work] {
+        while (!stopped) std::this_thread::yield();
+        work();
+      }).detach();
+    };
+    afterwards([&] {
+      write_file(output.path() + "/a", "x");
+      output.commit();
+    });
+    afterwards([&] { replace_file(folder / "file", "x"); });
+    afterwards([&] { NewFolder(folder / "another", "capture.json").commit(); });
+    stop_outputs();
+    stopped = true;
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    remove_unfinished_outputs();
     const bool is_empty = folder.names().empty();
     fs::remove_all(folder.path);
     _exit(is_empty ? 0 : 1);

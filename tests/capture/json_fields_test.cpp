@@ -63,6 +63,7 @@ TEST(ParseJson, RefusesWhatIsNotJsonInOneLine) {
 
 TEST(ParseJson, SaysWhereANumberIsTooLarge) {
   EXPECT_EQ(parse_refusal("{\"a\": 1,\n \"b\": -1e999}"), "f.json: line 2: a number is too large");
+  EXPECT_EQ(parse_refusal("[1e999]"), "f.json: a number is too large");
 }
 
 TEST(ReadJsonFile, RefusesWhatIsNoReadableFile) {

@@ -88,6 +88,9 @@ TEST(MapFile, RefusesWhatItCannotRead) {
       {with_shape("(-2, 2)"),
        "has the shape (-2, 2); must be (height, width) or (height, width, channels), with at "
        "most 4 channels"},
+      {with_shape("(2 2, 2)"),
+       "has the shape (2 2, 2); must be (height, width) or (height, width, channels), with at "
+       "most 4 channels"},
       {with_shape("(2x2, 2)"),
        "has the shape (2x2, 2); must be (height, width) or (height, width, channels), with at "
        "most 4 channels"},

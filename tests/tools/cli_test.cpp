@@ -249,6 +249,17 @@ TEST(SlowCli, EndsAtItsTimeLimitAndLeavesNothing) {
   expect_one_line_refusal(outcome);
   EXPECT_EQ(outcome.err, "dualpixel: --max-time: not done after 1 s\n");
   EXPECT_EQ(folder.names(), std::set<std::string>());
+  // which begins a new file every moment
+  const Outcome drawing = run_program("--max-time 2 experiment scenes chart --count 1000 --width 64 --samples 4 -o '" +
+                                      (folder / "out") + "'");
+  EXPECT_EQ(drawing.err, "dualpixel: --max-time: not done after 2 s\n");
+  EXPECT_EQ(folder.names(), std::set<std::string>());
+  // a signal while it ends
+  const Outcome both = run_program("--version >/dev/null; timeout -s KILL 60 '" DUALPIXEL_PROGRAM
+                                   "' --max-time 1 simulate '" DUALPIXEL_SCENES_DIR "/portrait.json' -o '" +
+                                   (folder / "out") + "' & sleep 1.7; kill -TERM $!; wait $!");
+  EXPECT_TRUE(both.status == 2 || both.status == 143 || both.status == 124) << both.status;
+  EXPECT_EQ(folder.names(), std::set<std::string>());
   EXPECT_EQ(run_program("--max-time 600 experiment --help").status, 0);
   EXPECT_NE(run_program("--max-time 9 inf x").err.find("did you mean 'info'"), std::string::npos);
   expect_one_line_refusal(run_program("--max-time 0 info '" DUALPIXEL_SCENES_DIR "/portrait.json'"));

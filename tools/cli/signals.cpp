@@ -17,9 +17,10 @@ namespace {
 std::atomic<bool> first_is_noted = false;
 std::atomic<int> noted_signal = 0;
 
-void clean_up() {
-  evaluation::end_child_processes();
-  remove_unfinished_outputs();
+/// Of the threads that would end the process one goes on; the others wait until it has.
+void claim_the_end() {
+  static std::atomic_flag claimed;
+  while (claimed.test_and_set()) std::this_thread::sleep_for(std::chrono::seconds(1));
 }
 
 }  // namespace
@@ -37,7 +38,10 @@ void end_cleanly_on_signals() {
       noted_signal = signal_number;
       sigwait(&signals, &signal_number);
     }
-    clean_up();
+    claim_the_end();
+    evaluation::end_child_processes();
+    stop_outputs();
+    remove_unfinished_outputs();
     _exit(128 + signal_number);
   }).detach();
 }
@@ -50,9 +54,11 @@ const std::atomic<int>& note_first_signal() {
 void end_after(std::chrono::seconds limit) {
   std::thread([limit] {
     std::this_thread::sleep_for(limit);
-    remove_unfinished_outputs();
+    claim_the_end();
+    stop_outputs();
     std::this_thread::sleep_for(std::chrono::seconds(1));  // a command whose output is whole ends by itself
     evaluation::end_child_processes();
+    remove_unfinished_outputs();
     sigset_t pipe;  // perhaps nobody reads stderr
     sigemptyset(&pipe);
     sigaddset(&pipe, SIGPIPE);

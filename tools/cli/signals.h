@@ -14,7 +14,8 @@ void end_cleanly_on_signals();
 /// step; the second ends the process as above.
 const std::atomic<int>& note_first_signal();
 
-/// Ends the process as a signal does within a second once `limit` has passed, with status 2 and a line on stderr.
+/// Ends the process as a signal does about a second after `limit`, unless it ends by itself, with status 2 and a line
+/// on stderr.
 void end_after(std::chrono::seconds limit);
 
 }  // namespace dualpixel::tools
