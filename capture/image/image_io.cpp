@@ -17,9 +17,10 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/image/dng_tag.h"
-#include "capture/image/jpeg_fault.h"
+#include "capture/image/faults/exr_fault.h"
+#include "capture/image/faults/jpeg_fault.h"
+#include "capture/image/faults/png_fault.h"
 #include "capture/image/picture_encoding.h"
-#include "capture/image/png_fault.h"
 
 namespace dualpixel {
 namespace {
@@ -57,9 +58,8 @@ std::string format_of(const std::string& path) {
 void check_size(const std::string& path, std::int64_t width, std::int64_t height, std::int64_t channels) {
   if (width < 1 || height < 1 || width > kLongestSide || height > kLongestSide || channels < 1 ||
       channels > kMostChannels || width * height > kMostValues / channels) {
-    const auto stated = [](std::int64_t side) {
-      return static_cast<std::uint32_t>(side);
-    };  // OpenImageIO has it signed
+    // OpenImageIO has it signed.
+    const auto stated = [](std::int64_t side) { return static_cast<std::uint32_t>(side); };
     refuse(path, fmt::format("{} x {} pixels of {} channels: at most {} a side and {} values in all are allowed",
                              stated(width), stated(height), channels, kLongestSide, kMostValues));
   }
@@ -73,11 +73,14 @@ std::unique_ptr<ImageInput> open_picture(const std::string& path) {
   const std::string format = format_of(path);
   std::unique_ptr<ImageInput> input = ImageInput::create(format);
   if (!input) refuse(path, "this build of OpenImageIO cannot read " + format);
-  if (format == "png" || format == "jpeg") {
+  using FaultOf = std::optional<std::string>(std::istream&);
+  FaultOf* const fault_of = format == "png"       ? fault_of_png
+                            : format == "jpeg"    ? fault_of_jpeg
+                            : format == "openexr" ? fault_of_exr
+                                                  : nullptr;
+  if (fault_of) {
     std::ifstream file(path, std::ios::binary);
-    if (const auto fault = format == "png" ? fault_of_png(file) : fault_of_jpeg(file)) {
-      refuse(path, "cannot be read: " + *fault);
-    }
+    if (const auto fault = fault_of(file)) refuse(path, "cannot be read: " + *fault);
   }
   ImageSpec as_stored, spec;
   as_stored["oiio:UnassociatedAlpha"] = 1;

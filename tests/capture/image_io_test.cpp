@@ -241,6 +241,21 @@ TEST(ImageIo, RefusesPngsThatNoProgramWritesInOneLine) {
   expect(begin + end, "it has no chunk IDAT");
 }
 
+// OpenEXR would take two gigabytes for a name of the file's.
+TEST(ImageIo, RefusesExrAttributesLargerThanTheFile) {
+  const TemporaryFolder folder;
+  const std::string begin("\x76\x2f\x31\x01\2\0\0\0", 8);
+  const std::string attribute("owner\0string\0\x00\x00\x00\x76vw", 19);
+  write_bytes(folder / "a.exr", begin + attribute);
+  EXPECT_EQ(image_refusal(folder / "a.exr"),
+            folder / "a.exr" +
+                ": cannot be read: its attribute owner is said to be of 1979711488 bytes, more than the file has");
+  for (const std::string& rest : {std::string(), std::string("own"), std::string(300, 'a'), attribute.substr(0, 15)}) {
+    write_bytes(folder / "a.exr", begin + rest);
+    EXPECT_EQ(image_refusal(folder / "a.exr"), folder / "a.exr" + ": cannot be read: its header does not end");
+  }
+}
+
 TEST(ImageIo, RefusesClaimedSizesBeforeReading) {
   const TemporaryFolder folder;
   write_bytes(folder / "wide.png", png_without_pixels(70000, 1));

@@ -16,7 +16,7 @@
 #include <tuple>
 
 #include "capture/error.h"
-#include "capture/image/png_fault.h"
+#include "capture/image/faults/png_fault.h"
 #include "simulator/scene/gltf/check.h"
 #include "simulator/scene/paged_bytes.h"
 

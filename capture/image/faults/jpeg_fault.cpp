@@ -1,4 +1,4 @@
-#include "capture/image/jpeg_fault.h"
+#include "capture/image/faults/jpeg_fault.h"
 
 #include <istream>
 

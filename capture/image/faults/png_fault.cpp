@@ -1,4 +1,4 @@
-#include "capture/image/png_fault.h"
+#include "capture/image/faults/png_fault.h"
 
 #include <zlib.h>
 
