@@ -201,7 +201,7 @@ TEST(SlowEvaluateCommand, EndsItsProgramsWhenASignalOrTimeEndsIt) {
     int status;
   };
   for (const auto& [option, end, status] :
-       {Case{"", "kill -TERM $!", 143}, {"", "kill -INT $!", 130}, {"--max-time 5 ", "true", 2}}) {
+       {Case{"", "kill -TERM $!", 143}, {"", "kill -INT $!", 130}, {"--max-time 10 ", "true", 2}}) {
     SCOPED_TRACE(status);
     std::filesystem::remove(folder / "pids");
     folder.write("run.sh", "TMPDIR=" + in + "scratch' '" DUALPIXEL_PROGRAM "' " + option + "evaluate " + in +
