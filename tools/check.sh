@@ -4,7 +4,7 @@
 check=${1:-}
 names=("${@:2}")
 set --
-packages=()
+packages=(clang)  # compiles with sanitizers in a fifth of GCC's time
 case $check in
   asan) configure=(--preset asan) ;;  # undefined behavior, too
   ubsan) configure=(--preset asan -B build/ubsan -DDUALPIXEL_SANITIZE=undefined) ;;

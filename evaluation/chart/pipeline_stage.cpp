@@ -23,8 +23,7 @@ std::vector<std::string> of_width(int width) {
   constexpr int kFullWidth = 2688;
   constexpr double kFullPitch_um = 1.4;
   return {fmt::format("sensor.width_px={}", width), fmt::format("sensor.height_px={}", width * 3 / 4),
-          fmt::format("sensor.pixel_pitch_um={}", kFullPitch_um * kFullWidth / width), "face_px=null",
-          "face=[0.4055,0.2083,0.2083,0.3571]"};
+          fmt::format("sensor.pixel_pitch_um={}", kFullPitch_um * kFullWidth / width)};
 }
 
 /// One burst of portrait.json, of its whole view with fewer and larger photosites. Seeds differ in all noise, the

@@ -19,10 +19,10 @@ const std::string kScene = "'" DUALPIXEL_SCENES_DIR "/portrait.json'";
 /// The default scene's field of view on a sixteenth of its photosites.
 const std::string kSmall =
     " --set sensor.width_px=672 --set sensor.height_px=504 --set sensor.pixel_pitch_um=5.6"
-    " --set 'face_px=[272,105,140,180]' --set burst.frames=3 --set render.photograph_samples_per_pixel=16";
+    " --set burst.frames=3 --set render.photograph_samples_per_pixel=16";
 const std::string kTiny =
     " --set sensor.width_px=336 --set sensor.height_px=252 --set sensor.pixel_pitch_um=11.2"
-    " --set 'face_px=[136,52,70,90]' --set burst.frames=3 --set render.photograph_samples_per_pixel=16";
+    " --set burst.frames=3 --set render.photograph_samples_per_pixel=16";
 
 void must_run(const std::string& arguments) {
   const Outcome outcome = run_command(arguments);

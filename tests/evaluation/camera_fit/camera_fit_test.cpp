@@ -270,7 +270,7 @@ TEST(ShippedCamera, IsAsNearToTheFullFrameCameraAsTheDocumentSays) {
 
 // The command that docs/fit_camera.md names, from the file's start: it ends at the split that ships. A regression. What
 // the fit leaves, 4.6, changes by a hundredth where diode width and radius change together by a fifth.
-TEST(SlowCameraFit, FindsTheShippedFullFrameCamera) {
+TEST(SweepCameraFit, FindsTheShippedFullFrameCamera) {
   const CameraMeasurements m = full_frame_measurements();
   const CameraFit fit = fit_camera(m);
   const json shipped = read_json_file(DUALPIXEL_SOURCE_DIR "/lens_models/full_frame_50mm_f4_dual_pixel.json");
