@@ -108,6 +108,12 @@ void prepare_light(const Simulation& s, RenderScene& world, const CameraView& vi
   } while (samples > light.light_samples);
 }
 
+std::uint32_t samples_of_pose(const Simulation& s) {
+  const auto samples = static_cast<std::uint32_t>(s.render.samples_per_pixel),
+             poses = static_cast<std::uint32_t>(poses_of(s));
+  return poses == 1 ? samples : std::max(std::bit_floor(samples / poses), 2u);
+}
+
 PictureSampling sample_views(const Simulation& s, RenderScene& world, const CameraView& view, const ErrorTarget& noise,
                              const std::optional<ErrorTarget>& goal, const ProgressCallback& progress) {
   const std::uint32_t count = std::max<std::uint32_t>(poses_of(s), 1);
@@ -118,9 +124,7 @@ PictureSampling sample_views(const Simulation& s, RenderScene& world, const Came
     return {samples_in_time(s, world, view, noise, limits, progress), noise, light};
   }
   if (goal) return sample_to(world, view, s.render, *goal, count, limits, progress);
-  const auto samples = static_cast<std::uint32_t>(s.render.samples_per_pixel);
-  const std::uint32_t each = count == 1 ? samples : std::max(std::bit_floor(samples / count), 2u);
-  return {uniform_map(s.sensor.width_px, s.sensor.height_px, each), {}};
+  return {uniform_map(s.sensor.width_px, s.sensor.height_px, samples_of_pose(s)), {}};
 }
 
 PictureSampling sample_picture(const Simulation& s, RenderScene& world, const CameraView& view,

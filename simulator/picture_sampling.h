@@ -28,9 +28,13 @@ void prepare_light(const Simulation& simulation, RenderScene& world, const Camer
 
 /// Each pose draws a net of its own, and errors of independent nets average: of P poses each may have sqrt(P) times
 /// the error of their mean. Counts stay powers of two, and at least 2, one for each half of the pupil.
+/// Without a goal, samples_of_pose().
 PictureSampling sample_views(const Simulation& simulation, RenderScene& world, const CameraView& view,
                              const ErrorTarget& sensor_noise, const std::optional<ErrorTarget>& goal,
                              const ProgressCallback& progress);
+
+/// Samples of each photosite in one pose, where the scene file sets neither a goal nor a time.
+std::uint32_t samples_of_pose(const Simulation& simulation);
 
 /// Of a picture that is not divided, through the ideal lens that `picture` says; `picture.samples_per_pixel` where
 /// there is no goal. Its goal is that of the views in both halves together: the same share of the noise of a whole

@@ -572,7 +572,8 @@ Capture simulate(const Simulation& s, RenderScene& world, const CameraView& view
   prepare_light(s, world, view, job.goal);
   RenderError error;
   if (!job.goal && !s.time_budget_s) {
-    error = estimate_error(world, view, s.render, noise, s.render.samples_per_pixel);
+    error = estimate_error(world, view, s.render, noise, samples_of_pose(s));
+    error.samples /= poses_of(s);  // which share their light
     capture.provenance.noise_fraction_reached = std::sqrt(error.both());
   }
   Truth& truth = capture.truth.emplace(first_truth(s, world, view));

@@ -24,8 +24,8 @@ Json to_json(const NoiseProfile& noise) { return {{"shot_dn", noise.shot_dn}, {"
 
 NoiseProfile read_noise(Fields fields) {
   NoiseProfile noise;
-  fields.number("shot_dn", noise.shot_dn, 0, 1e6);
-  fields.number("read_dn2", noise.read_dn2, 0, 1e10);
+  fields.number("shot_dn", noise.shot_dn, 0, 1e9);
+  fields.number("read_dn2", noise.read_dn2, 0, 1e15);
   fields.done();
   return noise;
 }

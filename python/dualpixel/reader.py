@@ -17,7 +17,7 @@ from .errors import InputError
 from .fields import Fields, read_json
 from .pictures import Path, joined, read_exr, read_png
 
-_MOST_FRAMES = 64
+_MOST_FRAMES = 1000
 
 
 def camera_of(document: Fields) -> dict[str, Any]:
@@ -60,7 +60,7 @@ def exposure_of(document: Fields) -> dict[str, Any]:
     }
     for name in ("mosaic_noise", "dp_noise"):
         noise = fields.object(name, {})
-        exposure[name] = {"shot_dn": noise.number("shot_dn", 0, 1e6, 0), "read_dn2": noise.number("read_dn2", 0, 1e10, 0)}
+        exposure[name] = {"shot_dn": noise.number("shot_dn", 0, 1e9, 0), "read_dn2": noise.number("read_dn2", 0, 1e15, 0)}
     return exposure
 
 

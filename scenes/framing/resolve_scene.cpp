@@ -13,6 +13,7 @@
 #include "scenes/framing/light_meter.h"
 #include "scenes/framing/scene_document.h"
 #include "scenes/framing/seen_depth.h"
+#include "simulator/scene/scale.h"
 #include "simulator/simulate.h"
 
 namespace dualpixel::scenes {
@@ -66,9 +67,7 @@ double take_model_scale(json& document, const std::string& path) {
 
 void scale_model(double scale, json& document, const std::string& path, Ready& ready) {
   make_ready(simulator::read_simulation(document, path), ready);
-  const auto bounds = ready->world.intersector.bounds();
-  const glm::vec3 sides = bounds.high - bounds.low;
-  document["model_size_m"] = short_number(scale * std::max({sides.x, sides.y, sides.z}));
+  document["model_size_m"] = short_number(scale * simulator::longest_side(ready->scene));
 }
 
 /// From where the whole of the scene's ball is in the picture, a little from above and aside.

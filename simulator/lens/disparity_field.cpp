@@ -3,8 +3,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/glm.hpp>
+#include <limits>
 
 #include "capture/image/bilinear.h"
 #include "simulator/lens/lens_packet.h"
@@ -58,6 +60,7 @@ DisparityCoefficients trace_disparity(const LensSampler& lens, int x, int y, int
     std::fill(&s[0][0], &s[2][0], 0.5f);
     lens.sample(x, y, 1, s, packet);
     for (int i = 0; i < kPacket; ++i) {
+      if (!(packet.left[i] > 0 || packet.right[i] > 0)) continue;
       const glm::dvec2 o(packet.origin_x[i], packet.origin_y[i]), m(packet.slope_x[i], packet.slope_y[i]);
       left.add(packet.left[i], o, m);
       right.add(packet.right[i], o, m);
@@ -69,7 +72,7 @@ DisparityCoefficients trace_disparity(const LensSampler& lens, int x, int y, int
   DisparityCoefficients c;
   c.left_light = left.light / samples;
   c.right_light = right.light / samples;
-  if (left.light == 0 || right.light == 0) return c;
+  if (!c.has_blur()) return c;
 
   const SensorGrid& sensor = lens.sensor();
   const double step_m = sensor.pixel_pitch_m;
@@ -78,10 +81,12 @@ DisparityCoefficients trace_disparity(const LensSampler& lens, int x, int y, int
       (lens.chief_slope(at.x + step_m, at.y) - lens.chief_slope(at.x - step_m, at.y)) / (2 * step_m),
       (lens.chief_slope(at.x, at.y + step_m) - lens.chief_slope(at.x, at.y - step_m)) / (2 * step_m));
   const glm::dmat2 px_per_slope = glm::inverse(slope_per_m) / sensor.pixel_pitch_m;
-  const glm::dvec2 origin_gap = right.origin / right.light - left.origin / left.light;
-  const glm::dvec2 slope_gap = right.slope / right.light - left.slope / left.light;
-  c.slope_dp_px_m = -(px_per_slope * origin_gap).x / sensor.dp_downsample_x;
-  c.intercept_dp_px = -(px_per_slope * slope_gap).x / sensor.dp_downsample_x;
+  if (c.has_disparity()) {
+    const glm::dvec2 origin_gap = right.origin / right.light - left.origin / left.light;
+    const glm::dvec2 slope_gap = right.slope / right.light - left.slope / left.light;
+    c.slope_dp_px_m = -(px_per_slope * origin_gap).x / sensor.dp_downsample_x;
+    c.intercept_dp_px = -(px_per_slope * slope_gap).x / sensor.dp_downsample_x;
+  }
 
   // the disc of the whole pupil that fits the rays' misses best
   const double light = left.light + right.light;
@@ -100,6 +105,34 @@ DisparityCoefficients trace_disparity(const LensSampler& lens, int x, int y, int
   return c;
 }
 
+namespace {
+
+/// Gives every node of the grid that cannot tell what the nearest one that can has.
+void fill_dark_nodes(std::vector<DisparityCoefficients>& nodes, int columns, const DisparityCoefficients& otherwise) {
+  using C = DisparityCoefficients;
+  const auto fill = [&](bool (C::*tells)() const, const std::array<double C::*, 2>& fields) {
+    const std::vector<C> traced = nodes;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if ((traced[i].*tells)()) continue;
+      const C* best = &otherwise;
+      int nearest = std::numeric_limits<int>::max();
+      for (std::size_t k = 0; k < traced.size(); ++k) {
+        if (!(traced[k].*tells)()) continue;
+        const int x = static_cast<int>(k % columns) - static_cast<int>(i % columns);
+        const int y = static_cast<int>(k / columns) - static_cast<int>(i / columns);
+        if (x * x + y * y >= nearest) continue;
+        nearest = x * x + y * y;
+        best = &traced[k];
+      }
+      for (double C::*field : fields) nodes[i].*field = best->*field;
+    }
+  };
+  fill(&C::has_disparity, {&C::slope_dp_px_m, &C::intercept_dp_px});
+  fill(&C::has_blur, {&C::blur_slope_px_m, &C::blur_intercept_px});
+}
+
+}  // namespace
+
 DisparityField::DisparityField(const LensSampler& lens) {
   if (same_everywhere(lens.lens())) {
     nodes_ = {closed_form(lens)};
@@ -117,6 +150,7 @@ DisparityField::DisparityField(const LensSampler& lens) {
     const int y = rows_ > 1 ? static_cast<int>(std::lround(row / per_px_y_)) : 0;
     nodes_[i] = trace_disparity(lens, x, y, 2048);
   });
+  fill_dark_nodes(nodes_, columns_, closed_form(lens));
 }
 
 DisparityCoefficients DisparityField::at(double x_px, double y_px) const {

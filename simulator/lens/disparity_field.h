@@ -17,6 +17,13 @@ struct DisparityCoefficients {
   double slope_dp_px_m = 0, intercept_dp_px = 0;
   double blur_slope_px_m = 0, blur_intercept_px = 0;
   double left_light = 0, right_light = 0;  ///< illumination of each view over that of the whole axis
+
+  /// Whether enough light passes for the coefficients to be told; those that cannot are 0.
+  bool has_disparity() const { return left_light > kLeastLight && right_light > kLeastLight; }
+  bool has_blur() const { return left_light + right_light > kLeastLight; }
+
+ private:
+  static constexpr double kLeastLight = 1e-3;  ///< a few rays of thousands: slivers of a pupil are no disc
 };
 
 /// Whether all photosites see the pupil alike.
@@ -25,7 +32,8 @@ bool same_everywhere(const Lens& lens);
 /// By `samples` rays (a multiple of 16) of photosite (x, y)'s center.
 DisparityCoefficients trace_disparity(const LensSampler& lens, int x, int y, int samples = 4096);
 
-/// The same over the whole sensor: a grid of traced field points, bilinear in between; a thin lens needs one.
+/// The same over the whole sensor: a grid of traced field points, bilinear in between; a thin lens needs one. Where too
+/// little light passes to tell, the coefficients are those of the nearest point that tells, so that all are finite.
 class DisparityField {
  public:
   explicit DisparityField(const LensSampler& lens);

@@ -18,6 +18,7 @@ struct Lens {
   SplitPixel split;
   bool diffraction = false;  ///< rays bend at the stop (diffraction.h)
   double veiling_glare = 0;  ///< share of the light that the lens spreads evenly over the picture (ISO 9358)
+  std::string json;          ///< its fields as they were read, those of all its files laid over each other; or empty
 };
 
 /// The lens focused on another distance. Throws InputError where it cannot be.

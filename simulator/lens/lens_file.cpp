@@ -19,7 +19,10 @@ constexpr int kDeepestChain = 8;  ///< of files that name another: a circle of t
 /// A half that no ray of the middle photosite reaches makes no view.
 void check_split(const Fields& lens, const Lens& read) {
   const SplitPixel::Shares light = read.split.light(read.thin.rim_slope());
-  if (light.left > 0 && light.right > 0) return;
+  if (light.left > 0 && light.right > 0) {
+    if (read.split.alpha(read.thin.rim_slope()) >= 0) return;
+    lens.fail("split", "sends the light of the left half of the pupil into the left half of the pixel: exchange them");
+  }
   lens.fail("split", fmt::format("lets no light of the lens's pupil into the {} half: must into both",
                                  light.left > 0    ? "right"
                                  : light.right > 0 ? "left"
@@ -96,7 +99,11 @@ Lens read_lens(const nlohmann::json& json, const std::string& file, const std::s
                int depth, const Origin* outermost) {
   Fields fields(json, file, pointer);
   if (outermost) fields.laid_over(outermost->json, outermost->file, outermost->pointer);
-  if (!fields.has("file")) return read_fields(std::move(fields), file, focus_distance_m);
+  if (!fields.has("file")) {
+    Lens lens = read_fields(std::move(fields), file, focus_distance_m);
+    lens.json = json.dump();
+    return lens;
+  }
   if (depth == kDeepestChain) {
     fields.fail("file", fmt::format("the {}th that names another: do they go round?", kDeepestChain));
   }

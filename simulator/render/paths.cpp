@@ -391,7 +391,9 @@ SurfaceLight light_at(const RenderScene& world, const PathOptions& options, cons
   // Reflected light varies more from path to path, and its points are few where they are neither vertices nor refined.
   const int more_reflected = bounces > 0 && point.vertex < 0 && !wanted.refined ? kMoreReflected : 1;
   const int more = wanted.surer ? kMoreToBeSure : more_reflected;
-  const int samples = std::max(more * cache.options.light_samples >> (2 * lattice.fewer()), 1);  // in whole packets
+  constexpr int kMostSamples = 65536;  // points of a net
+  const int samples =
+      std::clamp(more * cache.options.light_samples >> (2 * lattice.fewer()), 1, kMostSamples);  // in whole packets
   const std::uint64_t random = hash(key, cache.scramble);
   if (bounces > 0) {
     light = gathered_light(world, options, hits, random, samples, options.max_bounces - bounces + 1, false);

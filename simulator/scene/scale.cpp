@@ -2,11 +2,27 @@
 
 #include <algorithm>
 #include <limits>
+#include <vector>
 
 namespace dualpixel::simulator {
 namespace {
 
-/// Of the box of all vertices in the world.
+/// Each point once. A strand's segment has two.
+std::vector<glm::vec3> used_points(const Mesh& mesh) {
+  std::vector<bool> used(mesh.positions.size());
+  for (const glm::uvec3& t : mesh.triangles) {
+    used[t.x] = used[t.y] = true;
+    if (!mesh.is_hair()) used[t.z] = true;
+  }
+  std::vector<glm::vec3> points;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (used[i]) points.push_back(mesh.positions[i]);
+  }
+  return points;
+}
+
+}  // namespace
+
 float longest_side(const Scene& scene) {
   constexpr float kFar = std::numeric_limits<float>::max();
   glm::vec3 low(kFar), high(-kFar);
@@ -15,16 +31,15 @@ float longest_side(const Scene& scene) {
     high = glm::max(high, p);
   };
   for (const Mesh& mesh : scene.meshes) {
-    if (mesh.placements.empty()) std::for_each(mesh.positions.begin(), mesh.positions.end(), add);
+    const std::vector<glm::vec3> points = used_points(mesh);
+    if (mesh.placements.empty()) std::for_each(points.begin(), points.end(), add);
     for (const Placement& placement : mesh.placements) {
-      for (const glm::vec3& p : mesh.positions) add(placement.world_from_mesh * glm::vec4(p, 1));
+      for (const glm::vec3& p : points) add(placement.world_from_mesh * glm::vec4(p, 1));
     }
   }
   const glm::vec3 sides = high - low;
   return std::max({sides.x, sides.y, sides.z, 0.0f});
 }
-
-}  // namespace
 
 void scale_to(Scene& scene, double longest_m) {
   const float longest = longest_side(scene);

@@ -166,6 +166,13 @@ std::optional<OptionProblem> check(const SensorOptions& s) {
   if (s.width_px % 2 != 0) {
     return OptionProblem{"width_px", fmt::format("{}: must be even: the mosaic repeats every 2", s.width_px)};
   }
+  constexpr std::int64_t kMostPhotosites =
+      55'000'000;  // truth's geometry.exr has nine values of each, and is read again
+  if (static_cast<std::int64_t>(s.width_px) * s.height_px > kMostPhotosites) {
+    return OptionProblem{"height_px",
+                         fmt::format("{}: makes {:.0f} million photosites: must be at most {}", s.height_px,
+                                     1e-6 * s.width_px * s.height_px, kMostPhotosites / 1'000'000)};
+  }
   if (s.height_px % 4 != 0) {
     return OptionProblem{
         "height_px", fmt::format("{}: must be a multiple of 4: a DP pixel is up to 4 photosites high", s.height_px)};

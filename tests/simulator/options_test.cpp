@@ -46,6 +46,8 @@ TEST(Options, EachProblemNamesFieldValueAndWhatIsAllowed) {
          s.sensor.temperature_c = 200;
          s.sensor.dark_current_doubling_c = 1;
        }},
+      {"sensor/height_px: 8192: makes 67 million photosites: must be at most 55",
+       [](Simulation& s) { s.sensor.width_px = s.sensor.height_px = 8192; }},
       {"sensor/prnu: nan: must be a number in [0, 0.5]", [](Simulation& s) { s.sensor.prnu = std::nan(""); }},
       {"exposure/iso: 0: must be a number in [1, 1e+06]", [](Simulation& s) { s.exposure.iso = 0; }},
       {"burst/interval_s: 0.04: must be a number in [0.5, 100000]", [](Simulation& s) { s.exposure.time_s = 0.5; }},

@@ -101,7 +101,7 @@ TEST(SceneFile, RefusesWhatCannotBeAndNamesIt) {
 
 TEST(SceneFile, RefusesPicturesBeyondMemory) {
   json document = minimal();
-  document["sensor"] = {{"width_px", 32768}, {"height_px", 32768}};
+  document["sensor"] = {{"width_px", 8192}, {"height_px", 6400}};
   document["burst"]["frames"] = 1000;
   EXPECT_NE(refusal(document).find("GB"), std::string::npos);
 }
@@ -488,6 +488,19 @@ TEST(Simulate, PosesOfFewSamplesFavourNeitherView) {
   const double mean = sum / static_cast<double>(count);
   EXPECT_LE(std::abs(mean),
             3 * std::sqrt((sum2 / static_cast<double>(count) - mean * mean) / static_cast<double>(count)));
+}
+
+// The mean of 16 poses of 4 samples each has a sixteenth of the variance of one, and the capture says so.
+TEST(Simulate, StatesTheNoiseOfTheMeanOfItsPoses) {
+  json document = minimal();
+  document["sensor"] = {{"width_px", 64}, {"height_px", 64}};
+  document["render"]["light_spacing_px"] = 0;
+  const auto stated = [&](int poses, int samples) {
+    document["burst"] = {{"frames", 1}, {"hand_shake", 1e-6}, {"exposure_poses", poses}};
+    document["render"]["samples_per_pixel"] = samples;
+    return *simulate(read_simulation(document, "s.json"), step_under_a_sky()).provenance.noise_fraction_reached;
+  };
+  EXPECT_NEAR(stated(16, 64), stated(1, 4) / 4, 1e-9);
 }
 
 // What a capture says of its samples counts all poses of an exposure, and the error is that of their mean: for the same

@@ -156,7 +156,7 @@ TEST_F(BadInput, UnknownFieldNamesTheNearest) {
 }
 
 TEST_F(BadInput, ImageBeyondMemory) {
-  expect_refusal({"/sensor", "GB"}, "--set sensor.width_px=32768 --set sensor.height_px=32768 --set burst.frames=1000");
+  expect_refusal({"/sensor", "GB"}, "--set sensor.width_px=8192 --set sensor.height_px=6400 --set burst.frames=1000");
 }
 
 TEST_F(BadInput, AnimationThatLetsTrianglesVanish) {

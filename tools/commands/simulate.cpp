@@ -152,8 +152,10 @@ void run_job(const SimulateOptions& options, Job job, std::unique_ptr<simulator:
   const std::string journal_path = journal_beside(job.output);
   std::optional<simulator::Journal> journal;
   if (options.resume) {
-    const std::string inputs = fmt::format("{} {} {} {}", simulation.json.dump(), ready->gltf_xxh64,
-                                           simulation.render.max_bounces, DUALPIXEL_VERSION);
+    const std::string inputs =
+        fmt::format("{} {} {} {} {} {} {}", simulation.json.dump(), simulation.lens.json,
+                    simulation.photograph ? simulation.photograph->json : "", ready->gltf_xxh64,
+                    simulation.render.max_bounces, simulation.light.light_spacing_px, DUALPIXEL_VERSION);
     journal.emplace(journal_path, simulator::fingerprint(scene, camera, inputs));
     simulation.render.store = &*journal;
   }

@@ -234,7 +234,11 @@ void Lights::sample_near(const int lanes[kPacket], const Vec3Packet& point, cons
     LightSample sample;
     if (pdf[i] > 0) {
       const EmissiveTriangle& light = triangles_[chosen[i].triangle];
-      const glm::vec3 nits = emission_at(scene_, scene_.meshes[light.mesh], light.triangle, chosen[i].b1, chosen[i].b2);
+      const Mesh& mesh = scene_.meshes[light.mesh];
+      const bool is_there = scene_.materials[mesh.material].alpha_cutoff <= 0 ||
+                            !is_cut_out(scene_, mesh, light.triangle, chosen[i].b1, chosen[i].b2);
+      const glm::vec3 nits =
+          is_there ? emission_at(scene_, mesh, light.triangle, chosen[i].b1, chosen[i].b2) : glm::vec3(0);
       sample = {to_light.at(i),          distance[i], nits / (pdf[i] * probability[i]),
                 pdf[i] * probability[i], light.mesh,  light.triangle};
     }

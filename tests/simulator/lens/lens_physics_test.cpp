@@ -63,6 +63,35 @@ TEST(DisparityField, CountsInTheSensorsOwnDpPixels) {
   }
 }
 
+/// A sensor of 64 x 48 photosites that holds the whole image circle.
+SensorGrid whole_field(const Lens& lens, int width = 64, int height = 48) {
+  const double side_m = 2 * field_radius_m(image_radius_mm(lens), lens.thin) / std::hypot(width, height);
+  return {width, height, side_m, {width / 2.0, height / 2.0}};
+}
+
+// Rims that darken the corners, or one view on one side of the picture: truth stays finite, and wherever light passes
+// blur is that of the lens.
+TEST(DisparityField, IsFiniteWhereNoLightPasses) {
+  for (const SplitKind kind : {SplitKind::ramp, SplitKind::hard}) {
+    for (const auto& [radius, shift] : {std::pair{0.6, 2.5}, {0.6, 1.5}, {1.0, 1.9}, {0.3, 4.0}}) {
+      Lens lens = base_lens(kind);
+      aberrations(lens).rims = {{radius, shift}};
+      const SensorGrid sensor = whole_field(lens);
+      const DisparityField field(LensSampler(lens, sensor));
+      const double blur = field.at(32, 24).blur_slope_px_m, alpha = field.at(32, 24).slope_dp_px_m;
+      for (int y = 0; y < 48; ++y) {
+        for (int x = 0; x < 64; ++x) {
+          const DisparityCoefficients c = field.at(x + 0.5, y + 0.5);
+          // a half disc that is cut has its center elsewhere, at most at the rim
+          EXPECT_NEAR(c.blur_slope_px_m / blur, 1, 1e-3) << radius << ' ' << shift << ' ' << x << ' ' << y;
+          EXPECT_TRUE(std::abs(c.slope_dp_px_m) < 4 * std::abs(alpha))
+              << radius << ' ' << shift << ' ' << x << ' ' << y;
+        }
+      }
+    }
+  }
+}
+
 TEST(LensParameters, AllZeroIsTheThinLens) {
   Lens aberrated = base_lens(SplitKind::ramp);
   Lens thin = aberrated;

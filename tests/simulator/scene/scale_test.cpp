@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/simulator/test_scenes.h"
 
 namespace dualpixel::simulator {
@@ -27,6 +29,18 @@ TEST(ScaleTo, LongestSideAndLightAtASurface) {
   EXPECT_EQ(scene.lights[0].intensity, glm::vec3(0.5f));  // a quarter as far: the same lux
   EXPECT_EQ(scene.lights[1].intensity, glm::vec3(8));
   EXPECT_EQ(scene.cameras[0].world_from_node[3], glm::vec4(0, 0, 2, 1));
+}
+
+// What no triangle uses is not there, and a turned thing is as long as it is.
+TEST(LongestSide, CountsWhatIsSeen) {
+  Scene scene;
+  scene.meshes = {make_quad({0, 0, 0}, {2, 0, 0}, {0, 2, 0}, 0)};
+  scene.meshes[0].positions.emplace_back(100, 0, 0);
+  EXPECT_EQ(longest_side(scene), 2);
+  const float c = std::sqrt(0.5f);
+  scene.meshes[0].placements = {
+      {glm::mat4x3(glm::vec3(c, c, 0), glm::vec3(-c, c, 0), glm::vec3(0, 0, 1), glm::vec3(0)), 1, false}};
+  EXPECT_NEAR(longest_side(scene), std::sqrt(8), 1e-6);
 }
 
 }  // namespace

@@ -99,6 +99,20 @@ TEST(DirectLight, AreaLightMatchesItsFormFactor) {
   EXPECT_NEAR(mean(image), 100 * form_factor, 100 * form_factor * 0.005);
 }
 
+// What alpha cuts out of a glowing surface is not seen, and gives no light: neither at points nor at samples.
+TEST(DirectLight, WhatIsCutOutDoesNotGlow) {
+  Scene scene;
+  scene.materials = {diffuse(1), glowing(100)};
+  scene.materials[1].base_color.w = 0;
+  scene.materials[1].alpha_cutoff = 0.5f;
+  scene.meshes = {make_quad({-5, -5, 2}, {10, 0, 0}, {0, 10, 0}, 0),
+                  make_quad({-0.5f, -0.5f, 1}, {1, 0, 0}, {0, 1, 0}, 1)};
+  for (const double spacing_px : {0.0, 4.0}) {
+    const RenderScene world(scene, {.light_spacing_px = spacing_px});
+    EXPECT_EQ(mean(undivided(render_views(world, phone_camera(2, 4, 4), {64, 0, 5}))), 0) << spacing_px;
+  }
+}
+
 // The sky's density integrates to one over the sphere (midpoint rule on a grid that the table's cells divide), is
 // positive wherever light could fall on the surface, and is the one that samples report.
 TEST(Lights, EnvironmentDensityIntegratesToOneAndIsTheSamplers) {
