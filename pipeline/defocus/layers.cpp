@@ -71,8 +71,11 @@ float sharpness(float radius_px) { return std::clamp(1.5f - radius_px, 0.0f, 1.0
 
 std::vector<Band> make_bands(double low_dp_px, double high_dp_px, const BlurMapping& mapping,
                              const LayerOptions& options) {
-  const double focus_low = mapping.front_dp_px(options.r_brute_px);
+  // What is in front may be blurred so little that the band has no end there: its taper counts ten times the back.
+  constexpr double kMostFront = 10;
   const double focus_high = mapping.back_dp_px(options.r_brute_px);
+  const double focus_low = std::max(mapping.front_dp_px(options.r_brute_px),
+                                    mapping.focus_dp_px - kMostFront * (focus_high - mapping.focus_dp_px));
   const double front = std::max(focus_low - low_dp_px, 0.0);
   const double back = std::max(high_dp_px - focus_high, 0.0);
   const int others = options.bands - 1;

@@ -44,7 +44,8 @@ Defocused blur_background(const Image& rgb, const Image& mask, const MaskBlurOpt
                                  mask.height, rgb.width, rgb.height));
   }
   const int width = rgb.width, height = rgb.height;
-  const float radius = static_cast<float>(options.radius_px * width / options.reference_width_px);
+  const int upright_width = bokeh.aperture.transposed ? height : width;
+  const float radius = static_cast<float>(options.radius_px * upright_width / options.reference_width_px);
   const Layer background =
       cut_background(bokeh.recover_highlights ? recovered(rgb, mask, radius, bokeh) : rgb, mask, radius);
   const float brightest =

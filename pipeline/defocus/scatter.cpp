@@ -98,20 +98,25 @@ void gradient(const BlurShape& shape, float radius, int lines, Kernel& kernel) {
   kernel.reach = reach_of(shape, radius);
   kernel.row_pairs = 2;
   kernel.pairs.clear();
+  // A step of a row's weight at `at`, split over two pixels so that their running sums have the row's coverage.
+  const auto step = [](double at, float weight) {
+    const double pixel = std::floor(at + 0.5);
+    const auto later = static_cast<float>(at + 0.5 - pixel);
+    return Pairs{static_cast<int>(pixel), weight * pair_of(1 - later, later)};
+  };
   double area = 0;
   for (int dy = -kernel.reach; dy <= kernel.reach; ++dy) {
     const ShapeRow row = shape_row(shape, radius, dy, lines);
-    // A step of the row's weight at `at`, split over two pixels so that their running sums have the row's coverage.
-    const auto step = [&](double at, float weight) {
-      const double pixel = std::floor(at + 0.5);
-      const auto later = static_cast<float>(at + 0.5 - pixel);
-      return Pairs{static_cast<int>(pixel), weight * pair_of(1 - later, later)};
-    };
     const double length = row.end - row.begin;
     const float weight = length > 0 ? static_cast<float>(row.area / length) : 0;
     kernel.pairs.push_back(step(row.begin, weight));
     kernel.pairs.push_back(step(row.end, -weight));
     area += row.area;
+  }
+  if (!(area > 0)) {  // a cat's eye so narrow that it lies between the lines: within its pixel
+    kernel.pairs[2 * kernel.reach] = step(-0.5, 1);
+    kernel.pairs[2 * kernel.reach + 1] = step(0.5, -1);
+    return;
   }
   const auto scale = static_cast<float>(1 / area);
   for (Pairs& pair : kernel.pairs) pair.weights *= scale;

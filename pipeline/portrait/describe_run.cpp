@@ -4,10 +4,19 @@
 #include <vector>
 
 #include "pipeline/portrait/subject.h"
+#include "pipeline/portrait/zoom.h"
 #include "pipeline/segmentation/network.h"
 
 namespace dualpixel::pipeline {
 namespace {
+
+/// What the run knew: not the capture's face where the zoom cut its center away.
+KnownSubject subject_seen(const Capture& capture, const PortraitOptions& options, const PortraitResult& result) {
+  KnownSubject known = known_subject(capture, options);
+  if (known.source != "capture" || !result.window_px) return known;
+  const auto& [x, y, width, height] = *result.window_px;
+  return holds_center({x, y, width, height}, known.faces[0]) ? known : KnownSubject{};
+}
 
 /// Whose faces the run began from, in pixels of the user's picture.
 void describe_faces(const KnownSubject& known, const PortraitResult& result, nlohmann::ordered_json& provenance) {
@@ -37,7 +46,7 @@ nlohmann::ordered_json describe_run(const Capture& capture, const PortraitOption
   const nlohmann::ordered_json changed = changed_fields(options);
   if (!changed.empty()) provenance["options"] = changed;
   if (!result.warnings.empty()) provenance["warnings"] = result.warnings;
-  describe_faces(known_subject(capture, options), result, provenance);
+  describe_faces(subject_seen(capture, options, result), result, provenance);
   if (!result.faces.empty()) {
     provenance["mask"] = "found";
     provenance["person_weights_hash"] = built_in_weights().file_hash;

@@ -238,6 +238,21 @@ void upsample(Run& run) {
   run.result.confidence = resize_bilinear(run.reduced.confidence, run.width, run.height);
 }
 
+/// Of the picture as the user sees it, by which blur is measured.
+Camera upright_camera(const Run& run) {
+  Camera camera = run.capture.camera;
+  if (run.options.transposed) std::swap(camera.width_px, camera.height_px);
+  return camera;
+}
+
+/// What --match-lens can do about a picture without blur.
+std::string advice_on_sharp_picture(const Run& run) {
+  const Camera& camera = run.capture.camera;
+  if (run.options.match_pupil_mm) return "the lens to match is not wider than the camera's, or nothing is out of focus";
+  if (!(camera.alpha > 0 && camera.focal_length_mm > 0 && camera.f_number > 0)) return "nothing is far from the focus";
+  return "--match-lens f/3.3@41mm-equivalent blurs as such a lens does";
+}
+
 /// Where nothing is far from the focus, or the picture is small, nothing may be left of the blur.
 void warn_of_sharp_picture(Run& run) {
   constexpr float kSeen_px = 0.5f;
@@ -245,24 +260,22 @@ void warn_of_sharp_picture(Run& run) {
   const float largest = radii.empty() ? 0 : *std::max_element(radii.begin(), radii.end());
   if (largest >= kSeen_px) return;
   run.result.warnings.push_back(
-      fmt::format("nothing is blurred: the largest radius is {:.2g} px; --match-lens f/3.3@41mm-equivalent blurs as "
-                  "such a lens does",
-                  largest));
+      fmt::format("nothing is blurred: the largest radius is {:.2g} px; {}", largest, advice_on_sharp_picture(run)));
 }
 
 /// Sections 5.1 and 5.2: d_focus, Eq. 5's radii, and the layered blur.
 void blur_by_disparity(Run& run) {
   const PortraitOptions& options = run.options;
   PortraitResult& result = run.result;
-  const Camera& camera = run.capture.camera;
+  const Camera camera = upright_camera(run);
   const double in_focus_dp_px =
-      options.face_in_focus_dp_px / reference_dp_px(run.width, camera.dp_downsample_x, options.blur_radius);
+      options.face_in_focus_dp_px / reference_dp_px(camera.width_px, camera.dp_downsample_x, options.blur_radius);
   result.focus_disparity_dp_px = focus_disparity(run.smooth, run.faces, run.tap, in_focus_dp_px, run.width, run.height)
                                      .value_or(run.person_dp_px.value_or(0));
   const BlurMapping mapping =
       options.match_pupil_mm
           ? match_lens(camera, *options.match_pupil_mm, result.focus_disparity_dp_px)
-          : make_blur_mapping(camera.focus_distance_m, result.focus_disparity_dp_px, run.width,
+          : make_blur_mapping(camera.focus_distance_m, result.focus_disparity_dp_px, camera.width_px,
                               result.mode == Mode::dp_seg, options.blur_radius, camera.dp_downsample_x);
   run.defocused =
       defocus_method_named("layers").render({result.input, result.disparity_dp_px, {}, mapping}, run.defocus);
@@ -278,14 +291,19 @@ void filter_person_mask(Run& run) {
 /// End of section 5.2: what is behind the person, by one radius.
 void blur_by_mask(Run& run) {
   DefocusOptions& defocus = run.defocus;
-  defocus.mask_blur = blur_for_face(run.faces.empty() ? 0 : run.faces[0].width, run.width, defocus.mask_blur);
+  double face_width_px = 0;
+  if (!run.faces.empty()) face_width_px = run.options.transposed ? run.faces[0].height : run.faces[0].width;
+  defocus.mask_blur = blur_for_face(face_width_px, upright_camera(run).width_px, defocus.mask_blur);
   run.defocused = defocus_method_named("mask").render({run.result.input, {}, run.result.mask, {}}, defocus);
 }
 
-/// Section 5.3: noise on what the blur has smoothed.
+/// The picture is the sum of the views, gray.
+bool is_of_views(const Run& run) { return run.capture.frames[0].mosaic.empty() && !run.options.picture; }
+
+/// Section 5.3: noise on what the blur has smoothed. It has the mosaic's colors, so a gray picture gets none.
 void synthesize_noise(Run& run) {
   run.result.blur_radius_px = std::move(run.defocused.radius_px);
-  if (run.options.synthetic_noise) {
+  if (run.options.synthetic_noise && !is_of_views(run)) {
     add_noise(run.defocused.rgb, run.defocused.blurred, make_noise_patches(run.options.seed, run.options.noise),
               merged_noise(run.capture.exposure, static_cast<int>(run.capture.frames.size())), run.shading);
   }
@@ -408,8 +426,7 @@ void prepare(Run& run, const std::optional<Image>& person_mask) {
     run.defocus.bokeh.aperture.transposed = true;
   }
   const std::array<double, 3>& gains = run.capture.exposure.white_balance;
-  const bool of_views = run.capture.frames[0].mosaic.empty() && !options.picture;
-  run.defocus.bokeh.white = of_views
+  run.defocus.bokeh.white = is_of_views(run)
                                 ? 2 * view_white(run.capture.exposure)
                                 : mosaic_white(run.capture.exposure) * *std::min_element(gains.begin(), gains.end());
   run.result.warnings = std::move(known.warnings);
@@ -460,7 +477,7 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
   if (capture.frames.empty()) throw InputError("burst: no frames");
   if (!options.zoom) return run_whole(capture, options, person_mask, progress, nullptr, {});
   check(options);
-  known_subject(capture, options);
+  const KnownSubject known = known_subject(capture, options);
   const Camera& camera = capture.camera;
   // what is given is of the whole picture: checked before a window is cut out of it
   if (options.picture) require_picture(*options.picture, capture);
@@ -473,8 +490,11 @@ PortraitResult run_portrait(const Capture& capture, const PortraitOptions& optio
     if (options.transposed) std::swap(seen.width_px, seen.height_px);
     mask = cut(*person_mask, upright, seen);
   }
-  PortraitResult result =
-      run_whole(zoomed(capture, window), zoomed(options, window, camera), mask, progress, &camera, window);
+  const Capture part = zoomed(capture, window);
+  PortraitResult result = run_whole(part, zoomed(options, window, camera), mask, progress, &camera, window);
+  if (known.source == "capture" && !part.face_px) {
+    result.warnings.emplace_back("the center of the capture's /face_px is cut away by the zoom; not used");
+  }
   result.window_px = {upright.x, upright.y, upright.width, upright.height};
   for (Face& face : result.faces) {
     face.x += upright.x;

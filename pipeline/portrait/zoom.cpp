@@ -53,11 +53,6 @@ Truth zoomed(const Truth& truth, const Window& window) {
   return part;
 }
 
-bool holds_center(const Window& window, const Face& face) {
-  const double x = face.x + face.width / 2 - window.x, y = face.y + face.height / 2 - window.y;
-  return x >= 0 && x <= window.width && y >= 0 && y <= window.height;
-}
-
 Face moved(Face face, const Window& window, const char* what) {
   if (!holds_center(window, face)) {
     throw InputError(
@@ -71,6 +66,11 @@ Face moved(Face face, const Window& window, const char* what) {
 }
 
 }  // namespace
+
+bool holds_center(const Window& window, const Face& face) {
+  const double x = face.x + face.width / 2 - window.x, y = face.y + face.height / 2 - window.y;
+  return x >= 0 && x <= window.width && y >= 0 && y <= window.height;
+}
 
 Window zoom_window(const Camera& camera, bool photosites) {
   const auto [x, width] = middle(camera.width_px, photosites ? std::lcm(2, camera.dp_downsample_x) : 1);

@@ -17,6 +17,8 @@ struct Window {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
+bool holds_center(const Window& window, const Face& face);
+
 /// The middle of the camera's picture, 1 / kZoom as wide and as high, down to whole DP pixels and whole 2 x 2
 /// photosites (rows: 4, as captures have them). `photosites`: the picture comes as a mosaic or views; a finished one is
 /// cut anywhere. Throws InputError where nothing would be left.

@@ -19,15 +19,36 @@ int mirrored(int i, int size) {
 
 bool is_usable(float value, float clipped) { return std::isfinite(value) && value < clipped; }
 
-/// Both views at a quarter of their size, means of the pixels that are usable in both, and the tiles' usable shares.
+/// Both views at a quarter of their size, means of the pixels that are usable in both, and the tiles' usable shares. A
+/// sample without such pixels has the value of the one before it in its row, lest clipping make edges that both views
+/// share.
 struct Reduced {
   Image left, right, usable;
 };
+
+/// The samples before each row's first usable one become as that, and rows without any as the nearest that has one.
+/// `first` is that sample's column, -1 where there is none.
+void fill_beginnings(Image& view, const std::vector<int>& first) {
+  for (int y = 0; y < view.height; ++y) {
+    if (first[y] > 0) std::fill_n(view.row(y), first[y], view.at(first[y], y));
+  }
+  for (int y = 0; y < view.height; ++y) {
+    if (first[y] >= 0) continue;
+    for (int away = 1; away < view.height; ++away) {
+      const int above = y - away, below = y + away;
+      const int from = above >= 0 && first[above] >= 0 ? above : below < view.height && first[below] >= 0 ? below : -1;
+      if (from < 0) continue;
+      std::copy_n(view.row(from), view.width, view.row(y));
+      break;
+    }
+  }
+}
 
 Reduced reduce(const Image& left, const Image& right, float clipped) {
   const int columns = (left.width + kTilePx - 1) / kTilePx, rows = (left.height + kTilePx - 1) / kTilePx;
   const int width = columns * kTileSamples, height = rows * kTileSamples;
   Reduced out{Image(width, height), Image(width, height), Image(columns, rows)};
+  std::vector<int> first(height, -1);
   for_rows(rows, [&](int row) {
     for (int y = row * kTileSamples; y < (row + 1) * kTileSamples; ++y) {
       float before_left = 0, before_right = 0;
@@ -45,6 +66,7 @@ Reduced reduce(const Image& left, const Image& right, float clipped) {
           }
         }
         if (count > 0) {
+          if (first[y] < 0) first[y] = x;
           before_left = l / count;
           before_right = r / count;
         }
@@ -54,6 +76,8 @@ Reduced reduce(const Image& left, const Image& right, float clipped) {
       }
     }
   });
+  fill_beginnings(out.left, first);
+  fill_beginnings(out.right, first);
   return out;
 }
 

@@ -152,6 +152,21 @@ TEST(Aperture, CatsEyesNarrowTowardsTheMiddle) {
   }
 }
 
+// However small and narrow a cat's eye is, it has all of its pixel's light.
+TEST(Aperture, SmallCatsEyesKeepTheirLight) {
+  constexpr int kSide = 64;
+  for (const double cut : {0.5, 0.9, 1.0}) {
+    for (const float radius : {0.0f, 0.3f, 0.5f, 1.0f, 2.5f}) {
+      for (const auto& [x, y] : {std::pair{5, 5}, {32, 5}, {31, 58}, {5, 32}}) {
+        const Image shape = impulse(kSide, x, y, radius, {0, cut}, false, false);
+        double light = 0;
+        for (const float value : shape.data) light += value / 4;
+        EXPECT_NEAR(light, 1, 1e-4) << cut << ' ' << radius << ' ' << x << ' ' << y;
+      }
+    }
+  }
+}
+
 // As a cat's eye fades, its shape approaches the polygon; a transposed picture transposes the shape.
 TEST(Aperture, ShapesFadeIntoEachOtherAndAreTransposed) {
   const BlurShape plain = blur_shape({3}, false), faint = shape_at({3, 1e-6}, 0.7, 0.7);

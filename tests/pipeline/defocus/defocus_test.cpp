@@ -16,6 +16,7 @@
 #include "pipeline/defocus/render.h"
 #include "pipeline/defocus/scatter.h"
 #include "pipeline/edge_aware/filter_mask.h"
+#include "pipeline/portrait/plain_pair.h"
 #include "tests/pipeline/texture.h"
 
 namespace dualpixel::pipeline {
@@ -103,6 +104,21 @@ TEST(BlurStrength, DoesNotDependOnTheNumberOfPixels) {
   }
 }
 
+// By the width of the picture as it is seen.
+TEST(BlurRadius, OfAMaskIsTheSameInAPictureOnItsSide) {
+  const Image picture(96, 64, 3, 0.3f);
+  Image mask(96, 64);
+  for (int y = 20; y < 50; ++y) std::fill_n(&mask.at(30, y), 30, 1.0f);
+  const MaskBlurOptions options{.radius_px = 60};
+  Bokeh on_its_side;
+  on_its_side.aperture.transposed = true;
+  const Defocused upright = blur_background(picture, mask, options);
+  const Image back = transposed(blur_background(transposed(picture), transposed(mask), options, on_its_side).radius_px);
+  for (std::size_t i = 0; i < upright.radius_px.data.size(); ++i) {
+    EXPECT_NEAR(back.data[i], upright.radius_px.data[i], 1e-5);
+  }
+}
+
 TEST(BlurRadius, FrontIsNegativeAndWeaker) {
   const BlurMapping mapping = make_blur_mapping(1, 0.1, 2688, false);
   const double kappa = 24 / 0.95;
@@ -114,6 +130,19 @@ TEST(BlurRadius, FrontIsNegativeAndWeaker) {
   EXPECT_EQ(mapping.radius_px(-3), 30);
   EXPECT_NEAR(mapping.radius_px(static_cast<float>(mapping.back_dp_px(5.5))), 5.5, 1e-5);
   EXPECT_NEAR(mapping.radius_px(static_cast<float>(mapping.front_dp_px(5.5))), 5.5, 1e-5);
+}
+
+// What is in front hardly blurs: the band in focus reaches far to the front, and ends behind all the same.
+TEST(Layers, AnUnblurredForegroundLeavesTheBackgroundItsBands) {
+  BlurMapping mapping = make_blur_mapping(1, 0, 2688, false);
+  for (const double factor : {0.1, 0.01, 0.0}) {
+    mapping.frontal_factor = factor;
+    const std::vector<Band> bands = make_bands(-0.1, 1, mapping);
+    const auto in_focus = std::find_if(bands.begin(), bands.end(), [](const Band& band) { return band.in_focus; });
+    EXPECT_EQ(in_focus->alpha(0), 1);
+    EXPECT_EQ(in_focus->alpha(-0.1f), 1);
+    EXPECT_EQ(in_focus->alpha(static_cast<float>(4 * mapping.back_dp_px(5.5))), 0) << factor;
+  }
 }
 
 TEST(Layers, BandsTileTheRangeAndTentsCoverIt) {

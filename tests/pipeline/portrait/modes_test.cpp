@@ -1,8 +1,10 @@
 // Mode automatic, captures without views, and the forced zoom.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "capture/error.h"
@@ -196,6 +198,31 @@ TEST(PortraitZoom, MovesFaces) {
   EXPECT_EQ(run_portrait(capture, options).faces.at(0).x, 70);
   options.faces[0].x = 0;
   EXPECT_THROW(run_portrait(capture, options), InputError);
+}
+
+// A picture that is the sum of the views is gray, whatever the exposure says of a mosaic's noise.
+TEST(PortraitModes, PicturesOfViewsAloneStayGray) {
+  Capture capture = wall_capture();
+  capture.frames[0].mosaic = {};
+  const PortraitResult result = run_portrait(capture, automatic(nobody));
+  ASSERT_FALSE(result.portrait.empty());
+  for (std::size_t i = 0; i < result.portrait.data.size(); i += 3) {
+    ASSERT_EQ(result.portrait.data[i], result.portrait.data[i + 1]);
+    ASSERT_EQ(result.portrait.data[i], result.portrait.data[i + 2]);
+  }
+}
+
+TEST(PortraitZoom, SaysThatItCutsTheCapturesFaceAway) {
+  Capture capture = wall_capture();
+  capture.face_px = {{1, 1, 12, 12}};
+  PortraitOptions options = automatic(nobody);
+  options.zoom = true;
+  const PortraitResult result = run_portrait(capture, options);
+  const std::string warnings = fmt::format("{}", fmt::join(result.warnings, "; "));
+  EXPECT_NE(warnings.find("/face_px is cut away by the zoom"), std::string::npos) << warnings;
+  EXPECT_FALSE(describe_run(capture, options, result).contains("faces"));
+  options.zoom = false;
+  EXPECT_EQ(describe_run(capture, options, run_portrait(capture, options))["faces"], "capture");
 }
 
 TEST(PortraitZoom, TakesAMaskOfTheWholePicture) {

@@ -381,6 +381,7 @@ TEST(Portrait, TransposedPicturesGiveUprightResults) {
   PortraitOptions stored = test_options(Mode::dp_seg);
   stored.faces = {{200, 120, 70, 60}};
   stored.defocus.bokeh.aperture = {.blades = 5, .transposed = true};
+  stored.blur_radius.reference_width_px *= static_cast<double>(kCaptureWidth) / kCaptureHeight;  // blur goes by width
   const PortraitResult expected = run_portrait(capture, stored, person_mask());
 
   PortraitOptions options = test_options(Mode::dp_seg);

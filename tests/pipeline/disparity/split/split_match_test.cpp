@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -188,6 +189,27 @@ TEST(SplitMatch, UnusablePixelsStayFinite) {
     EXPECT_TRUE(std::abs(tiles.disparity_dp_px.data[i]) <= 16) << i;
     EXPECT_TRUE(tiles.sigma_dp_px.data[i] > 0 && tiles.sigma_dp_px.data[i] <= 16) << i;
     EXPECT_TRUE(tiles.confidence.data[i] >= 0 && tiles.confidence.data[i] <= 1) << i;
+  }
+}
+
+// Light that clips at a border has no disparity of its own, and makes no edge that both views share: the matcher finds
+// what it finds in the mirrored pair, whose views change places, but for rounding.
+TEST(SplitMatch, ClippedBordersMakeNoEdge) {
+  constexpr int kClipped = 48;
+  RampPair pair = ramp_pair(8, 19, 0.003);
+  RampPair mirrored = pair;
+  for (int y = 0; y < kRampHeight; ++y) {
+    for (Image* view : {&pair.left, &pair.right}) std::fill_n(view->row(y), kClipped, 1.5f);
+    std::reverse_copy(pair.left.row(y), pair.left.row(y) + kRampWidth, mirrored.right.row(y));
+    std::reverse_copy(pair.right.row(y), pair.right.row(y) + kRampWidth, mirrored.left.row(y));
+  }
+  const Image left = match_by_split(pair.left, pair.right).disparity_dp_px;
+  const Image right = match_by_split(mirrored.left, mirrored.right).disparity_dp_px;
+  for (int y = 0; y < left.height; ++y) {
+    for (int x = 0; x < left.width; ++x) EXPECT_NEAR(left.at(x, y), right.at(left.width - 1 - x, y), 0.01);
+  }
+  for (int y = 2; y < left.height - 2; ++y) {
+    for (int x = kClipped / 8 + 3; x < kClipped / 8 + 8; ++x) EXPECT_NEAR(left.at(x, y), pair.disparity, 1);
   }
 }
 
