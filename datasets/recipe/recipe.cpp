@@ -62,6 +62,19 @@ json with_files_beside(const std::string& recipe, const std::string& field, json
   return out_of_scene(field, std::move(scene));
 }
 
+bool names_a_folder(const std::string& kind, const std::string& parameter) {
+  const std::vector<scenes::Parameter> all = scenes::parameters_of(scenes::scene_kind(kind));
+  return std::any_of(all.begin(), all.end(), [&](const scenes::Parameter& p) {
+    return p.name == parameter && p.type == scenes::Parameter::Type::folder;
+  });
+}
+
+void make_absolute(json& folder, const std::string& recipe) {
+  if (folder.is_string() && !folder.get_ref<const std::string&>().empty()) {
+    folder = absolute_beside(recipe, folder.get<std::string>());
+  }
+}
+
 void read_kind(Fields& fields, SceneSource& source, const std::string& recipe) {
   fields.text("kind", source.kind);
   std::vector<std::string> kinds;
@@ -81,7 +94,10 @@ void read_kind(Fields& fields, SceneSource& source, const std::string& recipe) {
   if (!source.set.is_object()) fields.fail("set", "must be an object such as {\"objects\": 12}");
   const Fields set = fields.object("set");
   for (auto& [name, value] : source.set.items()) {
-    if (name.find('.') == std::string::npos) continue;  // with a dot: a field of the scene file
+    if (name.find('.') == std::string::npos) {  // a parameter; with a dot, a field of the scene file
+      if (names_a_folder(source.kind, name)) make_absolute(value, recipe);
+      continue;
+    }
     require_few_names(set, name);
     value = with_files_beside(recipe, name, std::move(value));
   }
@@ -148,6 +164,7 @@ void refuse_conflicts(const Fields& set, const Recipe& recipe) {
   if (recipe.set.contains("render.seed")) set.fail("render.seed", "each sample has a seed of its own: leave it out");
   const bool both = recipe.set.contains("exposure.time_s") && recipe.set.contains("exposure.iso");
   if (r.exposure_mean && both) set.fail("exposure.iso", "exposure_mean needs time_s or iso free: set one at most");
+  refuse(r.exposure_mean.has_value(), "exposure_mean", "exposure");
 }
 
 void read_set(Fields fields, const json& names, Recipe& recipe) {

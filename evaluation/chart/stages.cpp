@@ -137,7 +137,7 @@ ChartPart measure_growth(const ChartInput&) {
   }
   ChartGrowth& counts = part.growths.emplace_back(
       ChartGrowth{"Renderer: growth with photosites and samples",
-                  "The same wall of 10^4 triangles: CPU time of one sample, which does not grow where cost is in "
+                  "Such a wall of 10^5 triangles: CPU time of one sample, which does not grow where cost is in "
                   "proportion to the count.",
                   "photosites of the picture, or samples a photosite",
                   "ns a sample",

@@ -100,13 +100,8 @@ Mask thin(const Image& truth_dp_px) {
 
 /// The pixels of a sample; those without truth have a NaN.
 std::vector<JudgedPixel> judged_pixels(const ViewSample& sample) {
-  Image bridged = sample.truth_dp_px;  // no edge where the truth ends
-  for (int y = 0; y < bridged.height; ++y) {
-    for (int x = 1; x < bridged.width; ++x) {
-      if (std::isnan(bridged.at(x, y))) bridged.at(x, y) = bridged.at(x - 1, y);
-    }
-  }
-  const Mask edges = depth_edges(bridged, kJumpDpPx, kEdgeReachDpPx), narrow = thin(bridged);
+  // NaN exceeds nothing: no edge where the truth ends
+  const Mask edges = depth_edges(sample.truth_dp_px, kJumpDpPx, kEdgeReachDpPx), narrow = thin(sample.truth_dp_px);
   const Mask flat = textureless(sample);
   const auto white = static_cast<float>(kClipped * sample.sensor.white);
   std::vector<JudgedPixel> pixels(sample.left.data.size());

@@ -317,7 +317,7 @@ void require_fitting(const Capture& capture, const std::string& capture_path, co
 
 /// A map of the sensor's size: each photosite has the value of the DP pixel that covers it, lest surfaces blend.
 Image on_sensor(const Image& map, const Camera& camera) {
-  if (map.empty() || map.width == camera.width_px) return map;
+  if (map.empty() || (map.width == camera.width_px && map.height == camera.height_px)) return map;
   Image full(camera.width_px, camera.height_px);
   for (int y = 0; y < full.height; ++y) {
     for (int x = 0; x < full.width; ++x) {

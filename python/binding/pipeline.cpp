@@ -125,6 +125,9 @@ std::shared_ptr<HeldResult> make_portrait(const HeldCapture& held, const std::st
   options.seed = seed;
   options.zoom = zoom;
   if (person) require_mask_fits(*person, options.mode, held.capture.camera);
+  if (found && options.mode == pipeline::Mode::seg) {
+    throw InputError("mode seg: uses no disparity; leave out disparity, or choose dp or dp+seg");
+  }
   for (const auto& [x, y, width, height] : faces) options.faces.push_back({x, y, width, height});
   options.disparity = std::move(found);
   options.picture = held.photograph;

@@ -147,7 +147,7 @@ def portrait(
     mode     "auto": "dp+seg" (disparity with a person mask) where there are views and people, "dp" (disparity alone)
              without people, "seg" (mask alone) without views
     options  e.g. {"layers.bands": 8}: what `dualpixel portrait --options` lists
-    mask     of the person, 0 to 1, of any size; None: people are found where the mode needs them
+    mask     of the person, 0 to 1, of the picture's shape; None: people are found where the mode needs them
     faces    x, y, width, height in photosites of people to keep sharp
     zoom     the middle of the picture alone, two thirds as wide and high; mask, faces and disparity are the whole picture's
 

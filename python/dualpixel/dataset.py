@@ -51,8 +51,8 @@ def _planned(plan: str, split: Optional[str]) -> list[str]:
 class Dataset:
     """The rendered samples of a data set, by number: a map-style data set, as torch's DataLoader takes it.
 
-    A sample is a dict: each picture that the recipe keeps as an array by its name (docs/dataset.md), and "name",
-    "camera", "exposure", "statistics". Holds nothing but paths, so that workers get copies cheaply.
+    A sample is a dict: each EXR, NPY and PNG that the recipe keeps as an array by its name (docs/dataset.md), and "name",
+    "camera", "exposure", "statistics"; the JPEG of the layout "google" is left out. Holds nothing but paths, so that workers get copies cheaply.
 
     root       the folder of `dualpixel dataset`; what is rendered when the object is made counts
     split      "train", "validation" or "test"; None: all

@@ -6,6 +6,7 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
+#include "scenes/drawn/face_box.h"
 #include "scenes/drawn/meter.h"
 #include "scenes/drawn/phone_lenses.h"
 #include "simulator/scene_file.h"
@@ -58,14 +59,22 @@ void set_fields(json& scene, const SceneOrder& order) {
   }
 }
 
-/// Tells of the kind, not of the file, which may not be where it will stay.
-void refuse_what_does_not_fit(const json& scene, const std::string& path, const SceneKind& kind) {
+/// The scene file as `simulate` reads it. Faults are told of the kind, not of the file, which may not be where it will
+/// stay.
+simulator::Simulation read_drawn(const json& scene, const std::string& path, const SceneKind& kind) {
   try {
-    simulator::read_simulation(scene, path);
+    return simulator::read_simulation(scene, path);
   } catch (const InputError& error) {
     const std::string what = error.what(), file = printable(path);
     throw InputError(what.starts_with(file) ? kind.name + what.substr(file.size()) : what);
   }
+}
+
+/// Of the lens and sensor as they were set. None for a camera that the scene's own fields move.
+void set_face(SceneBuilder& builder, const simulator::Simulation& simulation) {
+  if (builder.face.empty() || simulation.pose || simulation.face_px) return;
+  const json box = face_box(builder.face, builder.eye, builder.forward, simulation);
+  if (!box.is_null()) builder.scene["face_px"] = box;
 }
 
 }  // namespace
@@ -103,7 +112,7 @@ std::vector<std::string> draw_scene(const SceneKind& kind, const SceneOrder& ord
     faults = meter(builder.scene, path, builder.shooting, order.seed, parameters.number("stops"));
     if (!faults.empty() && i + 1 < kArrangements) continue;
     set_fields(builder.scene, order);
-    refuse_what_does_not_fit(builder.scene, path, kind);
+    set_face(builder, read_drawn(builder.scene, path, kind));
     write_file(path, builder.scene.dump(2) + "\n");
     break;
   }

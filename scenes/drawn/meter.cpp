@@ -100,7 +100,8 @@ nlohmann::ordered_json to_json(const MissedExposure& missed) {
 std::optional<MissedExposure> set_exposure(json& scene, double seconds, int digits) {
   const double time_s = seconds <= 1.0 / 60 ? seconds : std::min(std::sqrt(seconds / 60), kLongest_s);
   scene["exposure"]["time_s"] = rounded(std::clamp(time_s, kShortest_s, kLongest_s), digits);
-  scene["exposure"]["iso"] = rounded(std::clamp(100 * seconds / time_s, 100.0, kHighestIso), digits);
+  scene["exposure"]["iso"] =
+      std::min(rounded(std::clamp(100 * seconds / time_s, 100.0, kHighestIso), digits), kHighestIso);
   if (seconds >= kShortest_s && seconds <= kMost_s) return {};
   const json& exposure = scene["exposure"];
   return MissedExposure{seconds, std::clamp(seconds, kShortest_s, kMost_s),

@@ -44,6 +44,7 @@ class SceneBuilder {
   nlohmann::json scene;  ///< fields of the scene file
   Shooting shooting;
   glm::vec3 eye{0}, forward{0, 0, -1};
+  std::vector<glm::vec3> face;  ///< points about the subject's face, in the world; empty: there is none
 
  private:
   std::vector<float> repeat_m_;  ///< of each material

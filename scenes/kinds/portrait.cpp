@@ -14,26 +14,6 @@ namespace {
 using glm::vec3;
 using Type = Parameter::Type;
 
-/// The box about the outline as the pinhole of a phone lens shows it, photosites. Null where it is out of the picture.
-nlohmann::json face_box(const SceneBuilder& build, const StandingFace& face) {
-  constexpr float kFocal_mm = 4.3f;
-  const auto& sensor = build.scene["sensor"];
-  const float scale = 1e3f * kFocal_mm / sensor["pixel_pitch_um"].get<float>();
-  const float width = sensor["width_px"], height = sensor["height_px"];
-  const vec3 right = glm::normalize(glm::cross(build.forward, vec3(0, 1, 0))), down = glm::cross(build.forward, right);
-  glm::vec2 low(1e9f), high(-1e9f);
-  for (const vec3& p : face.outline) {
-    const vec3 q = p - build.eye;
-    const float z = glm::dot(q, build.forward);
-    if (z < 0.05f) return nullptr;
-    const glm::vec2 at(0.5f * width + scale * glm::dot(q, right) / z, 0.5f * height + scale * glm::dot(q, down) / z);
-    low = glm::min(low, at);
-    high = glm::max(high, at);
-  }
-  if (low.x < 0 || low.y < 0 || high.x > width || high.y > height) return nullptr;
-  return {std::floor(low.x), std::floor(low.y), std::ceil(high.x - low.x), std::ceil(high.y - low.y)};
-}
-
 void lay_place(SceneBuilder& build, RandomStream rng, const Parameters& p) {
   const std::string& place = p.choice("place");
   if (place == "room") {
@@ -99,7 +79,7 @@ void build_portrait(SceneBuilder& build, const Parameters& p, RandomStream rng) 
   build.shooting.clear_m = 0.4f * distance;
   build.shooting.key *= 0.8f;           // skin is brighter than most of what people wear
   build.shooting.most_clipped = 0.25f;  // faces before windows and skies
-  if (const nlohmann::json box = face_box(build, nearest); !box.is_null()) build.scene["face_px"] = box;
+  build.face = nearest.outline;
 }
 
 }  // namespace

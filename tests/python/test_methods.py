@@ -95,6 +95,8 @@ def test_portrait_takes_a_disparity(capture):
         dualpixel.portrait(capture, disparity=np.zeros((2, 3)))
     with pytest.raises(dualpixel.InputError, match="not given"):
         dualpixel.portrait(capture, sigma=np.ones((24, 64)))
+    with pytest.raises(dualpixel.InputError, match="mode seg: uses no disparity"):
+        dualpixel.portrait(capture, mode="seg", mask=np.ones((96, 128)), disparity=np.zeros((24, 64)))
 
 
 def test_portrait_takes_a_mask(capture):

@@ -226,7 +226,7 @@ TEST(CliInfo, RefusesWhatItDoesNotKnow) {
 
 // Zeros deflate a thousandfold: a file of some kilobytes is a picture of gigabytes.
 TEST(SlowCli, APictureBeyondMemoryIsRefusedByName) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef DUALPIXEL_SANITIZED
   GTEST_SKIP() << "sanitizers need the addresses that are taken away here";
 #endif
   const TemporaryFolder folder;

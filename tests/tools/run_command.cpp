@@ -15,7 +15,7 @@
 
 #include "tools/cli/program.h"
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef DUALPIXEL_FINDS_LEAKS
 #include <sanitizer/lsan_interface.h>
 #endif
 
@@ -52,7 +52,7 @@ bool receive(int pipe, std::string& text) {
 /// In a process of its own: the program, its standard streams in files of `folder`.
 [[noreturn]] void run_here(const std::string& arguments, const std::string& folder) {
   constexpr int kMode = 0600;
-#ifdef __SANITIZE_ADDRESS__
+#ifdef DUALPIXEL_FINDS_LEAKS
   constexpr int kLeaks = 23;  // as LeakSanitizer's own
 #endif
   dup2(open("/dev/null", O_RDONLY | O_CLOEXEC), STDIN_FILENO);
@@ -63,7 +63,7 @@ bool receive(int pipe, std::string& text) {
   const int status = tools::program_main(static_cast<int>(words.we_wordc), words.we_wordv);
   std::cout.flush();
   std::fflush(nullptr);
-#ifdef __SANITIZE_ADDRESS__
+#ifdef DUALPIXEL_FINDS_LEAKS
   if (__lsan_do_recoverable_leak_check() != 0) _exit(kLeaks);  // _exit() would not look
 #endif
   _exit(status);  // libraries that end their threads on exit() would wait: a fork has none of them

@@ -116,9 +116,9 @@ TEST(ColorChart, ThePipelineUndoesTheSensorsColors) {
 
 TEST(ColorChart, LibrawDevelopsItWithinTwoUnitsOfColorDifference) {
   if (std::system("command -v dcraw_emu >/dev/null 2>&1") != 0) GTEST_SKIP() << "dcraw_emu of libraw-bin is missing";
-  for (const auto& white : kIlluminants) {
+  for (const auto& illuminant : kIlluminants) {
     simulator::SensorOptions sensor = tinted_sensor();
-    sensor.illuminant = {white[0], white[1], white[2]};
+    sensor.illuminant = {illuminant[0], illuminant[1], illuminant[2]};
     const Capture capture = chart_capture(sensor);
     const TemporaryFolder folder;
     const std::string file = folder / "chart.dng";

@@ -164,6 +164,21 @@ TEST(SetEvaluation, CutsRegionsByTheTruth) {
   EXPECT_EQ(region(score, "1 to 2").pixels + region(score, "0.25 to 1").pixels, kPixels);
 }
 
+// The upper third of the right half is sky: its border with the rest is no edge of depth.
+TEST(SetEvaluation, TruthEndsWithoutAnEdge) {
+  const TemporaryFolder folder;
+  Capture capture = pipeline::synthetic_capture();
+  for (int y = 0; y < 16; ++y) {
+    std::fill_n(&capture.truth->valid.at(32, y), 32, 0.0f);
+    std::fill_n(&capture.truth->depth_m.at(32, y), 32, INFINITY);
+  }
+  write_capture(capture, folder / "set/one");
+  const SetScore score = evaluate_set(sample_folders(folder / "set", ""), {method_named("paper")}).front();
+  EXPECT_EQ(region(score, "everything").pixels, kPixels - 16 * 4);
+  // two on either side of eight rows, and what lies beside the border's upper end
+  EXPECT_EQ(region(score, "edges").pixels, 4 * 8 + 2);
+}
+
 // Bars before planes at disparities of -1 and, on the right, 0.5 and more; a gap behind them is no thin thing.
 TEST(SetEvaluation, FindsThinThingsInFront) {
   const TemporaryFolder folder;

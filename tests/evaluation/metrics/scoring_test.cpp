@@ -172,6 +172,18 @@ TEST(Score, RefusesWhatDoesNotFit) {
   EXPECT_EQ(message_of<InputError>([&] { score(capture, stored); }), "c: holds no truth to score against");
 }
 
+// DP pixels one photosite wide and four high: the views' maps are as wide as the sensor, and lower.
+TEST(Score, OfViewsAsWideAsTheSensor) {
+  Capture capture = synthetic_capture();
+  capture.camera.dp_downsample_x = 1;
+  capture.camera.dp_downsample_y = 4;
+  Estimate estimate{Image(64, 12), {}, {}, {}};
+  for (int y = 0; y < 12; ++y) std::copy_n(capture.truth->disparity_dp_px.row(0), 64, estimate.disparity_dp_px.row(y));
+  const Json figures = to_json(score_estimate(capture, "c", estimate))["disparity"]["everything"];
+  EXPECT_EQ(figures["pixels"], kValid);
+  EXPECT_EQ(figures["rmse_px"], 0);
+}
+
 // What a stranger's program gives: a disparity alone, of the views' size.
 TEST(ScoreEstimate, GivesFiguresOfWhatIsGivenAlone) {
   const Capture capture = synthetic_capture();

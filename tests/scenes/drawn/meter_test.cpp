@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "scenes/drawn/face_box.h"
 #include "scenes/shapes/solids.h"
 #include "tests/temporary_folder.h"
 
@@ -59,6 +60,34 @@ TEST(Meter, ThingsCountByTheirArea) {
   const double share = 0.3 * 0.3 / (half_picture_m * half_picture_m * 0.75);
   EXPECT_NEAR(std::log(metered_s(0.3f, false) / expected_s(share)), 0, kTolerance) << share;
   EXPECT_GT(std::log(expected_s(share) / expected_s(0.5)), 3 * kTolerance);  // or these tests could not tell
+}
+
+// Digits are rounded within the limits that docs/scenes.md states.
+TEST(Meter, TakesNoMoreThanTheCamerasIso) {
+  nlohmann::json scene;
+  const auto missed = set_exposure(scene, 1e6, 2);
+  EXPECT_EQ(scene["exposure"]["iso"], 12800);
+  ASSERT_TRUE(missed);
+  EXPECT_LE(missed->taken_s, missed->limit_s * (1 + 1e-9));
+}
+
+// A face 3 m before a camera, .2 m wide, through lenses of two image distances and on two sensors.
+TEST(FaceBox, IsThePinholesOfTheLens) {
+  const std::vector<vec3> outline = {{-0.1f, 0.1f, -3}, {0.1f, 0.1f, -3}, {0, -0.1f, -3}, {0, 0.15f, -3}};
+  simulator::Simulation s;
+  s.sensor.width_px = 800, s.sensor.height_px = 600, s.sensor.pixel_pitch_um = 5;
+  for (const double focal_m : {4.3e-3, 5e-3}) {
+    s.lens.thin = {focal_m, 1.8, 1.0};
+    const double scale = s.lens.thin.image_distance_m() / 5e-6 / 3;  // photosites a meter there
+    const nlohmann::json box = face_box(outline, vec3(0), {0, 0, -1}, s);
+    EXPECT_NEAR(box[0], 400 - 0.1 * scale, 1);
+    EXPECT_NEAR(box[1], 300 - 0.15 * scale, 1);
+    EXPECT_NEAR(box[2], 0.2 * scale, 1);
+    EXPECT_NEAR(box[3], 0.25 * scale, 1);
+  }
+  s.sensor.width_px = s.sensor.height_px = 40;
+  const nlohmann::json none = face_box(outline, vec3(0), {0, 0, -1}, s);
+  EXPECT_TRUE(none.is_null()) << none;
 }
 
 }  // namespace

@@ -181,7 +181,8 @@ void add_dataset(CLI::App& program) {
       ->capture_default_str()
       ->type_name("J");
   render->footer(
-      "The first SIGINT, SIGTERM or SIGUSR1 ends it after the sample that is being rendered, the second at once.");
+      "The first SIGINT, SIGTERM or SIGUSR1 ends it after the sample that is being rendered, the second at once.\n\n" +
+      dataset->get_footer());
   CLI::App* status = add_step(*dataset, arguments, "status", "Count what is there, failed and missing", run_status);
   CLI::App* verify = add_step(*dataset, arguments, "verify", "Compare samples with their hashes", run_verify);
   CLI::App* merge =
