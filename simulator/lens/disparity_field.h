@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <vector>
 
 /// What a calibration of this camera should find: at every point x of the sensor a point at planar depth D has, to
@@ -19,11 +20,11 @@ struct DisparityCoefficients {
   double left_light = 0, right_light = 0;  ///< illumination of each view over that of the whole axis
 
   /// Whether enough light passes for the coefficients to be told; those that cannot are 0.
-  bool has_disparity() const { return left_light > kLeastLight && right_light > kLeastLight; }
+  bool has_disparity() const { return std::min(left_light, right_light) > kLeastLight / 2; }
   bool has_blur() const { return left_light + right_light > kLeastLight; }
 
  private:
-  static constexpr double kLeastLight = 1e-3;  ///< a few rays of thousands: slivers of a pupil are no disc
+  static constexpr double kLeastLight = 0.01;  ///< slivers of a pupil are no disc, and what they show is black
 };
 
 /// Whether all photosites see the pupil alike.
