@@ -4,12 +4,12 @@
 
 namespace dualpixel::pipeline {
 
-RowEnlarger::RowEnlarger(const Image& rgba, int width, int height) : rgba_(rgba), height_(height), columns_(width) {
-  for (int x = 0; x < width; ++x) columns_[x] = linear_tap(x, width, rgba.width);
+RowEnlarger::RowEnlarger(const Image& rgba, int width) : rgba_(rgba), columns_(width) {
+  for (int x = 0; x < width; ++x) columns_[x] = linear_tap(x, 2 * rgba.width, rgba.width);
 }
 
 void RowEnlarger::operator()(int y, std::vector<float>& mixed, std::vector<float>& out) const {
-  const LinearTap line = linear_tap(y, height_, rgba_.height);
+  const LinearTap line = linear_tap(y, 2 * rgba_.height, rgba_.height);
   const float* low = rgba_.row(line.low);
   const float* high = rgba_.row(line.high);
   mixed.resize(4 * static_cast<std::size_t>(rgba_.width));

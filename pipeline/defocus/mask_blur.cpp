@@ -53,7 +53,7 @@ Defocused blur_background(const Image& rgb, const Image& mask, const MaskBlurOpt
   Image stack(background.rgba.width, background.rgba.height, 4);
   scatter_gradient(background, stack, bokeh.aperture);
 
-  const RowEnlarger enlarged(stack, width, height);
+  const RowEnlarger enlarged(stack, width);
   Defocused out{Image(width, height, 3), Image(width, height), Image(width, height)};
   tbb::parallel_for(tbb::blocked_range<int>(0, height, 32), [&](const tbb::blocked_range<int>& rows) {
     std::vector<float> mixed, blurred;

@@ -1,12 +1,14 @@
 #include "pipeline/defocus/noise.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
 
 #include "capture/image/demosaic.h"
 #include "capture/image/rows.h"
+#include "capture/matrix3.h"
 #include "pipeline/burst/merge.h"
 #include "pipeline/edge_aware/filter_mask.h"
 
@@ -105,6 +107,15 @@ NoiseLevel merged_noise(const Exposure& exposure, int frames) {
 void add_noise(Image& rgb, const Image& blurred, const std::vector<NoisePatch>& patches, const NoiseLevel& level,
                const Image& shading_gain) {
   const int width = rgb.width;
+  std::array<float, 9> to_srgb{}, to_camera{};
+  const Matrix3 camera_from_srgb = inverse(level.color_matrix);
+  std::copy(level.color_matrix.begin(), level.color_matrix.end(), to_srgb.begin());
+  std::copy(camera_from_srgb.begin(), camera_from_srgb.end(), to_camera.begin());
+  std::array<float, 3> shot{}, read{};
+  for (int k = 0; k < 3; ++k) {
+    shot[k] = static_cast<float>(level.gains[k] * level.shot);
+    read[k] = static_cast<float>(level.gains[k] * level.gains[k] * level.read);
+  }
   tbb::parallel_for(tbb::blocked_range<int>(0, rgb.height, 32), [&](const tbb::blocked_range<int>& rows) {
     std::vector<float> noise(static_cast<std::size_t>(width) * 3);
     for (int y = rows.begin(); y < rows.end(); ++y) {
@@ -119,20 +130,18 @@ void add_noise(Image& rgb, const Image& blurred, const std::vector<NoisePatch>& 
       }
       const float* amount = blurred.row(y);
       float* row = rgb.row(y);
-      for (int c = 0; c < 3; ++c) {
-        double shot_gain = 0, read_gain = 0;
+      for (int x = 0; x < width; ++x) {
+        float* rgb_here = row + 3 * x;
+        const float gain = shading_gain.empty() ? 1.0f : shading_gain.at(x, y);
+        std::array<float, 3> camera_noise{};
         for (int k = 0; k < 3; ++k) {
-          const double weight = level.color_matrix[3 * c + k], gain = level.gains[k];
-          shot_gain += weight * weight * gain;
-          read_gain += weight * weight * gain * gain;
+          float value = 0;
+          for (int c = 0; c < 3; ++c) value += to_camera[3 * k + c] * rgb_here[c];
+          const float variance = gain * (shot[k] * std::max(value, 0.0f) + gain * read[k]);
+          camera_noise[k] = std::sqrt(variance) * amount[x] * noise[3 * x + k];
         }
-        const auto shot = static_cast<float>(shot_gain * level.shot);
-        const auto read = static_cast<float>(read_gain * level.read);
-        for (int x = 0; x < width; ++x) {
-          const float value = row[3 * x + c];
-          const float gain = shading_gain.empty() ? 1.0f : shading_gain.at(x, y);
-          const float variance = gain * (shot * std::max(value, 0.0f) + gain * read);
-          row[3 * x + c] = value + std::sqrt(variance) * amount[x] * noise[3 * x + c];
+        for (int c = 0; c < 3; ++c) {
+          for (int k = 0; k < 3; ++k) rgb_here[c] += to_srgb[3 * c + k] * camera_noise[k];
         }
       }
     }

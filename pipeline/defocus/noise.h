@@ -37,7 +37,8 @@ std::vector<NoisePatch> make_noise_patches(std::uint64_t seed, const NoiseOption
 /// Noise of the merged picture: variance of a channel whose normalized, white-balanced signal is v:
 ///     gain * (shot * v + gain * read)
 /// (the gain of the color's white balance, times that of lens shading)
-/// of the camera's color; of linear sRGB the sum of the three, each times its weight squared, as gray has it.
+/// of the camera's colors. Those of linear sRGB are theirs through the matrix, for demosaicking makes the three depend
+/// on each other.
 struct NoiseLevel {
   double shot = 0;
   double read = 0;

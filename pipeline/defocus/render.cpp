@@ -115,8 +115,8 @@ Defocused render_defocus(const Image& rgb, const Image& disparity_dp_px, const I
   const float brightest =
       bokeh.recover_highlights ? static_cast<float>(bokeh.white) : std::numeric_limits<float>::infinity();
 
-  const RowEnlarger below(stacks.below, width, height);
-  const RowEnlarger above(stacks.above.empty() ? stacks.below : stacks.above, width, height);
+  const RowEnlarger below(stacks.below, width);
+  const RowEnlarger above(stacks.above.empty() ? stacks.below : stacks.above, width);
   Defocused out{Image(width, height, 3), Image(width, height), {}};
   tbb::parallel_for(tbb::blocked_range<int>(0, height, 32), [&](const tbb::blocked_range<int>& rows) {
     std::vector<float> mixed, behind, front(4 * static_cast<std::size_t>(width));

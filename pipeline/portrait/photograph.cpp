@@ -58,15 +58,15 @@ bool has_color(const Image& rgb) {
   return false;
 }
 
+}  // namespace
+
 NoiseProfile noise_of(const Image& rgb) {
-  if (!has_color(rgb)) return {};  // synthetic noise is colored
+  if (!has_color(rgb)) return {};
   Image green(rgb.width, rgb.height);
   for (std::size_t i = 0; i < green.data.size(); ++i) green.data[i] = rgb.data[3 * i + 1];
   const ViewNoise noise = estimate_noise(green, {});
   return {noise.shot * kNoiseScale, noise.read * kNoiseScale * kNoiseScale};
 }
-
-}  // namespace
 
 Image turned_upright(const Image& stored, int orientation) {
   if (orientation == 1) return stored;

@@ -23,6 +23,10 @@ inline constexpr int kMostMegapixels = 128;
 /// than kMostMegapixels, values that are not in [0, 1].
 Photograph read_photograph(const std::string& path);
 
+/// Noise of a finished picture, linear RGB, for what is blurred: estimated from its green, as shot noise, in numbers of
+/// 0 to 65535. 0 where it is gray, as synthetic noise is colored.
+NoiseProfile noise_of(const Image& rgb);
+
 /// A picture as it was meant to be seen: `orientation` is TIFF's tag 274, 1 to 8.
 Image turned_upright(const Image& stored, int orientation);
 

@@ -12,6 +12,7 @@
 #include "capture/image/image_io.h"
 #include "capture/json_fields.h"
 #include "pipeline/disparity/noise_model.h"
+#include "pipeline/portrait/photograph.h"
 
 namespace dualpixel::pipeline {
 namespace {
@@ -96,14 +97,6 @@ Image gray(const Image& view) {
   return result;
 }
 
-bool is_colored(const Image& view) {
-  if (view.channels == 1) return false;
-  for (std::size_t i = 0; i < view.data.size(); i += 3) {
-    if (view.data[i] != view.data[i + 1] || view.data[i] != view.data[i + 2]) return true;
-  }
-  return false;
-}
-
 template <typename Pixel>
 ImageOf<Pixel> columns_as_rows(const ImageOf<Pixel>& image) {
   ImageOf<Pixel> result(image.height, image.width, image.channels);
@@ -180,9 +173,6 @@ PlainPairCapture read_plain_pair(const PlainPair& pair) {
   capture.exposure = {.bits = 16,
                       .white_level_dn = kFullScale,
                       .dp_noise = {noise.shot * kFullScale, noise.read * kFullScale * kFullScale}};
-  if (is_colored(left) || is_colored(right)) {  // the noise of blurred regions is
-    capture.exposure.mosaic_noise = {0.5 * noise.shot * kFullScale, 0.5 * noise.read * kFullScale * kFullScale};
-  }
   capture.face_px = metadata.face_px;
   if (capture.face_px && pair.vertical_split) {
     auto& [x, y, width, height] = *capture.face_px;
@@ -196,6 +186,7 @@ PlainPairCapture read_plain_pair(const PlainPair& pair) {
     const std::size_t stored = left.channels == 1 ? i / 3 : i;
     picture.data[i] = 0.5f * (left.data[stored] + right.data[stored]);
   }
+  capture.exposure.mosaic_noise = noise_of(picture);
   PlainPairCapture result{std::move(capture), even_sided(picture), left.width, left.height};
   if (pair.vertical_split) std::swap(result.width, result.height);
   return result;

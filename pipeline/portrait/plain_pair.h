@@ -34,7 +34,8 @@ struct PlainPairCapture {
 ///   face_px                x, y, width, height of a face in the pictures
 ///   alpha                  disparity in pixels of the pictures over the diameter of the blur in them, (0, 10]
 ///   focal_length_mm, f_number   of the lens; like alpha, only needed to match a lens
-/// Pictures that are gray, in one channel or in three, are given no new noise where they are blurred: it is colored.
+/// Where the picture is blurred it gets as much noise as its green is estimated to have (noise_of() in photograph.h):
+/// none where it is gray, in one channel or in three.
 /// Throws InputError where a file cannot be used, sizes differ, or a pixel is not finite or beyond [0, 1].
 PlainPairCapture read_plain_pair(const PlainPair& pair);
 

@@ -20,38 +20,17 @@ int mirrored(int i, int size) {
 bool is_usable(float value, float clipped) { return std::isfinite(value) && value < clipped; }
 
 /// Both views at a quarter of their size, means of the pixels that are usable in both, and the tiles' usable shares. A
-/// sample without such pixels has the value of the one before it in its row, lest clipping make edges that both views
-/// share.
+/// sample without such pixels is not a number.
 struct Reduced {
   Image left, right, usable;
 };
-
-/// The samples before each row's first usable one become as that, and rows without any as the nearest that has one.
-/// `first` is that sample's column, -1 where there is none.
-void fill_beginnings(Image& view, const std::vector<int>& first) {
-  for (int y = 0; y < view.height; ++y) {
-    if (first[y] > 0) std::fill_n(view.row(y), first[y], view.at(first[y], y));
-  }
-  for (int y = 0; y < view.height; ++y) {
-    if (first[y] >= 0) continue;
-    for (int away = 1; away < view.height; ++away) {
-      const int above = y - away, below = y + away;
-      const int from = above >= 0 && first[above] >= 0 ? above : below < view.height && first[below] >= 0 ? below : -1;
-      if (from < 0) continue;
-      std::copy_n(view.row(from), view.width, view.row(y));
-      break;
-    }
-  }
-}
 
 Reduced reduce(const Image& left, const Image& right, float clipped) {
   const int columns = (left.width + kTilePx - 1) / kTilePx, rows = (left.height + kTilePx - 1) / kTilePx;
   const int width = columns * kTileSamples, height = rows * kTileSamples;
   Reduced out{Image(width, height), Image(width, height), Image(columns, rows)};
-  std::vector<int> first(height, -1);
   for_rows(rows, [&](int row) {
     for (int y = row * kTileSamples; y < (row + 1) * kTileSamples; ++y) {
-      float before_left = 0, before_right = 0;
       for (int x = 0; x < width; ++x) {
         float l = 0, r = 0, count = 0;
         for (int j = 0; j < kSamplePx; ++j) {
@@ -65,20 +44,46 @@ Reduced reduce(const Image& left, const Image& right, float clipped) {
             count += 1;
           }
         }
-        if (count > 0) {
-          if (first[y] < 0) first[y] = x;
-          before_left = l / count;
-          before_right = r / count;
-        }
-        out.left.at(x, y) = before_left;
-        out.right.at(x, y) = before_right;
+        out.left.at(x, y) = l / count;  // 0 / 0: not a number
+        out.right.at(x, y) = r / count;
         out.usable.at(x / kTileSamples, row) += count / (kTilePx * kTilePx);
       }
     }
   });
-  fill_beginnings(out.left, first);
-  fill_beginnings(out.right, first);
   return out;
+}
+
+/// Fills what is not a number along the row, from the samples on both sides of it; false where there are none.
+bool fill_row(float* row, int width) {
+  int before = -1;
+  for (int x = 0; x <= width; ++x) {
+    if (x < width && std::isnan(row[x])) continue;
+    if (x == width && before < 0) return false;
+    for (int i = before + 1; i < x; ++i) {
+      const float along = static_cast<float>(i - before) / static_cast<float>(x - before);
+      row[i] = before < 0 ? row[x] : x == width ? row[before] : row[before] + along * (row[x] - row[before]);
+    }
+    before = x;
+  }
+  return true;
+}
+
+/// Bridges what clips, lest its ends look like edges that both views share. Rows without any sample become as the
+/// nearest that has one; where none has, all is 0.
+void fill_gaps(Image& view) {
+  std::vector<char> filled(view.height);
+  for (int y = 0; y < view.height; ++y) filled[y] = fill_row(view.row(y), view.width);
+  for (int y = 0; y < view.height; ++y) {
+    if (filled[y]) continue;
+    std::fill_n(view.row(y), view.width, 0.0f);
+    for (int away = 1; away < view.height; ++away) {
+      const int above = y - away, below = y + away;
+      const int from = above >= 0 && filled[above] ? above : below < view.height && filled[below] ? below : -1;
+      if (from < 0) continue;
+      std::copy_n(view.row(from), view.width, view.row(y));
+      break;
+    }
+  }
 }
 
 /// The image with `margin` mirrored pixels on each side.
@@ -130,6 +135,8 @@ CoarseViews make_coarse_views(const Image& left, const Image& right, const Split
   constexpr float kLeastContrast = 0.004f;  // over the local mean, that counts as contrast
   constexpr float kLeastSignal = 1e-4f;
   Reduced views = reduce(left, right, options.clipped * options.white);
+  fill_gaps(views.left);
+  fill_gaps(views.right);
   const int width = views.left.width, height = views.left.height;
   const std::size_t size = views.left.data.size();
 

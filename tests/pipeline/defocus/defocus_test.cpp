@@ -104,6 +104,26 @@ TEST(BlurStrength, DoesNotDependOnTheNumberOfPixels) {
   }
 }
 
+// Half a picture of odd sides, rounded up, reaches a pixel beyond it: what is blurred stays in its place.
+TEST(Defocus, OddSidesShiftNothing) {
+  for (const int side : {300, 301}) {
+    for (const int at : {40, side - 40}) {
+      Image picture(side, side, 3);
+      for (int y = 0; y < side; ++y) std::fill_n(&picture.at(at, y), 3, 1.0f);
+      for (int x = 0; x < side; ++x) std::fill_n(&picture.at(x, at), 3, 1.0f);
+      const MaskBlurOptions options{.radius_px = 5.0 * MaskBlurOptions().reference_width_px / side};
+      const Image out = blur_background(picture, Image(side, side), options).rgb;
+      double light[2] = {}, moment[2] = {};
+      for (int i = at - 12; i <= at + 12; ++i) {
+        const float along[2] = {out.at(i, side / 2), out.at(side / 2, i)};
+        for (int k = 0; k < 2; ++k) light[k] += along[k], moment[k] += (i - at) * along[k];
+      }
+      // of pixels at half size: half a pixel; the line across adds as much to both sides
+      for (int k = 0; k < 2; ++k) EXPECT_LT(std::abs(moment[k] / light[k]), 0.51) << side << ' ' << at << ' ' << k;
+    }
+  }
+}
+
 // By the width of the picture as it is seen.
 TEST(BlurRadius, OfAMaskIsTheSameInAPictureOnItsSide) {
   const Image picture(96, 64, 3, 0.3f);
@@ -559,14 +579,19 @@ double mean_square(const Image& image, int x0, int x1) {
   return sum / ((image.height - 40.0) * (x1 - x0));
 }
 
-// A gray wall, its left half in focus: the noise that the blur takes from the right half comes back.
-TEST(Noise, BlurredAndSharpHalvesAreAlikeUnderAHighPass) {
+/// A gray wall in colors by this matrix, its left half in focus: the noise that the blur takes from the right half
+/// comes back.
+void expect_halves_alike(const Matrix3& matrix) {
   constexpr int kWidth = 480, kHeight = 320;
   constexpr double kSignal = 0.4, kShot = 2e-4, kRead = 1e-5;
   Image mosaic(kWidth, kHeight, 1, static_cast<float>(kSignal));
   add_white_noise(mosaic, 5, std::sqrt(kShot * kSignal + kRead));
-  const Image rgb = demosaic(mosaic, "RGGB");
-  Image disparity(kWidth, kHeight, 1, 1.0f);
+  const Image camera_rgb = demosaic(mosaic, "RGGB");
+  Image rgb(kWidth, kHeight, 3), disparity(kWidth, kHeight, 1, 1.0f);
+  for (std::size_t i = 0; i < rgb.data.size(); ++i) {
+    const float* from = &camera_rgb.data[i / 3 * 3];
+    for (int k = 0; k < 3; ++k) rgb.data[i] += static_cast<float>(matrix[3 * (i % 3) + k]) * from[k];
+  }
   for (int y = 0; y < kHeight; ++y) std::fill_n(disparity.row(y), kWidth / 2, 0.0f);
   const BlurMapping mapping = make_blur_mapping(1, 0, 2688, false);
   Defocused out = render_defocus(rgb, disparity, blur_radii(disparity, mapping), mapping);
@@ -579,12 +604,17 @@ TEST(Noise, BlurredAndSharpHalvesAreAlikeUnderAHighPass) {
   };
   // without noise the right half is smooth
   EXPECT_LT(mean_square(high_pass(1), 260, 460), 0.01 * mean_square(high_pass(1), 20, 220));
-  add_noise(out.rgb, out.blurred, make_noise_patches(3), {kShot, kRead, {1, 1, 1}});
+  add_noise(out.rgb, out.blurred, make_noise_patches(3), {kShot, kRead, {1, 1, 1}, matrix});
   // 200 x 280 pixels, of which a quarter are independent: 0.6 % of a sigma; the patches' 11 000: 1.5 %
   for (const int channel : {0, 1, 2}) {
     const Image fine = high_pass(channel);
     EXPECT_NEAR(std::sqrt(mean_square(fine, 260, 460) / mean_square(fine, 20, 220)), 1, 0.1) << channel;
   }
+}
+
+TEST(Noise, BlurredAndSharpHalvesAreAlikeUnderAHighPass) {
+  expect_halves_alike(kIdentity3);
+  expect_halves_alike({1.7, -0.5, -0.2, -0.3, 1.6, -0.3, 0, -0.6, 1.6});
 }
 
 // Patches that repeat as they are correlate by a third with themselves one period away.

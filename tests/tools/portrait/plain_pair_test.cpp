@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <random>
 
 #include "capture/error.h"
 #include "capture/image/image_io.h"
@@ -47,6 +48,23 @@ TEST(PlainPair, ViewsAreLinearLightAndThePictureTheirMean) {
   EXPECT_NEAR(picture.at(2, 1, 1), 0.15, 0.003);
   EXPECT_EQ(picture.at(3, 1, 0), picture.at(2, 1, 0));
   EXPECT_GT(capture.exposure.dp_noise.shot_dn, 0);
+}
+
+// Blurred parts get the noise of the picture that is shown, half of one view's in each of its colors.
+TEST(PlainPair, ColoredPicturesHaveTheNoiseOfTheirColors) {
+  constexpr double kSigma = 0.01, kMean = 0.3;
+  const TemporaryFolder folder;
+  write_bytes(folder / "m.json", R"({"encoding": "linear"})");
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal(kMean, kSigma);
+  for (const char* name : {"l.png", "r.png"}) {
+    ImageU16 view(256, 192, 3);
+    for (std::uint16_t& value : view.data) value = static_cast<std::uint16_t>(std::lround(65535 * normal(random)));
+    write_png16(folder / name, view);
+  }
+  const Capture capture = pipeline::read_plain_pair({folder / "l.png", folder / "r.png", folder / "m.json"}).capture;
+  // 49 152 pixels, by second differences of blocks: some per cent
+  EXPECT_NEAR(capture.exposure.mosaic_noise.shot_dn / 65535 * kMean / (kSigma * kSigma / 2), 1, 0.1);
 }
 
 TEST(PlainPair, MetadataSaysWhatTheNumbersMean) {
