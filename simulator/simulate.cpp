@@ -494,7 +494,7 @@ Camera describe_camera(const Simulation& s) {
   c.f_number = thin.f_number;
   c.focus_distance_m = thin.focus_distance_m;
   c.split = name_of(kSplitKinds, s.lens.split.kind);
-  c.alpha = s.lens.split.alpha(thin.rim_slope());
+  c.alpha = std::max(s.lens.split.alpha(thin.rim_slope()), 0.0);
   return c;
 }
 

@@ -20,8 +20,9 @@ constexpr int kDeepestChain = 8;  ///< of files that name another: a circle of t
 void check_split(const Fields& lens, const Lens& read) {
   const SplitPixel::Shares light = read.split.light(read.thin.rim_slope());
   if (light.left > 0 && light.right > 0) {
-    if (read.split.alpha(read.thin.rim_slope()) >= 0) return;
-    lens.fail("split", "sends the light of the left half of the pupil into the left half of the pixel: exchange them");
+    if (read.split.alpha(read.thin.rim_slope()) > -1e-9) return;  // 0, but for rounding, of even halves
+    lens.fail("split",
+              "gives each view the light of the other half of the pupil (alpha below 0): exchange left and right");
   }
   lens.fail("split", fmt::format("lets no light of the lens's pupil into the {} half: must into both",
                                  light.left > 0    ? "right"

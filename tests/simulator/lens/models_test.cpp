@@ -103,6 +103,19 @@ TEST(LensModels, AFaultNamesTheFileThatHoldsIt) {
               }).starts_with(file + ": "));
 }
 
+// Captures state alpha from 0 on.
+TEST(LensModels, ASplitOfExchangedHalvesIsRefused) {
+  const auto refusal = [](bool exchanged) {
+    nlohmann::json split = {{"model", "table"}, {"p", {-1, 1}}, {"left", {1, 0}}, {"right", {0, 1}}};
+    if (exchanged) split["left"].swap(split["right"]);
+    return message_of<InputError>([&] { read_lens({{"split", split}}, "a.json", "/lens", 1e9); });
+  };
+  EXPECT_EQ(refusal(false), "");
+  EXPECT_EQ(refusal(true),
+            "a.json: /lens/split: gives each view the light of the other half of the pupil (alpha below 0): exchange "
+            "left and right");
+}
+
 // f/1.8 lets the light of the middle's microlens land within .78 / 3.6 = .22 photosites of 0, and its disc reaches .23
 // around each point: beyond .45 less the diodes' .3, one half gets nothing; beyond .75, neither does.
 TEST(LensModels, ASplitThatKeepsAHalfDarkIsRefused) {
