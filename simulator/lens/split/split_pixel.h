@@ -59,8 +59,9 @@ struct SplitPixel {
           const double v = std::clamp((x - center) / reach, -1.0, 1.0);
           return 0.5 + (v * std::sqrt(1 - v * v) + std::asin(v)) / M_PI;
         };
-        s.right = below(microlens.diode_width) - below(0);
-        s.left = below(0) - below(-microlens.diode_width);
+        const double left_of_middle = below(0);
+        s.right = below(microlens.diode_width) - left_of_middle;
+        s.left = left_of_middle - below(-microlens.diode_width);
         break;
       }
       case SplitKind::table: {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <ctime>
@@ -144,8 +145,10 @@ TEST(Plan, ModelsWithHostileViewsAreKnownByTheirBytes) {
   model["buffers"] = {{{"byteLength", 16 << 20}, {"uri", "a.bin"}}};
   model["bufferViews"] = {{{"buffer", 0}, {"byteLength", 16 << 20}}};
   const auto hash = [&] { return simulator::geometry_hash(folder.write("a.gltf", model.dump())); };
+  std::clock_t begin = std::clock();
   const std::string one_view = hash();
-  const std::clock_t begin = std::clock();
+  const std::clock_t once = std::max<std::clock_t>(std::clock() - begin, 1);
+  begin = std::clock();
   for (int i = 0; i < 10'000; ++i) model["bufferViews"].push_back(model["bufferViews"][0]);
   EXPECT_EQ(hash(), one_view);
   for (int i = 0; i < 10'000; ++i) {
@@ -154,7 +157,7 @@ TEST(Plan, ModelsWithHostileViewsAreKnownByTheirBytes) {
   }
   EXPECT_EQ(hash(), hash_of(model.dump()));
 #ifndef DUALPIXEL_SANITIZED
-  EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 5);  // 160 GB would take more than 10
+  EXPECT_LT((std::clock() - begin) / once, 1000);  // every view by itself would take 20 000
 #endif
   model["bufferViews"] = {{{"buffer", 0}, {"byteLength", 1e30}}};
   EXPECT_EQ(hash(), hash_of(model.dump()));
@@ -553,12 +556,6 @@ TEST(Plan, SplitsGetWholeThings) {
   EXPECT_EQ(split_counts(1, {1, 0, 0}), (Counts{1, 0, 0}));
 }
 
-TEST(SlowPlan, TenThousandLinesInTenCpuSeconds) {
-  const std::clock_t begin = std::clock();
-  plan_of(of_charts(10000, 100));
-  EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 10);
-}
-
 /// The most memory that this process has had since its peak was forgotten.
 long peak_kb() {
   std::ifstream status("/proc/self/status");
@@ -570,12 +567,10 @@ long peak_kb() {
   return peak;
 }
 
-TEST(SlowPlan, OfAMillionSeedsTakesTenCpuSecondsAndHalfAGigabyte) {
+TEST(SlowPlan, OfAMillionSeedsTakesHalfAGigabyte) {
   ASSERT_TRUE(std::ofstream("/proc/self/clear_refs") << "5" << std::flush);  // forgets the peak (proc(5))
   const long before = peak_kb();
-  const std::clock_t begin = std::clock();
   const Plan plan = plan_of(of_charts(10000, 1'000'000));
-  EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 10);
   EXPECT_LT(peak_kb() - before, 500'000);
   // so few draws of so many hardly meet: by the evenly spread sequence, never
   std::set<json> scenes;

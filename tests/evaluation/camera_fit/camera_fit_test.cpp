@@ -237,7 +237,7 @@ double at_the_edge(const json& lens, const char* field) {
 
 // From all aberrations 0 the fit is as near as the camera that ships, along directions that the measurements leave open
 // (docs/fit_camera.md); these they determine. Where it ends there depends on rounding: .2917 to .2971 has been seen.
-TEST(SlowCameraFit, FitsThePhoneFromItsStart) {
+TEST(SweepCameraFit, FitsThePhoneFromItsStart) {
   const std::optional<CameraMeasurements> measured = read_phone_measurements();
   if (!measured) GTEST_SKIP() << "the phone's measurements are not here";
   const CameraFit fit = fit_camera(*measured);

@@ -96,9 +96,9 @@ TEST(SlowBrightSurfaces, ChangeNothingButTheNoise) {
     for (const double spacing_px : {0.0, 4.0}) {
       const Scene scene = lamp_in_a_shade(shade);
       RenderScene world(scene, {.light_spacing_px = spacing_px});
-      const Spread sent = light_of(world, 100);
+      const Spread sent = light_of(world, 40);
       world.bright = {};
-      const Spread plain = light_of(world, 100);
+      const Spread plain = light_of(world, 40);
       EXPECT_LT(std::abs(sent.mean - plain.mean), 3 * std::hypot(sent.standard_error, plain.standard_error))
           << sent.mean << " and " << plain.mean;
       EXPECT_LT(sent.standard_error, 0.4 * plain.standard_error);

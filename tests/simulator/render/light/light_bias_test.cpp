@@ -161,7 +161,7 @@ TEST(SweepLightBias, IsATenthOfTheSensorsNoiseAtMost) {
 }
 
 // Linear interpolation errs by the square of the spacing, and beside shadows' edges in as many photosites as it spans.
-TEST(SlowLightBias, FallsWithTheDistanceOfPoints) {
+TEST(SweepLightBias, FallsWithTheDistanceOfPoints) {
   const Scene scene = glossy_balls_under_lamps();
   const Halves sampled = render_twice(scene, {.light_spacing_px = 0}, 256, 0);
   const auto squared = [&](double spacing_px) {
