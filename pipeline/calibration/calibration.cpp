@@ -21,7 +21,8 @@ constexpr int kColumns = kCalibrationColumns, kRows = kCalibrationRows;
 constexpr int kFewestTargets = 3;
 constexpr double kSmallestSpan_per_m = 0.2;  ///< of the targets' inverse depth
 constexpr double kMostMismatch = 0.5;
-constexpr double kUnmatched = 0.01;  ///< share of the width at either side where matches end before the border
+/// Matches end before the border at either side: by this share of the width, and by two blocks, which lack neighbors.
+constexpr double kUnmatched = 0.01, kUnmatchedBlocks = 2;
 constexpr double kTiltWarning_deg = 0.7;
 
 using Targets = std::vector<const TargetMeasurement*>;
@@ -60,11 +61,12 @@ NodeReading read_flow(const Flow& flow, double x, double y, double reach_x, doub
   LocalQuadratic surface;
   double mismatch = 0, seen = 0;
   const int width = flow.mismatch.width, height = flow.mismatch.height;
+  const double unmatched = std::max(kUnmatched * width, kUnmatchedBlocks);
   for (int j = std::max(static_cast<int>(y - reach_y), 0); j < height && j + 0.5 < y + reach_y; ++j) {
     for (int i = std::max(static_cast<int>(x - reach_x), 0); i < width && i + 0.5 < x + reach_x; ++i) {
       const double u = (i + 0.5 - x) / reach_x, v = (j + 0.5 - y) / reach_y, weight = tent(u, v);
       surface.add(u, v, weight, flow.disparity_dp_px.at(i, j));
-      if (i + 0.5 < kUnmatched * width || i + 0.5 > (1 - kUnmatched) * width) continue;
+      if (i + 0.5 < unmatched || i + 0.5 > width - unmatched) continue;
       mismatch += weight * flow.mismatch.at(i, j);
       seen += weight;
     }

@@ -40,6 +40,7 @@ FocusCalibration focus_at(const Calibration& calibration, double focus_distance_
   const FocusCalibration& far = next == focuses.begin() ? near : *(next - 1);
   const double span = 1 / near.focus_distance_m - 1 / far.focus_distance_m;
   const auto t = static_cast<float>(span > 0 && next != focuses.end() ? (wanted - 1 / far.focus_distance_m) / span : 1);
+  if (t >= 1) return {focus_distance_m, 0, near.slope_dp_px_m, near.intercept_dp_px, {}};
   FocusCalibration mixed{focus_distance_m, 0, node_image(), node_image(), {}};
   for (std::size_t i = 0; i < mixed.slope_dp_px_m.data.size(); ++i) {
     if (far.slope_dp_px_m.data[i] == 0 || near.slope_dp_px_m.data[i] == 0) continue;

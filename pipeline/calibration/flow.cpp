@@ -41,11 +41,13 @@ struct Matched {
   float difference, gradient;
 };
 
-/// right(x + d) - left(x) and how fast it changes with d; none where x + d lacks neighbors.
+/// right(x + d) - left(x) and how fast it changes with d; none where x + d lies within two blocks of the border, give
+/// or take half a block: where views match, d is about 0, and its sign must not decide.
 bool match_at(const float* left, const float* right, int width, int x, float d, Matched& matched) {
   const float at = static_cast<float>(x) + d;
-  if (x < 1 || x + 1 >= width || !(at >= 2 && at < static_cast<float>(width - 3))) return false;
-  const int i = static_cast<int>(at);
+  if (width < kQuinticTaps || x < 1 || x + 1 >= width) return false;
+  if (!(at >= 1.5f && at < static_cast<float>(width) - 2.5f)) return false;
+  const int i = std::clamp(static_cast<int>(at), 2, width - 4);
   const std::array<float, kQuinticTaps> weights = quintic(at - static_cast<float>(i));
   float moved = 0;
   for (int k = 0; k < kQuinticTaps; ++k) moved += weights[k] * right[i - 2 + k];
