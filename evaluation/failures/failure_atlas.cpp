@@ -28,7 +28,8 @@ struct Block {
 
 /// Of all pixels that count, of any number of pictures.
 struct Tally {
-  std::vector<float> error, sigma, confidence;  ///< error: infinite where nothing was found
+  /// Error: infinite where nothing was found. Sigma: NaN where none was given. Empty where the method has none.
+  std::vector<float> error, sigma, confidence;
   std::vector<Block> blocks;
 };
 
@@ -43,7 +44,10 @@ void add(const ViewSample& views, const pipeline::PixelDisparity& found, Tally& 
         const float error = std::abs(found.disparity_dp_px.at(x, y) - truth.at(x, y));
         tally.error.push_back(std::isfinite(error) ? error : INFINITY);
         if (!found.sigma_dp_px.empty()) tally.sigma.push_back(found.sigma_dp_px.at(x, y));
-        if (!found.confidence.empty()) tally.confidence.push_back(found.confidence.at(x, y));
+        if (!found.confidence.empty()) {
+          const float confidence = found.confidence.at(x, y);
+          tally.confidence.push_back(std::isfinite(confidence) ? confidence : 0);
+        }
         ++block.pixels;
         block.wrong += tally.error.back() > kWrongDpPx;
       }
@@ -87,11 +91,19 @@ FailureFigures figures_of(const Tally& tally) {
     figures.trusted = share(is_trusted);
     figures.overconfident = share([&](std::size_t i) { return is_wrong(i) && is_trusted(i); });
   }
-  if (!has_sigma) return figures;
-  figures.sigma_dp_px = median(tally.sigma);
+  std::vector<float> sigma;  // NaN: of no disparity, as a method of the user's own may write it
+  std::copy_if(tally.sigma.begin(), tally.sigma.end(), std::back_inserter(sigma),
+               [](float s) { return !std::isnan(s); });
+  if (sigma.empty()) return figures;
+  const auto within = [&](float sigmas) {
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < count; ++i) n += tally.error[i] < sigmas * tally.sigma[i];
+    return static_cast<double>(n) / static_cast<double>(sigma.size());
+  };
+  figures.within_one_sigma = within(1);
+  figures.within_two_sigma = within(2);
+  figures.sigma_dp_px = median(std::move(sigma));
   figures.error_68_dp_px = quantile(tally.error, kOneSigma);
-  figures.within_one_sigma = share([&](std::size_t i) { return tally.error[i] < tally.sigma[i]; });
-  figures.within_two_sigma = share([&](std::size_t i) { return tally.error[i] < 2 * tally.sigma[i]; });
   return figures;
 }
 

@@ -22,7 +22,7 @@ struct FailureFigures {
   std::optional<double> overconfident;   ///< wrong and trusted
   std::optional<double> sigma_dp_px;     ///< median of what was predicted; none, as the next, where nothing was
   std::optional<double> error_68_dp_px;  ///< what 68.27 % of the errors stay under: the sigma that is true
-  std::optional<double> within_one_sigma, within_two_sigma;
+  std::optional<double> within_one_sigma, within_two_sigma;  ///< of the pixels with a sigma
 };
 
 /// One step of a row.

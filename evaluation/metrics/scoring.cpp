@@ -96,14 +96,15 @@ constexpr const char* kBadPixelKeys[] = {"bad_0p1", "bad_0p25", "bad_0p5"};
 
 /// Sigma against the errors as they are.
 void score_sigma(const Samples& samples, RegionScore& score) {
-  if (samples.sigma.empty()) return;
-  double one = 0, two = 0;
+  double one = 0, two = 0, count = 0;
   for (std::size_t i = 0; i < samples.sigma.size(); ++i) {
+    if (std::isnan(samples.sigma[i])) continue;
     const float error = std::abs(samples.estimate[i] - samples.truth[i]);
+    ++count;
     one += error <= samples.sigma[i];
     two += error <= 2 * samples.sigma[i];
   }
-  const auto count = static_cast<double>(samples.sigma.size());
+  if (count == 0) return;
   score.within_one_sigma = one / count;
   score.within_two_sigma = two / count;
 }

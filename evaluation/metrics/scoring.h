@@ -49,8 +49,8 @@ struct RegionScore {
   std::optional<double> aiwe1;
   std::optional<double> one_minus_rho;  ///< 1 - |Spearman's rho|, average ranks for ties; none where a side is constant
   Sparsification sparsification;        ///< of the absolute error after the fit, by confidence; empty without one
-  /// Shares of pixels whose error, before the fit, is within so many of the sigma given: 0.683 and 0.954 where sigma is
-  /// right and errors are normal. None without sigma.
+  /// Shares, of the pixels with a sigma, whose error, before the fit, is within so many of it: 0.683 and 0.954 where
+  /// sigma is right and errors are normal. None without sigma.
   std::optional<double> within_one_sigma, within_two_sigma;
 };
 

@@ -65,7 +65,7 @@ Plot pupil_plot(const simulator::LensSampler& sampler, const FieldPoint& point) 
   Plot plot;
   plot.title = fmt::format("Pupil, {}", point.name);
   plot.x_label = "x, pupil radii";
-  plot.y_label = "y, down";
+  plot.y_label = "y, pupil radii, upward";
   plot.equal_scale = true;
   plot.series = {{"left view", {}, false, true}, {"right view", {}, false, true}};
   const double radius = 0.5 * sampler.lens().thin.pupil_diameter_m();
@@ -209,7 +209,7 @@ template <typename Value>
 Series over_cut(const std::string& name, const std::vector<simulator::CutPoint>& cut, const Value& value,
                 bool dashed = false) {
   Series series{name, {}, dashed, false};
-  for (const simulator::CutPoint& p : cut) series.points.emplace_back(p.field, value(p.coefficients));
+  for (const simulator::CutPoint& p : cut) series.points.emplace_back(p.field, value(p));
   return series;
 }
 
@@ -255,21 +255,21 @@ std::string field_plots(const simulator::LensReport& report) {
 }
 
 std::string calibration_plots(const simulator::LensReport& report) {
-  using C = simulator::DisparityCoefficients;
+  using P = simulator::CutPoint;
   const char* const position = "field position, half widths or half heights";
   const auto both = [&](const auto& value) {
     return std::vector<Series>{over_cut("along the middle row", report.horizontal, value),
                                over_cut("along the middle column", report.vertical, value, true)};
   };
   return "<h2>Expected calibration</h2><p>A point at depth D has the disparity S(x)/D + I(x), in DP pixels.</p>" +
-         html_plots({plot_of("Slope S", position, "DP px m", both([](const C& c) { return c.slope_dp_px_m; })),
-                     plot_of("Intercept I", position, "DP px", both([](const C& c) { return c.intercept_dp_px; })),
-                     plot_of("alpha: disparity over signed blur", position, "", both([](const C& c) {
-                               return c.blur_slope_px_m != 0 ? 2 * c.slope_dp_px_m / c.blur_slope_px_m : 0;
-                             })),
-                     plot_of("Light of each view along the middle row", position, "of the whole pixel on the axis",
-                             {over_cut("left", report.horizontal, [](const C& c) { return c.left_light; }),
-                              over_cut("right", report.horizontal, [](const C& c) { return c.right_light; })})});
+         html_plots(
+             {plot_of("Slope S", position, "DP px m", both([](const P& p) { return p.coefficients.slope_dp_px_m; })),
+              plot_of("Intercept I", position, "DP px",
+                      both([](const P& p) { return p.coefficients.intercept_dp_px; })),
+              plot_of("alpha: disparity over signed blur", position, "", both([](const P& p) { return p.alpha; })),
+              plot_of("Light of each view along the middle row", position, "of the whole pixel on the axis",
+                      {over_cut("left", report.horizontal, [](const P& p) { return p.coefficients.left_light; }),
+                       over_cut("right", report.horizontal, [](const P& p) { return p.coefficients.right_light; })})});
 }
 
 constexpr const char* kLensStyle = R"css(

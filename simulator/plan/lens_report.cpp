@@ -41,8 +41,10 @@ std::vector<CutPoint> cut(const LensSampler& sampler, bool horizontal) {
     const double field = -1 + 2.0 * k / (kPoints - 1);
     const double x = horizontal ? 0.5 * (field + 1) * (sensor.width_px - 1) : 0.5 * (sensor.width_px - 1);
     const double y = horizontal ? 0.5 * (sensor.height_px - 1) : 0.5 * (field + 1) * (sensor.height_px - 1);
-    points.push_back(
-        {field, trace_disparity(sampler, static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y)))});
+    const DisparityCoefficients c =
+        trace_disparity(sampler, static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y)));
+    const double slope_px_m = c.slope_dp_px_m * sensor.dp_downsample_x;
+    points.push_back({field, c, c.blur_slope_px_m != 0 ? slope_px_m / c.blur_slope_px_m : 0});
   }
   return points;
 }
@@ -87,11 +89,6 @@ std::vector<FastFormError> fast_form_errors(const Lens& lens, const SensorGrid& 
   return errors;
 }
 
-/// Disparity over signed blur at one field point.
-double alpha(const DisparityCoefficients& c) {
-  return c.blur_slope_px_m != 0 ? 2 * c.slope_dp_px_m / c.blur_slope_px_m : 0;
-}
-
 const char* model_name(const Lens& lens) { return name_of(kLensModels, lens.model.index()); }
 
 nlohmann::ordered_json cut_json(const std::vector<CutPoint>& points) {
@@ -100,7 +97,7 @@ nlohmann::ordered_json cut_json(const std::vector<CutPoint>& points) {
     rows.push_back({{"field", p.field},
                     {"slope_dp_px_m", p.coefficients.slope_dp_px_m},
                     {"intercept_dp_px", p.coefficients.intercept_dp_px},
-                    {"alpha", alpha(p.coefficients)},
+                    {"alpha", p.alpha},
                     {"left_light", p.coefficients.left_light},
                     {"right_light", p.coefficients.right_light}});
   }
@@ -253,8 +250,7 @@ std::string to_text(const LensReport& report) {
   for (std::size_t k = 0; k < report.horizontal.size(); k += 2) {
     const CutPoint& p = report.horizontal[k];
     text += fmt::format("{:5.2f}{:16.4f}{:18.4f}{:8.4f}{:7.3f}{:7.3f}\n", p.field, p.coefficients.slope_dp_px_m,
-                        p.coefficients.intercept_dp_px, alpha(p.coefficients), p.coefficients.left_light,
-                        p.coefficients.right_light);
+                        p.coefficients.intercept_dp_px, p.alpha, p.coefficients.left_light, p.coefficients.right_light);
   }
   for (const std::string& warning : report.warnings) text += "warning: " + warning + '\n';
   return text;

@@ -29,6 +29,7 @@ struct FastFormError {
 struct CutPoint {
   double field = 0;  ///< from the center, in half widths (or half heights)
   DisparityCoefficients coefficients;
+  double alpha = 0;  ///< centroid disparity in photosites over signed blur diameter; 0 where there is no blur
 };
 
 struct LensReport {

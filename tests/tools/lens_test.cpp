@@ -65,6 +65,16 @@ TEST(LensCommand, TakesCamerasAndScenes) {
   EXPECT_EQ(report(scene +
                    " --focus-distance-m 1 --set lens=null --set sensor=null --set camera.file=cameras/phone_2019.json"),
             of_camera);
+  // alpha is the lens's, whatever the sensor's DP pixels are
+  const nlohmann::json thin = {{"model", "thin"}, {"focal_length_mm", 4.442}, {"f_number", 1.8}};
+  for (const int downsample : {1, 2}) {
+    const TemporaryFolder folder;
+    const nlohmann::json sensor = {{"dp_downsample_x", downsample}, {"dp_downsample_y", downsample}};
+    const std::string file = folder.write(
+        "c.json", nlohmann::json{{"version", 1}, {"name", "c"}, {"lens", thin}, {"sensor", sensor}}.dump());
+    const nlohmann::json of_file = report("'" + file + "'");
+    EXPECT_NEAR(of_file["calibration"]["horizontal"][12]["alpha"].get<double>(), of_file["alpha"].get<double>(), 2e-3);
+  }
   const Outcome dark = run_command("lens '" + camera + "' --set lens.f_numbr=2");
   expect_one_line_refusal(dark);
   EXPECT_NE(dark.err.find("phone_2019.json: /lens/f_numbr"), std::string::npos) << dark.err;

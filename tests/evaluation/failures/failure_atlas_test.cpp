@@ -56,6 +56,27 @@ TEST(FailureAtlas, CountsOverconfidentErrors) {
   EXPECT_FALSE(measure_failure(failure, paper()).sigma_dp_px);
 }
 
+// A method of the user's own may write NaN where it found nothing: figures are those of what it found.
+TEST(FailureAtlas, LeavesOutWhatHasNoSigma) {
+  const ViewSample views = row_of(ideal_failure_rows(), "defocus").make(0, 0);
+  const auto with_holes = [&](bool holes) {
+    const DisparityMethod method = {"m", [&](const Image& left, const Image&, const pipeline::ViewSensor&) {
+                                      Image sigma(left.width, left.height, 1, 0.15f),
+                                          confidence(left.width, left.height, 1, 1);
+                                      for (std::size_t i = 0; holes && i < sigma.data.size(); i += 3) {
+                                        sigma.data[i] = confidence.data[i] = NAN;
+                                      }
+                                      return MethodRun{{views.truth_dp_px, confidence, sigma}, 0, 0, {}};
+                                    }};
+    return measure_failure(views, method);
+  };
+  const FailureFigures whole = with_holes(false), holed = with_holes(true);
+  EXPECT_EQ(holed.sigma_dp_px, whole.sigma_dp_px);
+  EXPECT_EQ(holed.within_one_sigma, 1);
+  EXPECT_NEAR(*holed.confidence, 2.0 / 3, 0.01);
+  EXPECT_NEAR(*holed.trusted, 2.0 / 3, 0.01);
+}
+
 TEST(FailureAtlas, HasNoErrorWhereNothingIsFound) {
   const FailureRow row = row_of(ideal_failure_rows(), "defocus");
   const DisparityMethod blind = {"blind", [](const Image& left, const Image&, const pipeline::ViewSensor&) {

@@ -221,6 +221,10 @@ TEST(ScoreEstimate, ComparesSigmaWithTheErrors) {
   EXPECT_NEAR(everything["within_one_sigma"].get<double>(), 24.0 / 47, 1e-12);
   EXPECT_EQ(everything["within_two_sigma"], 1);
   EXPECT_TRUE(everything["ause"].is_number());
+  // NaN is no sigma: the upper rows alone have one
+  std::fill(estimate.sigma_dp_px.data.begin() + 64 * 24, estimate.sigma_dp_px.data.end(), NAN);
+  const Json upper = to_json(score_estimate(capture, "c", estimate))["disparity"]["everything"];
+  EXPECT_EQ(upper["within_one_sigma"], 1);
 }
 
 TEST(ScoreEstimate, ComparesAPortraitAlone) {
