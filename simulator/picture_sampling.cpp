@@ -87,8 +87,12 @@ void for_each_photosite(const PictureSampling& sampling, Visit visit) {
 std::optional<ErrorTarget> goal_of(const Simulation& s, const ErrorTarget& noise, double unit_per_nit) {
   if (s.noise_fraction) return scaled(noise, *s.noise_fraction * *s.noise_fraction);
   if (!s.render_error) return {};
-  const double nits = *s.render_error / unit_per_nit;
-  return scaled(ErrorTarget{.constant = {1, 1, 1}}, nits * nits);
+  ErrorTarget target;
+  for (int c = 0; c < 3; ++c) {  // of pictures in which the illuminant is neutral
+    const double nits = *s.render_error / unit_per_nit * s.sensor.illuminant[c];
+    target.constant[c] = nits * nits;
+  }
+  return target;
 }
 
 void prepare_light(const Simulation& s, RenderScene& world, const CameraView& view,

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "capture/error.h"
+#include "capture/folder/capture_json.h"
 #include "simulator/lens/lens_shading.h"
 #include "simulator/picture_sampling.h"
 #include "simulator/render/motion.h"
@@ -564,6 +565,7 @@ Capture simulate(const Simulation& s, RenderScene& world, const CameraView& view
   capture.camera = describe_camera(s);
   capture.camera.relative_light = relative_light(view.lens);
   capture.exposure = describe_exposure(s.sensor, s.exposure);
+  require_readable(capture.camera, capture.exposure, s.path + ": its capture");
   capture.face_px = s.face_px;
   const double lux_s_per_nit = view.lens.lux_per_nit() * s.exposure.time_s;
   const double unit_per_nit = lux_s_per_nit / capture.exposure.lux_s_per_unit;

@@ -161,6 +161,12 @@ Exposure read_exposure(Fields fields) {
   return exposure;
 }
 
+void require_readable(const Camera& camera, const Exposure& exposure, const std::string& where) {
+  const nlohmann::json camera_to_read = to_json(camera), exposure_to_read = to_json(exposure);
+  read_camera(Fields(camera_to_read, where, "/camera"));
+  read_exposure(Fields(exposure_to_read, where, "/exposure"));
+}
+
 Provenance read_provenance(const nlohmann::json& object) {
   Provenance provenance;
   for (const auto& [name, value] : object.items()) {

@@ -15,6 +15,9 @@ nlohmann::ordered_json to_json(const Exposure& exposure);
 /// `other` is no JSON; `where` names the capture in the message.
 nlohmann::json to_json(const Provenance& provenance, const std::string& where);
 
+/// Throws InputError where reading would refuse what is written: values that no capture has.
+void require_readable(const Camera& camera, const Exposure& exposure, const std::string& where);
+
 Camera read_camera(Fields fields);
 Exposure read_exposure(Fields fields);
 

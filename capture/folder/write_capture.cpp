@@ -139,9 +139,7 @@ void write_capture(const Capture& capture, const std::string& path) {
   const Json camera = to_json(capture.camera), exposure = to_json(capture.exposure);
   const nlohmann::json provenance = to_json(capture.provenance, path);
   // What read_capture would refuse is not written.
-  const nlohmann::json camera_to_read = camera, exposure_to_read = exposure;
-  read_camera(Fields(camera_to_read, path, "/camera"));
-  read_exposure(Fields(exposure_to_read, path, "/exposure"));
+  require_readable(capture.camera, capture.exposure, path);
   check_capture(capture, CaptureCheck(path));
 
   NewFolder folder(path, kCaptureMarker);

@@ -95,7 +95,8 @@ Pilot probe_tiles(const RenderScene& world, const CameraView& camera, const Rend
     int count = 0;
     for (int v = std::max(row - 1, 0); v <= std::min(row + 1, map.rows() - 1); ++v) {
       for (int u = std::max(column - 1, 0); u <= std::min(column + 1, map.columns() - 1); ++u, ++count) {
-        log_sum += std::log(std::max(own[v * map.columns() + u], 1.0));
+        // below one sample, too: what is stated of the error must fall on
+        log_sum += std::log(std::max(own[v * map.columns() + u], 1e-6));
       }
     }
     pilot.needed.push_back(std::max(own[i], std::exp(log_sum / count)));

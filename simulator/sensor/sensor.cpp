@@ -191,6 +191,12 @@ std::optional<OptionProblem> check(const SensorOptions& s) {
   if (const auto why = out_of_range(s.black_level_dn, 0, std::exp2(s.bits) / 2)) {
     return OptionProblem{"black_level_dn", *why};
   }
+  if (s.readout == Readout::sum_and_left && s.black_level_dn != std::round(s.black_level_dn)) {
+    return OptionProblem{"black_level_dn",
+                         fmt::format("{:g}: must be a whole number where the read-out is sum_and_left: right is the "
+                                     "difference of two numbers that were digitized",
+                                     s.black_level_dn)};
+  }
   return std::nullopt;
 }
 

@@ -57,7 +57,8 @@ struct SensorOptions {
   /// What each filter sees of the scene's linear R, G, B, row by row; electrons_per_lux_s is that of a row that sums
   /// to 1.
   Matrix3 color_matrix = kIdentity3;
-  /// Linear R, G, B of what is white in the scene's light: the white balance and truth's pictures make it neutral.
+  /// Linear R, G, B of what is white in the scene's light, green being 1: the white balance and truth's pictures make
+  /// it neutral.
   std::array<double, 3> illuminant = {1, 1, 1};
   int bits = 10;
   double black_level_dn = 64;

@@ -27,6 +27,11 @@ TEST(Options, EachProblemNamesFieldValueAndWhatIsAllowed) {
       {"sensor/dp_downsample_y: 2 x 3: a DP pixel must be", [](Simulation& s) { s.sensor.dp_downsample_y = 3; }},
       {"sensor/black_level_dn: 513: must be a number in [0, 512]",
        [](Simulation& s) { s.sensor.black_level_dn = 513; }},
+      {"sensor/black_level_dn: 64.5: must be a whole number where the read-out is sum_and_left",
+       [](Simulation& s) {
+         s.sensor.readout = Readout::sum_and_left;
+         s.sensor.black_level_dn = 64.5;
+       }},
       {"sensor/electrons_per_lux_s: 0: must lie in", [](Simulation& s) { s.sensor.electrons_per_lux_s[1] = 0; }},
       {"sensor/color_matrix: 1e+308: must be a number in [-100, 100]",
        [](Simulation& s) { s.sensor.color_matrix = {1e308, -1e308, 1, 0, 1, 0, 0, 0, 1}; }},

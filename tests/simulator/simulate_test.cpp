@@ -302,6 +302,37 @@ TEST(SlowSimulate, StatesTheNoiseOfTruth) {
   EXPECT_NEAR(one.noise->photograph / found(one.photograph, exact.photograph), 1, 0.3);
 }
 
+// What white light looks like has a color, but no brightness: how light is counted does not depend on it.
+TEST(Simulate, OnlyTheColorOfTheIlluminantCounts) {
+  json document = minimal();
+  document["sensor"]["illuminant"] = {0.2, 0.1, 0.05};
+  const Simulation s = read_simulation(document, "s.json");
+  EXPECT_EQ(s.sensor.illuminant, (std::array<double, 3>{2, 1, 0.5}));
+  // an error of the picture, in which white is neutral
+  document["render"]["error"] = 0.01;
+  const ErrorTarget goal = *goal_of(read_simulation(document, "s.json"), {}, 0.5);
+  EXPECT_NEAR(goal.constant[0], 16e-4, 1e-12);
+  EXPECT_NEAR(goal.constant[1], 4e-4, 1e-12);
+  EXPECT_NEAR(goal.constant[2], 1e-4, 1e-12);
+}
+
+// A capture that could not be read again is refused before anything is rendered.
+TEST(Simulate, WhatNoCaptureMayHoldIsRefusedBeforeRendering) {
+  json document = minimal();
+  document["sensor"] = {{"width_px", 64}, {"height_px", 48}, {"pixel_pitch_um", 100}};
+  document["lens"] = {{"model", "aberrated"},
+                      {"image_radius_mm", 3.5},
+                      {"tangential_pupil", {6}},
+                      {"sagittal_pupil", {6}},
+                      {"falloff", "cos4"}};
+  const Simulation s = read_simulation(document, "s.json");
+  bool rendered = false;
+  const std::string message = message_of<InputError>(
+      [&] { simulate(s, step_under_a_sky(), [&](const std::string&, double) { rendered = true; }); });
+  EXPECT_TRUE(message.starts_with("s.json: its capture: /camera/lens_shading/relative_light")) << message;
+  EXPECT_FALSE(rendered);
+}
+
 // With a goal each picture of truth keeps it, and says by tile how well.
 TEST(SlowSimulate, KeepsTheGoalInEveryPicture) {
   json document = minimal();

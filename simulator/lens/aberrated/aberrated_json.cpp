@@ -35,6 +35,8 @@ nlohmann::ordered_json aberrated_lens_json(const Lens& lens) {
   j["rims"] = nlohmann::ordered_json::array();
   for (const Aberrations::Rim& rim : a.rims) j["rims"].push_back({{"radius", rim.radius}, {"shift", rim.shift}});
   j["falloff"] = name_of(kFalloffs, a.falloff);
+  if (lens.diffraction) j["diffraction"] = true;
+  if (lens.veiling_glare > 0) j["veiling_glare"] = lens.veiling_glare;
   j["split"] = split_json(lens.split);
   return j;
 }

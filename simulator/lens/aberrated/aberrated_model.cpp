@@ -54,6 +54,18 @@ void check_scale(const Fields& lens, const char* key, const EvenPolynomial& p, d
   }
 }
 
+/// Heights in the picture must grow with those in the scene up to the image circle, or the picture folds.
+void check_distortion(const Fields& lens, const EvenPolynomial& p) {
+  double before = -1;
+  for (int i = 0; i <= 100; ++i) {
+    const double h = i / 100.0, undistorted = h / (1 + p(h * h));
+    if (undistorted <= before) {
+      lens.fail("distortion", fmt::format("folds the picture at h = {:.2f}: h / (1 + it) must grow with h", h));
+    }
+    before = undistorted;
+  }
+}
+
 }  // namespace
 
 Aberrations Aberrations::read(Fields& lens, const std::string& file, double focus_distance_m, ThinLens& thin) {
@@ -93,6 +105,7 @@ Aberrations Aberrations::read(Fields& lens, const std::string& file, double focu
   read_field_map(lens, "right_gain", a.right_gain, 0, 1, file);
   // the distortion is followed a little beyond the image circle, where chief rays are searched
   check_scale(lens, "distortion", a.distortion, 1.25);
+  check_distortion(lens, a.distortion);
   check_scale(lens, "exit_pupil_growth", a.exit_pupil_growth, 1);
   check_scale(lens, "tangential_pupil", a.tangential_pupil, 1);
   check_scale(lens, "sagittal_pupil", a.sagittal_pupil, 1);

@@ -29,7 +29,11 @@ TraceSurface<Real> prepare(const LensSurface& surface, double z, double n_before
   const double reach = kReach * clear;
   if (surface.stop) s.inverse_stop_radius = static_cast<Real>(1 / clear);
   s.clear_radius2 = static_cast<Real>(clear * clear);
-  s.blocked_radius2 = static_cast<Real>(clip ? clear * clear : reach * reach);
+  // rays that are not to be clipped must find the middle of the stop, however small it is; a stop on glass continues
+  // only as far as its surface does
+  const bool plane = surface.curvature_per_mm == 0 && surface.terms.empty();
+  const double free_radius = surface.stop && plane ? std::numeric_limits<double>::infinity() : reach;
+  s.blocked_radius2 = static_cast<Real>(clip ? clear * clear : free_radius * free_radius);
   double edge = kEdge * clear;
   const double conic = (1 + surface.conic) * surface.curvature_per_mm * surface.curvature_per_mm;
   if (conic > 0) edge = std::min(edge, std::max(clear, 0.999 / std::sqrt(conic)));

@@ -47,7 +47,8 @@ struct TraceSurface {
 template <class Real>
 class TracedLens {
  public:
-  /// For light of one wavelength. `clip` false lets rays pass outside clear apertures, up to 1.25 times their radius.
+  /// For light of one wavelength. `clip` false lets rays pass outside clear apertures, up to 1.25 times their radius,
+  /// and a plane stop everywhere.
   TracedLens(const Prescription& lens, double wavelength_nm, bool clip = true);
 
   /// Traces rays with n > 0 from any plane before the lens to its last surface, rays with n < 0 from behind it to its

@@ -16,13 +16,14 @@ class SplitSampler {
   void weigh(const PixelFrame& f, const PupilPacket& pupil, LensPacket& rays) const;
 
  private:
-  void weigh_by_table(const PixelFrame& f, const PupilPacket& pupil, LensPacket& rays) const;
+  void weigh_by_microlens(const PixelFrame& f, const PupilPacket& pupil, LensPacket& rays) const;
+  void weigh_by_table(const PupilPacket& pupil, LensPacket& rays) const;
 
   SplitPixel split_;
   double rim_slope_;
-  /// Shares over t (microlens) or p (table), evenly spaced.
+  /// A table split's shares over p, evenly spaced, linear in between.
   struct Table {
-    float low = 0, per_step = 0;  ///< first coordinate; 1 / spacing
+    float low = 0, per_step = 0;  ///< first p; 1 / spacing
     std::vector<float> left, right;
   } table_;
 };

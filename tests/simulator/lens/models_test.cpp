@@ -116,6 +116,17 @@ TEST(LensModels, ASplitOfExchangedHalvesIsRefused) {
             "left and right");
 }
 
+// A picture in which heights in the scene come to lie in the reverse order would be black there.
+TEST(LensModels, ADistortionThatFoldsThePictureIsRefused) {
+  const auto refusal = [](double d) {
+    const nlohmann::json lens = {{"model", "aberrated"}, {"image_radius_mm", 3}, {"distortion", {d}}};
+    return message_of<InputError>([&] { read_lens(lens, "a.json", "/lens", 1e9); });
+  };
+  EXPECT_EQ(refusal(-0.5), "");
+  EXPECT_EQ(refusal(0.9), "");  // h / (1 + d h^2) grows up to h = 1 / sqrt(d)
+  EXPECT_EQ(refusal(3), "a.json: /lens/distortion: folds the picture at h = 0.59: h / (1 + it) must grow with h");
+}
+
 // f/1.8 lets the light of the middle's microlens land within .78 / 3.6 = .22 photosites of 0, and its disc reaches .23
 // around each point: beyond .45 less the diodes' .3, one half gets nothing; beyond .75, neither does.
 TEST(LensModels, ASplitThatKeepsAHalfDarkIsRefused) {

@@ -88,6 +88,24 @@ TEST(SlowAdaptive, RealisesTheErrorThatItWasAskedFor) {
   }
 }
 
+// Where the fewest samples are more than enough, the error that is stated is theirs, not that of the goal. The probes
+// end at half as many, from which variance is taken to halve; a net's may fall to a quarter.
+TEST(Adaptive, StatesTheErrorOfTheFewestSamples) {
+  const Scene scene = barred_wall();
+  const RenderScene world(scene, kSampledLight);
+  const CameraView camera = phone_camera(0.8, kWidth, kHeight);
+  for (double allowed : {10.0, 1000.0}) {
+    const ErrorTarget target{{allowed, allowed, allowed}, {1e-6, 1e-6, 1e-6}};
+    const SampleMap map = share_samples(probe_tiles(world, camera, {0, 0, 9}, target), 1);
+    EXPECT_EQ(map.total_samples(), 16.0 * kWidth * kHeight);
+    double squares = 0;
+    for (const float ratio : map.error_ratio) squares += ratio * ratio / static_cast<double>(map.error_ratio.size());
+    const double over_stated = std::sqrt(squares) / realised(world, camera, target, map);
+    EXPECT_GT(over_stated, 1 - kOfItsTarget) << allowed;
+    EXPECT_LT(over_stated, std::sqrt(2) * (1 + kOfItsTarget)) << allowed;
+  }
+}
+
 // As many samples as can be paid for, shared out as for an error: the error that comes with them costs as much.
 TEST(Adaptive, SpendsABudget) {
   const Scene scene = barred_wall();
