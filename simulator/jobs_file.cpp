@@ -11,6 +11,7 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
+#include "simulator/lens/lens_file.h"
 
 namespace dualpixel::simulator {
 namespace {
@@ -40,10 +41,12 @@ SimulationJob read_job(const std::string& line, const std::string& where, const 
   fields.done();
   nlohmann::json changed = scene;
   try {
+    std::vector<std::string> assignments;
     for (const auto& [field, value] : set.items()) {
       if (field.find('=') != std::string::npos) fields.fail("set", "'" + printable(field) + "': a field has no '='");
-      apply_override(changed, field + "=" + value.dump());
+      assignments.push_back(field + "=" + value.dump());
     }
+    apply_overrides(changed, assignments);
     if (resolve) changed = resolve(job.name, std::move(changed));
     job.simulation = read_simulation(changed, scene_path);
   } catch (const InputError& error) {

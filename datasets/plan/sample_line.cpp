@@ -6,6 +6,7 @@
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
+#include "simulator/lens/lens_file.h"
 
 namespace dualpixel::datasets {
 
@@ -50,8 +51,10 @@ SampleLine read_sample_line(const std::string& text, const std::string& where) {
 }
 
 json with_set(json scene, const SampleLine& line) {
-  for (const auto& [field, value] : line.set.items()) apply_override(scene, field + "=" + value.dump());
-  apply_override(scene, fmt::format("render.seed={}", line.seed));
+  std::vector<std::string> assignments;
+  for (const auto& [field, value] : line.set.items()) assignments.push_back(field + "=" + value.dump());
+  assignments.push_back(fmt::format("render.seed={}", line.seed));
+  simulator::apply_overrides(scene, assignments);
   return scene;
 }
 

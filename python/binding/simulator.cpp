@@ -10,6 +10,7 @@
 #include "python/binding/bind.h"
 #include "scenes/framing/resolve_scene.h"
 #include "scenes/framing/scene_document.h"
+#include "simulator/lens/lens_file.h"
 #include "simulator/plan/lens_report.h"
 #include "simulator/ready_scene.h"
 #include "simulator/simulate.h"
@@ -21,7 +22,7 @@ namespace {
 nlohmann::json document_of(const std::string& text, const std::string& path,
                            const std::vector<std::string>& overrides) {
   nlohmann::json json = text.empty() ? scenes::read_scene_document(path) : parse_json(text, path);
-  for (const std::string& assignment : overrides) apply_override(json, assignment);
+  simulator::apply_overrides(json, overrides);
   return json;
 }
 

@@ -9,6 +9,7 @@
 #include "scenes/drawn/face_box.h"
 #include "scenes/drawn/meter.h"
 #include "scenes/drawn/phone_lenses.h"
+#include "simulator/lens/lens_file.h"
 #include "simulator/scene_file.h"
 
 namespace dualpixel::scenes {
@@ -54,9 +55,9 @@ void set_start(json& scene, const Parameters& parameters, std::uint64_t seed) {
 }
 
 void set_fields(json& scene, const SceneOrder& order) {
-  for (const std::string& assignment : order.assignments) {
-    if (is_field(assignment)) apply_override(scene, assignment);
-  }
+  std::vector<std::string> fields;
+  std::copy_if(order.assignments.begin(), order.assignments.end(), std::back_inserter(fields), is_field);
+  simulator::apply_overrides(scene, fields);
 }
 
 /// The scene file as `simulate` reads it. Faults are told of the kind, not of the file, which may not be where it will

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -125,6 +126,14 @@ nlohmann::json lens_laid_over(nlohmann::json base, const nlohmann::json& own) {
   }
   base.merge_patch(own);
   return base;
+}
+
+void apply_overrides(nlohmann::json& document, const std::vector<std::string>& assignments) {
+  const auto names_lens = [](const std::string& assignment) {
+    return assignment.starts_with("lens.file=") && assignment != "lens.file=null";
+  };
+  if (document.is_object() && std::any_of(assignments.begin(), assignments.end(), names_lens)) document.erase("lens");
+  for (const std::string& assignment : assignments) apply_override(document, assignment);
 }
 
 Lens read_lens(const nlohmann::json& json, const std::string& file, const std::string& pointer,

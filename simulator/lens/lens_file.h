@@ -1,6 +1,7 @@
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "simulator/lens/lens.h"
 
@@ -16,6 +17,10 @@ Lens read_lens(const nlohmann::json& json, const std::string& file, const std::s
 /// The lens `base` with the fields of `own` laid over it, at any depth. A split of another model takes nothing from the
 /// base's.
 nlohmann::json lens_laid_over(nlohmann::json base, const nlohmann::json& own);
+
+/// Applies the assignments of `--set` (apply_override) to a scene's document. One of `lens.file` names the whole lens:
+/// the document's own goes first, whatever is set of the lens stays.
+void apply_overrides(nlohmann::json& document, const std::vector<std::string>& assignments);
 
 /// A lens file.
 Lens read_lens_file(const std::string& path, double focus_distance_m);

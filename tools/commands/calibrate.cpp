@@ -12,6 +12,7 @@
 #include "evaluation/calibration_sweep/calibration_sweep.h"
 #include "pipeline/calibration/calibration.h"
 #include "simulator/lens/disparity_field.h"
+#include "simulator/lens/lens_file.h"
 #include "simulator/lens/lens_sampler.h"
 #include "tools/commands/commands.h"
 
@@ -78,7 +79,7 @@ void open_sweep(const std::string& folder, const Json& description) {
 
 void sweep_camera(const CalibrateOptions& options) {
   nlohmann::json json = read_json_file(options.camera);
-  for (const std::string& assignment : options.overrides) apply_override(json, assignment);
+  simulator::apply_overrides(json, options.overrides);
   const simulator::Simulation simulation = simulator::read_simulation(json, options.camera);
   const Camera camera = describe_camera(simulation);
   evaluation::require_focuses(simulation, options.sweep);

@@ -3,6 +3,7 @@
 
 #include "capture/files.h"
 #include "capture/json_fields.h"
+#include "simulator/lens/lens_file.h"
 #include "simulator/plan/plan_text.h"
 #include "simulator/simulate.h"
 #include "tools/commands/commands.h"
@@ -21,7 +22,7 @@ struct PlanCommandOptions {
 
 void run(const PlanCommandOptions& options) {
   nlohmann::json json = read_json_file(options.scene);
-  for (const std::string& assignment : options.overrides) apply_override(json, assignment);
+  simulator::apply_overrides(json, options.overrides);
   const simulator::Simulation simulation = simulator::read_simulation(json, options.scene);
   print_warnings(simulation.warnings);
   const simulator::Scene scene = simulator::load_scene(simulation);

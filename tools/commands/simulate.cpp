@@ -16,6 +16,7 @@
 #include "scenes/framing/scene_document.h"
 #include "simulator/jobs_file.h"
 #include "simulator/journal.h"
+#include "simulator/lens/lens_file.h"
 #include "simulator/plan/plan_text.h"
 #include "simulator/ready_scene.h"
 #include "simulator/simulate.h"
@@ -57,7 +58,7 @@ void warn_of_render_noise(const std::string& scene, const std::string& job, std:
 std::vector<simulator::SimulationJob> jobs_of(const SimulateOptions& options, const std::string& scene,
                                               std::unique_ptr<simulator::ReadyScene>& ready) {
   nlohmann::json json = scenes::read_scene_document(scene);
-  for (const std::string& assignment : options.overrides) apply_override(json, assignment);
+  simulator::apply_overrides(json, options.overrides);
   if (options.seed) apply_override(json, fmt::format("render.seed={}", *options.seed));
   const auto resolve = [&](const std::string& job, nlohmann::json document) {
     std::vector<std::string> warnings;

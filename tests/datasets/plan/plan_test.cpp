@@ -13,6 +13,8 @@
 
 #include "capture/error.h"
 #include "capture/files.h"
+#include "capture/json_fields.h"
+#include "simulator/lens/lens_file.h"
 #include "simulator/scene/gltf/gltf.h"
 #include "tests/datasets/small_recipe.h"
 
@@ -52,6 +54,24 @@ TEST(Plan, LinesAreReadAsTheyWereWritten) {
   for (const std::string& text : texts(plan_of(small_recipe()))) {
     EXPECT_EQ(to_text(read_sample_line(text, "line")), text);
   }
+}
+
+// A drawn scene's file holds its whole lens, whose fields would hide the named file's.
+TEST(Plan, ALensFileTakesThePlaceOfTheScenesLens) {
+  const std::string lenses = DUALPIXEL_SOURCE_DIR "/lens_models/";
+  const json scene = {{"version", 1}, {"lens", read_json_file(lenses + "phone_6p_4.2mm_f1.8.json")}};
+  SampleLine line;
+  const auto lens_with = [&](const json& set) {
+    line.set = set;
+    return simulator::read_lens(with_set(scene, line).at("lens"), "", "/lens", 1).thin;
+  };
+  const std::string file = lenses + "phone_7p_4.9mm_f1.85.json";
+  EXPECT_NEAR(lens_with({{"lens.file", file}}).focal_length_m, 4.88e-3, 5e-6);
+  EXPECT_NEAR(lens_with({{"lens.file", file}}).f_number, 1.85, 5e-3);
+  EXPECT_NEAR(lens_with({{"lens.file", file}, {"lens.f_number", 2.8}}).f_number, 2.8, 1e-9);
+  EXPECT_NEAR(lens_with({{"lens.file", lenses + "phone_thin_4.4mm_f1.8.json"}}).focal_length_m, 4.442e-3, 5e-6);
+  EXPECT_NEAR(lens_with({{"lens.file", nullptr}, {"lens.f_number", 2.8}}).focal_length_m,
+              lens_with(json::object()).focal_length_m, 1e-9);
 }
 
 TEST(Plan, SplitsShareNoSceneAndHaveTheirShares) {

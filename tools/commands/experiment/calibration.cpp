@@ -6,6 +6,7 @@
 #include "capture/files.h"
 #include "capture/json_fields.h"
 #include "evaluation/experiments/calibration_cost.h"
+#include "simulator/lens/lens_file.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
@@ -33,7 +34,7 @@ void add_experiment_calibration(CLI::App& experiment) {
       "lens.file=../lens_models/phone_aberrated_4.4mm_f1.8.json -o out/calibration_cost");
   command->callback([options, overrides] {
     nlohmann::json json = read_json_file(options->scene);
-    for (const std::string& assignment : *overrides) apply_override(json, assignment);
+    simulator::apply_overrides(json, *overrides);
     const simulator::Simulation simulation = simulator::read_simulation(json, options->scene);
     NewFolder out(options->folder, "calibration_cost.json");
     Progress bar("calibration");

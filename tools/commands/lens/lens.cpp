@@ -11,6 +11,7 @@
 #include "evaluation/report/lens_page.h"
 #include "simulator/lens/aberrated/aberrated_json.h"
 #include "simulator/lens/aberrated/aberrated_twin.h"
+#include "simulator/lens/lens_file.h"
 #include "simulator/plan/lens_report.h"
 #include "tools/commands/commands.h"
 
@@ -28,7 +29,7 @@ struct LensOptions {
 
 void run(const LensOptions& options) {
   nlohmann::json json = read_json_file(options.file);
-  for (const std::string& assignment : options.overrides) apply_override(json, assignment);
+  simulator::apply_overrides(json, options.overrides);
   const simulator::LensReport report = simulator::report_lens(json, options.file, options.view);
   std::string twin;
   if (!options.twin.empty()) {
