@@ -21,6 +21,8 @@ struct CameraPose {
   glm::dvec3 position_m{0};
   glm::dvec3 look_at_m{0};
   glm::dvec3 up{0, 1, 0};
+
+  bool operator==(const CameraPose&) const = default;
 };
 
 /// What a scene JSON file says (docs/scene.md), every field checked. Units are in the names.

@@ -17,6 +17,7 @@
 #include "capture/path_beside.h"
 #include "datasets/plan/plan.h"
 #include "datasets/render/relations.h"
+#include "scenes/drawn/face_box.h"
 #include "scenes/framing/scene_document.h"
 #include "scenes/kinds/kinds.h"
 #include "simulator/scene_file_names.h"
@@ -79,6 +80,19 @@ std::string beside_sample(const std::string& text, const std::string& path, cons
   const std::string beside = drawn ? "../../" + drawn->folder + "/scene.json" : path;
   simulator::each_file_name(scene, [&](std::string& name) { name = path_beside(beside, name); });
   return scene.dump();
+}
+
+/// The drawn scene's face is that of its own lens, sensor and place of the camera: follows those of the sample, or
+/// goes.
+void follow_face(const SampleLine& line, const json& as_read, const std::string& path, json& scene_file) {
+  if (!as_read.contains("face_px") || line.set.contains("face_px")) return;
+  const json box =
+      scenes::face_box_after(simulator::read_simulation(as_read, path), simulator::read_simulation(scene_file, path));
+  if (box.is_null()) {
+    scene_file.erase("face_px");
+  } else {
+    scene_file["face_px"] = box;
+  }
 }
 
 bool keeps(const SampleLine& line, const char* picture) {
@@ -163,6 +177,7 @@ RenderedSample render_line(const SampleLine& line, const std::string& dataset,
     require_planned_scene(line, path, as_read);
   }
   resolve_geometry(line, focus, *ready, path, scene_file);
+  if (drawn) follow_face(line, as_read, path, scene_file);
   simulator::Simulation simulation = simulator::read_simulation(scene_file, path);
   const simulator::CameraView camera = simulator::place_camera(simulation, ready->scene);
   std::optional<scenes::MissedExposure> missed_exposure;

@@ -13,4 +13,9 @@ namespace dualpixel::scenes {
 nlohmann::json face_box(const std::vector<glm::vec3>& outline, glm::vec3 eye, glm::vec3 forward,
                         const simulator::Simulation& simulation);
 
+/// The box of a camera that looks from the same place through another lens, at another distance of focus, or on another
+/// sensor than that of `before`, whose `face_px` it follows from. Null where the place, or the size of what is seen, is
+/// another, and where the box is not whole in the picture.
+nlohmann::json face_box_after(const simulator::Simulation& before, const simulator::Simulation& after);
+
 }  // namespace dualpixel::scenes

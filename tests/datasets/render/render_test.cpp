@@ -169,6 +169,36 @@ TEST(Render, WritesNoPictureWithAValueThatIsNotFinite) {
   EXPECT_FALSE(is_there(folder / "dpdd", dpdd));
 }
 
+// The box of a drawn scene is that of its own lens and sensor.
+TEST(SlowRender, TheFaceOfADrawnSceneIsTheSamples) {
+  const TemporaryFolder folder;
+  json recipe = small_recipe(1);
+  recipe["scenes"] = {{{"kind", "chart"}, {"seeds", {1, 1}}, {"set", {{"pattern", "planes"}, {"width_px", 128}}}}};
+  for (const char* field : {"width_px", "height_px", "pixel_pitch_um"}) {
+    recipe["set"].erase(std::string("sensor.") + field);
+  }
+  const auto render = [&] {
+    std::unique_ptr<simulator::ReadyScene> ready;
+    return render_line(first_line(recipe), folder.path.string(), ready).capture;
+  };
+  EXPECT_FALSE(render().face_px);
+  // as of a portrait, in the scene that was drawn
+  const std::string file = std::filesystem::directory_iterator(folder / "scenes")->path() / "scene.json";
+  json scene = json::parse(read_bytes(file));
+  const std::array<double, 4> face = {48, 24, 32, 40};
+  scene["face_px"] = face;
+  write_bytes(file, scene.dump());
+  recipe["relations"] = json::object();
+  EXPECT_EQ(render().face_px, face);
+  recipe["set"]["sensor.pixel_pitch_um"] = 0.5 * scene["sensor"]["pixel_pitch_um"].get<double>();
+  recipe["set"]["sensor.width_px"] = 256, recipe["set"]["sensor.height_px"] = 192;
+  const auto close_up = render().face_px;
+  ASSERT_TRUE(close_up);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR((*close_up)[i], 2 * face[i], 1) << i;  // rounded outwards
+  recipe["relations"] = {{"camera_shell", {{"distance", 2}, {"elevation_deg", 10}}}};
+  EXPECT_FALSE(render().face_px);
+}
+
 TEST(SlowRender, VerifyFindsWhatIsKeptAndNotThere) {
   const TemporaryFolder folder;
   const std::string set = folder / "set", file = set + "/samples/000001/sample.json";

@@ -90,5 +90,28 @@ TEST(FaceBox, IsThePinholesOfTheLens) {
   EXPECT_TRUE(none.is_null()) << none;
 }
 
+TEST(FaceBox, FollowsLensFocusAndSensorButNoOtherPlace) {
+  const std::vector<vec3> outline = {{-0.1f, 0.1f, -3}, {0.3f, 0.1f, -3}, {0, -0.1f, -3}, {0, 0.15f, -3}};
+  simulator::Simulation before, after;
+  before.sensor.width_px = 800, before.sensor.height_px = 600, before.sensor.pixel_pitch_um = 5;
+  before.lens.thin = {4.3e-3, 1.8, 1.0};
+  before.face_px = face_box(outline, vec3(0), {0, 0, -1}, before).get<std::array<double, 4>>();
+  after.sensor.width_px = 320, after.sensor.height_px = 400, after.sensor.pixel_pitch_um = 7;
+  after.lens.thin = {3e-3, 1.8, 0.5};
+  const nlohmann::json expected = face_box(outline, vec3(0), {0, 0, -1}, after);
+  const nlohmann::json box = face_box_after(before, after);
+  ASSERT_EQ(box.size(), 4U);
+  // a photosite for each rounding outwards, .5 of one before
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(box[i].get<double>(), expected[i].get<double>(), 2) << i;
+  after.model_size_m = 2;
+  EXPECT_TRUE(face_box_after(before, after).is_null());
+  after.model_size_m.reset();
+  after.pose.emplace();
+  EXPECT_TRUE(face_box_after(before, after).is_null());
+  after.pose.reset();
+  after.sensor.width_px = after.sensor.height_px = 40;  // the box is not whole in it
+  EXPECT_TRUE(face_box_after(before, after).is_null());
+}
+
 }  // namespace
 }  // namespace dualpixel::scenes
