@@ -15,6 +15,11 @@ Image developed(const Image& mosaic, const Capture& capture) {
   return in_srgb(demosaic(white_balanced(mosaic, cfa, exposure.white_balance), cfa), exposure.color_matrix);
 }
 
+Image camera_colors(const Image& rgb, const Exposure& exposure) {
+  if (!exposure.color_matrix) return rgb;
+  return in_srgb(rgb, inverse(*exposure.color_matrix));  // the same product, the other way
+}
+
 ImageU16 levels(const Image& image) {
   ImageU16 result(image.width, image.height, image.channels);
   for (std::size_t i = 0; i < image.data.size(); ++i) {
@@ -51,7 +56,7 @@ DpddPictures dpdd_pictures(const Capture& capture) {
   for (std::size_t i = 0; i < sum.data.size(); ++i) sum.data[i] += right.data[i];
   const Image& sharp = capture.truth->all_in_focus;
   return {picture(scaled(left, 2)), picture(scaled(right, 2)), picture(sum),
-          dense ? sharp : gray(resize_area(sharp, width, height), 1)};
+          dense ? sharp : gray(resize_area(camera_colors(sharp, capture.exposure), width, height), 1)};
 }
 
 }  // namespace dualpixel::datasets

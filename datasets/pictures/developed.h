@@ -7,6 +7,9 @@ namespace dualpixel::datasets {
 /// A mosaic as linear RGB, white balanced.
 Image developed(const Image& mosaic, const Capture& capture);
 
+/// Linear RGB of truth as balanced camera colors.
+Image camera_colors(const Image& rgb, const Exposure& exposure);
+
 /// 0..1 as 0..65535, clipped.
 ImageU16 levels(const Image& image);
 

@@ -60,8 +60,9 @@ Image object_ids_on_views(const Capture& c) { return on_views(object_ids(c), c.c
 
 /// What the DP pixels would read without the sensor's noise: as sensor.h reads them, the mean of a block's green
 /// photosites, or of dense captures the photosite under its own filter.
-Image noiseless_view(const Image& rgb, const Capture& capture) {
+Image noiseless_view(const Image& truth, const Capture& capture) {
   const Camera& camera = capture.camera;
+  const Image rgb = camera_colors(truth, capture.exposure);
   const ColorFilterArray cfa = value_named(kColorFilterArrays, camera.cfa, "cfa");
   const bool dense = camera.dp_downsample_x * camera.dp_downsample_y == 1;
   Image view(camera.dp_width(), camera.dp_height());
@@ -71,7 +72,8 @@ Image noiseless_view(const Image& rgb, const Capture& capture) {
       const int color = cfa.color(x, y);
       if (!dense && color != 1) continue;
       const int to_x = x / camera.dp_downsample_x, to_y = y / camera.dp_downsample_y;
-      view.at(to_x, to_y) += rgb.at(x, y, color) / static_cast<float>(capture.exposure.white_balance[color]);
+      view.at(to_x, to_y) +=
+          std::max(rgb.at(x, y, color), 0.0f) / static_cast<float>(capture.exposure.white_balance[color]);
       count.at(to_x, to_y) += 1;
     }
   }
