@@ -32,7 +32,9 @@ std::vector<double> green_signals(const simulator::Simulation& s, const simulato
     if (simulator::cfa_color(x, y) != 1) x ^= 1;
     const auto seen =
         simulator::render_pixel(world, camera, paths, x, y, kSamples, simulator::hash(s.render.seed, kStream, i));
-    signals[i] = signal_per_nit * (seen.left[1] + seen.right[1]);
+    const glm::dvec3 light(seen.left + seen.right);
+    const glm::dvec3 filter(s.sensor.color_matrix[3], s.sensor.color_matrix[4], s.sensor.color_matrix[5]);
+    signals[i] = signal_per_nit * std::max(glm::dot(filter, light), 0.0);
   });
   return signals;
 }

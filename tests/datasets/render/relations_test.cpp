@@ -85,6 +85,33 @@ TEST(CameraShell, IsNeverInsideOfAnything) {
   }
 }
 
+/// Mean and standard error of what 48 x 36 photosites, which the meter reads, show of the undivided views.
+std::pair<double, double> green_mean(const Capture& capture) {
+  const Image left = normalized(capture.frames[0].left, capture.exposure);
+  const Image right = normalized(capture.frames[0].right, capture.exposure);
+  double sum = 0, square = 0;
+  const auto n = static_cast<double>(left.data.size());
+  for (std::size_t i = 0; i < left.data.size(); ++i) {
+    const double signal = left.data[i] + right.data[i];
+    sum += signal / n;
+    square += signal * signal / n;
+  }
+  return {sum, std::sqrt((square - sum * sum) / (48 * 36))};
+}
+
+// A green filter that sees mostly red, before red light.
+TEST(SlowRelations, MeterWhatTheGreenFilterSees) {
+  const TemporaryFolder folder;
+  write_boxes(folder / "box.glb", {{0, 0, 0}});
+  json recipe = around(folder / "box.glb", 2, 20, 30);
+  recipe["set"]["environment"] = {{"constant", {{"model", "constant"}, {"nits", {300, 60, 60}}}}};
+  recipe["set"]["sensor.color_matrix"] = {1, 0, 0, 0.8, 0.2, 0, 0, 0, 1};
+  recipe["relations"]["exposure_mean"] = 0.2;
+  const auto [mean, error] = green_mean(render(recipe));
+  EXPECT_LT(error, 0.005);
+  EXPECT_NEAR(mean, 0.2, 5 * error);
+}
+
 /// Of a box under an even sky, with time and gain for a mean; `away` radii from it.
 RenderedSample exposed(const std::string& glb, double nits, double mean, double away) {
   json recipe = around(glb, away, 20, 30);
