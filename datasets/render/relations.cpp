@@ -34,6 +34,14 @@ bool focuses_itself(const json& scene_file) {
   return camera != scene_file.end() && camera->is_object() && camera->value("focus_distance_m", json()) == "auto";
 }
 
+/// By what the line sets of the exposure: the wells hold iso / 100 of white. Where nothing is set, the gain is that of
+/// ISO 100 at least.
+scenes::WhiteOfExposure white_of(const json& set, const simulator::ExposureOptions& exposure) {
+  if (set.contains("exposure.iso")) return [exposure](double) { return std::min(1.0, exposure.iso / 100); };
+  if (set.contains("exposure.time_s")) return [exposure](double s) { return std::min(1.0, s / exposure.time_s); };
+  return [](double) { return 1; };
+}
+
 }  // namespace
 
 std::optional<std::array<double, 2>> focus_place(const SampleLine& line, const json& scene_file) {
@@ -62,7 +70,8 @@ void resolve_geometry(const SampleLine& line, const std::optional<std::array<dou
 std::optional<scenes::MissedExposure> resolve_exposure(double mean, const json& set, const simulator::Simulation& s,
                                                        simulator::ReadyScene& ready,
                                                        const simulator::CameraView& camera, json& scene_file) {
-  const scenes::MeteredExposure metered = scenes::meter_for_mean(mean, s, ready, camera, "exposure_mean");
+  const scenes::MeteredExposure metered =
+      scenes::meter_for_mean(mean, s, ready, camera, "exposure_mean", white_of(set, s.exposure));
   json& exposure = scene_file["exposure"];
   if (set.contains("exposure.iso")) {
     exposure["time_s"] = scenes::short_number(metered.seconds * 100 / s.exposure.iso);

@@ -85,9 +85,11 @@ double signal_per_nit(const json& scene) {
 }
 
 std::string to_text(const MissedExposure& missed) {
-  const std::string asked = std::isinf(missed.asked_s)
-                                ? "so much of the picture is black that no exposure gives the mean that is asked for"
-                                : fmt::format("{:.3g} s at ISO 100 are asked for", missed.asked_s);
+  const std::string asked =
+      std::isinf(missed.asked_s)
+          ? "so much of the picture is black, or white is so low below ISO 100, that no exposure gives the mean "
+            "that is asked for"
+          : fmt::format("{:.3g} s at ISO 100 are asked for", missed.asked_s);
   return fmt::format("exposure: {}; the limit is {:.3g} s, taken are {:.3g} s", asked, missed.limit_s, missed.taken_s);
 }
 

@@ -24,7 +24,7 @@ std::vector<std::string> meter(nlohmann::json& scene, const std::string& scene_p
 
 /// An exposure that is not what was asked for. All in seconds at ISO 100.
 struct MissedExposure {
-  double asked_s = 0;  ///< infinite where so much of the picture is black that no exposure gives the mean
+  double asked_s = 0;  ///< infinite where no exposure gives the mean: too much is black, or white too low
   double limit_s = 0;  ///< of the camera; or what the brightest of the picture allows
   double taken_s = 0;  ///< the limit, rounded
 };

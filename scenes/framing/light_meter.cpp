@@ -40,12 +40,13 @@ std::vector<double> green_signals(const simulator::Simulation& s, const simulato
 }
 
 /// The factor by which the mean of the clipped signals becomes `mean`, by bisection of its logarithm.
-double exposure_factor(const std::vector<double>& signals, double mean) {
+double exposure_factor(const std::vector<double>& signals, double mean, const WhiteOfExposure& white) {
   double low = std::log(1e-12), high = std::log(1e12);
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high), factor = std::exp(middle);
+    const double most = white(factor);
     double sum = 0;
-    for (const double signal : signals) sum += std::min(1.0, factor * signal);
+    for (const double signal : signals) sum += std::min(most, factor * signal);
     (sum < mean * static_cast<double>(signals.size()) ? low : high) = middle;
   }
   return std::exp(0.5 * (low + high));
@@ -61,7 +62,7 @@ std::optional<MissedExposure> MeteredExposure::missed(std::optional<MissedExposu
 }
 
 MeteredExposure meter_for_mean(double mean, const simulator::Simulation& s, simulator::ReadyScene& ready,
-                               const simulator::CameraView& camera, const char* field) {
+                               const simulator::CameraView& camera, const char* field, const WhiteOfExposure& white) {
   // without the light that other samples left, of which there may be more or less
   std::unique_ptr<simulator::LightCache> kept;
   kept.swap(ready.world.light_cache);
@@ -69,8 +70,8 @@ MeteredExposure meter_for_mean(double mean, const simulator::Simulation& s, simu
   kept.swap(ready.world.light_cache);
   const double most = signals.empty() ? 0 : *std::max_element(signals.begin(), signals.end());
   if (!(most > 0)) throw InputError(printable(s.path) + ": " + field + ": the camera sees no light");
-  const double seconds = exposure_factor(signals, mean);
-  if (seconds > 1e11) return {1 / most, false};
+  const double seconds = exposure_factor(signals, mean, white);
+  if (seconds > 1e11) return {white(seconds) / most, false};
   return {seconds};
 }
 

@@ -113,7 +113,7 @@ void expose(json& document, const std::string& path, simulator::ReadyScene& read
   constexpr int kDigits = 2;
   const simulator::Simulation s = simulator::read_simulation(document, path);
   const simulator::CameraView camera = simulator::place_camera(s, ready.scene);
-  const MeteredExposure metered = meter_for_mean(kMeanSignal, s, ready, camera, "/exposure");
+  const MeteredExposure metered = meter_for_mean(kMeanSignal, s, ready, camera, "/exposure", [](double) { return 1; });
   const auto missed = metered.missed(set_exposure(document, metered.seconds, kDigits));
   if (missed) warnings.push_back(printable(path) + ": " + to_text(*missed));
 }

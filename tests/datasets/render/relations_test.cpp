@@ -163,6 +163,28 @@ TEST(Relations, SayThatNoExposureReachesTheMean) {
   EXPECT_EQ(sample.missed_exposure->limit_s, sample.missed_exposure->taken_s);
 }
 
+// Below ISO 100 the wells are full before the digital range is: at ISO 50 they hold half of it.
+TEST(SlowRelations, MeterToTheWellsBelowIso100) {
+  const TemporaryFolder folder;
+  write_boxes(folder / "box.glb", {{0, 0, 0}});
+  json recipe = around(folder / "box.glb", 2, 20, 30);
+  recipe["set"]["exposure.iso"] = 50;
+  const auto render_mean = [&](double mean) {
+    recipe["relations"]["exposure_mean"] = mean;
+    std::unique_ptr<simulator::ReadyScene> ready;
+    return render_line(make_plan(read_recipe(recipe, "r.json")).lines.front(), "", ready);
+  };
+  const RenderedSample reached = render_mean(0.47);  // the sky is clipped
+  EXPECT_FALSE(reached.missed_exposure);
+  const auto [mean, error] = green_mean(reached.capture);
+  EXPECT_LT(error, 0.005);
+  EXPECT_NEAR(mean, 0.47, 5 * error);
+  const RenderedSample missed = render_mean(0.6);
+  ASSERT_TRUE(missed.missed_exposure);
+  EXPECT_TRUE(std::isinf(missed.missed_exposure->asked_s));
+  EXPECT_LT(green_mean(missed.capture).first, 0.5);
+}
+
 TEST(Relations, SayWhereNothingIsSeen) {
   const TemporaryFolder folder;
   write_boxes(folder / "box.glb", {{0, 0, 0}});
