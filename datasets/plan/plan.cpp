@@ -12,6 +12,7 @@
 #include "capture/files.h"
 #include "capture/json_fields.h"
 #include "datasets/render/relations.h"
+#include "scenes/kinds/kinds.h"
 #include "simulator/simulate.h"
 
 namespace dualpixel::datasets {
@@ -103,9 +104,24 @@ void draw_relations(const Recipe& recipe, const SplitAssets& assets, const Asset
   }
 }
 
+bool sets_light(const json& set) {
+  for (const auto& [field, value] : set.items()) {
+    if (field.starts_with("environment.")) return true;
+  }
+  return false;
+}
+
+/// Of a drawn scene what is known before it is drawn; only its environment's model hangs on its seed.
+json scene_file_of(const SampleLine& line, const Asset& asset) {
+  const json& scene = line.scene;
+  const bool by_seed = asset.seed && (sets_light(line.set) || sets_light(scene.value("set", json::object())));
+  if (!by_seed) return asset.origin->scene_file;
+  return scenes::scene_file_start(scenes::scene_kind(scene.at("kind").get<std::string>()), order_of(scene));
+}
+
 /// Bytes of pictures. Throws InputError where the line is no scene. `warning`: the first thing that is seldom meant.
 std::uint64_t check_line(const SampleLine& line, const Asset& asset, std::string& warning) {
-  json scene = with_set(asset.origin->scene_file, line);
+  json scene = with_set(scene_file_of(line, asset), line);
   stand_in_for_relations(line, scene);
   const simulator::Simulation simulation = simulator::read_simulation(scene, asset.path());
   if (simulation.time_budget_s) {

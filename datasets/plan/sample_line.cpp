@@ -50,6 +50,11 @@ SampleLine read_sample_line(const std::string& text, const std::string& where) {
   return line;
 }
 
+scenes::SceneOrder order_of(const json& scene) {
+  return {scene.at("kind").get<std::string>(), scene.at("seed").get<std::uint64_t>(),
+          scenes::assignments_of(scene.value("set", json::object()))};
+}
+
 json with_set(json scene, const SampleLine& line) {
   std::vector<std::string> assignments;
   for (const auto& [field, value] : line.set.items()) assignments.push_back(field + "=" + value.dump());

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "datasets/recipe/recipe.h"
+#include "scenes/drawn/draw_scene.h"
 
 namespace dualpixel::datasets {
 
@@ -30,6 +31,9 @@ std::string to_text(const SampleLine& line);
 
 /// Throws InputError that names `where`.
 SampleLine read_sample_line(const std::string& text, const std::string& where);
+
+/// What a drawn scene (SampleLine::scene) is drawn by.
+scenes::SceneOrder order_of(const nlohmann::json& scene);
 
 /// A scene file's JSON with `set` and the seed applied. Throws InputError.
 nlohmann::json with_set(nlohmann::json scene, const SampleLine& line);

@@ -36,11 +36,9 @@ struct DrawnScene {
 };
 
 DrawnScene drawn_scene_of(const json& scene) {
-  const auto kind = scene.at("kind").get<std::string>();
-  (void)scenes::scene_kind(kind);  // refuses others before a folder of their name is made
-  const auto seed = scene.at("seed").get<std::uint64_t>();
-  return {{kind, seed, scenes::assignments_of(scene.value("set", json::object()))},
-          fmt::format("scenes/{}_{}_{}", kind, seed, hash_of(scene.dump()).substr(0, 8))};
+  const scenes::SceneOrder order = order_of(scene);
+  (void)scenes::scene_kind(order.kind);  // refuses others before a folder of their name is made
+  return {order, fmt::format("scenes/{}_{}_{}", order.kind, order.seed, hash_of(scene.dump()).substr(0, 8))};
 }
 
 /// Draws the scene unless it is there. Two processes that do so at once write the same bytes.

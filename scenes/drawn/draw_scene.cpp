@@ -122,7 +122,11 @@ std::vector<std::string> draw_scene(const SceneKind& kind, const SceneOrder& ord
 
 json scene_file_start(const SceneKind& kind, const SceneOrder& order) {
   SceneBuilder builder;
-  set_start(builder.scene, parameters_for(kind, order), order.seed);
+  const Parameters parameters = parameters_for(kind, order);
+  set_start(builder.scene, parameters, order.seed);
+  const simulator::EnvironmentModel model = kind.environment(parameters);
+  if (model == simulator::EnvironmentModel::constant) builder.ambient(glm::vec3(1));  // some light, not yet known
+  if (model == simulator::EnvironmentModel::sky) builder.scene["environment"] = {{"model", "sky"}};
   set_fields(builder.scene, order);
   return builder.scene;
 }

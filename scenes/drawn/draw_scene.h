@@ -6,6 +6,7 @@
 
 #include "scenes/drawn/parameters.h"
 #include "scenes/drawn/scene_builder.h"
+#include "simulator/scene/environment.h"
 
 /// Scenes from a seed.
 ///
@@ -19,6 +20,8 @@ struct SceneKind {
   const char* description;
   std::vector<Parameter> parameters;  ///< besides those of all kinds
   void (*build)(SceneBuilder& builder, const Parameters& parameters, RandomStream rng);
+  /// The `environment` that build() makes, its model alone: known before anything is drawn.
+  simulator::EnvironmentModel (*environment)(const Parameters& parameters);
 };
 
 struct SceneOrder {
@@ -39,8 +42,8 @@ std::vector<Parameter> parameters_of(const SceneKind& kind);
 /// InputError.
 std::vector<std::string> draw_scene(const SceneKind& kind, const SceneOrder& order, const std::string& folder);
 
-/// What draw_scene() writes into scene.json before anything is drawn: sensor, lens, burst and render, with those of the
-/// order's fields. Throws InputError where a parameter cannot be used.
+/// What draw_scene() writes into scene.json before anything is drawn: sensor, lens, burst, render and the environment's
+/// model, with those of the order's fields. Throws InputError where a parameter cannot be used.
 nlohmann::json scene_file_start(const SceneKind& kind, const SceneOrder& order);
 
 /// A definition: {"kind": "still_life", "seed": 3, "set": {"objects": 12, "lens.f_number": 2.4}}, with a "title" that

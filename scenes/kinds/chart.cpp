@@ -156,7 +156,8 @@ SceneKind chart_kind() {
        {"contrast", "", Type::number, 0.05, 0.98, 0.6, 0.95,
         "Michelson contrast of siemens_star and slanted_edge; 0.6: ISO 12233's 4 : 1"},
        {"cycles", "", Type::integer, 4, 288, 72, 72, "of siemens_star"}},
-      build_chart};
+      build_chart,
+      [](const Parameters&) { return simulator::EnvironmentModel::none; }};
 }
 
 }  // namespace dualpixel::scenes

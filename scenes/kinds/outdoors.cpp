@@ -54,7 +54,8 @@ SceneKind outdoors_kind() {
            {"farthest_m", "m", Type::logarithmic, 20, 300, 50, 110, "to the wood's edge or the street's end"},
            {"height_m", "m", Type::number, 0.2, 3, 1.1, 1.8, "of the camera over the ground"},
            {"branch", "", Type::integer, 0, 1, 0, 1, "1: leaves hang into the picture"}},
-          build_outdoors};
+          build_outdoors,
+          [](const Parameters&) { return simulator::EnvironmentModel::sky; }};
 }
 
 }  // namespace dualpixel::scenes

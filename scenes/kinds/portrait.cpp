@@ -103,7 +103,10 @@ SceneKind portrait_kind() {
        {"depth_step_m", "m", Type::number, 0, 3, 0.25, 0.6, "that each further person stands behind the one before"},
        {"branch", "", Type::integer, 0, 1, 0, 1, "1: leaves hang into the picture"},
        {"makehuman", "", Type::folder, 0, 0, 0, 0, "of assets in MakeHuman's formats that people are made from"}},
-      build_portrait};
+      build_portrait,
+      [](const Parameters& p) {
+        return p.choice("place") == "room" ? simulator::EnvironmentModel::constant : simulator::EnvironmentModel::sky;
+      }};
 }
 
 }  // namespace dualpixel::scenes

@@ -42,7 +42,8 @@ SceneKind room_kind() {
            {"furniture", "", Type::integer, 0, 30, 4, 9, "pieces, as far as there is room"},
            {"height_m", "m", Type::number, 0.2, 2.3, 1.1, 1.7, "of the camera over the floor"},
            {"mirror", "", Type::integer, 0, 1, 0, 0, "1: a mirror on the wall behind, and glass before it"}},
-          build_room};
+          build_room,
+          [](const Parameters&) { return simulator::EnvironmentModel::constant; }};
 }
 
 }  // namespace dualpixel::scenes

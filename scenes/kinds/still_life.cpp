@@ -192,7 +192,11 @@ SceneKind still_life_kind() {
            {"wall_m", "m", Type::number, 0.05, 10, 0.15, 1.6, "from the table's back edge to the wall"},
            {"moving", "", Type::integer, 0, 1, 0, 0, "1: a ball rolls through the burst"},
            {"light", "", Type::number, 0, 0, 0, 0, "what lights it", {"window", "lamp", "overcast", "sun"}}},
-          build_still_life};
+          build_still_life,
+          [](const Parameters& p) {
+            return p.choice("light") == "sun" ? simulator::EnvironmentModel::sky
+                                              : simulator::EnvironmentModel::constant;
+          }};
 }
 
 }  // namespace dualpixel::scenes

@@ -411,6 +411,28 @@ TEST(Plan, WarnsOfWhatIsSeldomMeant) {
   EXPECT_TRUE(plan_of(recipe).warnings.empty());
 }
 
+// The model of a drawn scene's environment is the kind's, and hangs on the seed of some.
+TEST(Plan, TakesFieldsOfDrawnEnvironments) {
+  json recipe = small_recipe(20);
+  const auto fault = [&](const char* kind, const json& own, const char* field, const json& value) {
+    recipe["scenes"] = {{{"kind", kind}, {"seeds", {1, 20}}, {"set", own}}};
+    recipe["set"] = {{field, value}};
+    return message_of<InputError>([&] { plan_of(recipe); });
+  };
+  const json low_or_high = {{"uniform", {10, 60}}}, none = json::object();
+  const char *const elevation = "environment.sun_elevation_deg", *const nits = "environment.nits";
+  EXPECT_EQ(fault("outdoors", none, elevation, low_or_high), "");
+  EXPECT_EQ(fault("portrait", {{"place", "street"}}, elevation, low_or_high), "");
+  EXPECT_EQ(fault("still_life", {{"light", "sun"}}, elevation, low_or_high), "");
+  EXPECT_EQ(fault("room", none, nits, {5, 5, 5}), "");
+  EXPECT_EQ(fault("outdoors", {{elevation, 20}}, "lens.f_number", 2.8), "");
+  EXPECT_NE(fault("room", none, elevation, low_or_high).find("sun_elevation_deg: unknown field"), std::string::npos);
+  EXPECT_NE(fault("chart", none, elevation, low_or_high).find("sun_elevation_deg: unknown field"), std::string::npos);
+  EXPECT_NE(fault("portrait", none, elevation, low_or_high), "") << "rooms among them have no sun";
+  EXPECT_NE(fault("still_life", none, elevation, low_or_high), "");
+  EXPECT_NE(fault("outdoors", none, elevation, 900), "");
+}
+
 TEST(Plan, RefusesBeforeAnythingIsRendered) {
   const auto refusal = [](const std::string& pointer, const json& value) {
     json recipe = small_recipe();
