@@ -67,7 +67,8 @@ std::shared_ptr<HeldCapture> simulate_scene(const std::string& text, const std::
 }
 
 py::object report_on_lens(const std::string& text, const std::string& path, const std::vector<std::string>& overrides,
-                          std::optional<double> focus_distance_m, int width_px, int height_px, double pixel_pitch_um) {
+                          std::optional<double> focus_distance_m, std::optional<int> width_px,
+                          std::optional<int> height_px, std::optional<double> pixel_pitch_um) {
   nlohmann::ordered_json report;
   {
     const py::gil_scoped_release released;

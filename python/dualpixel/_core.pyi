@@ -149,9 +149,9 @@ def lens(
     path: str,
     overrides: Sequence[str],
     focus_distance_m: Optional[float],
-    width_px: int,
-    height_px: int,
-    pixel_pitch_um: float,
+    width_px: Optional[int],
+    height_px: Optional[int],
+    pixel_pitch_um: Optional[float],
 ) -> dict[str, Any]: ...
 def match_arrays(
     left: npt.ArrayLike,

@@ -96,9 +96,9 @@ def lens(
         *_document(lens, "lens"),
         _assignments(overrides),
         focus_distance_m,
-        width_px or 0,
-        height_px or 0,
-        pixel_pitch_um or 0,
+        width_px,
+        height_px,
+        pixel_pitch_um,
     )
 
 

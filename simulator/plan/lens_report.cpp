@@ -6,8 +6,10 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "capture/error.h"
+#include "capture/option_ranges.h"
 #include "simulator/lens/lens_packet.h"
 #include "simulator/lens/lens_sampler.h"
 #include "simulator/lens/models.h"
@@ -104,6 +106,27 @@ nlohmann::ordered_json cut_json(const std::vector<CutPoint>& points) {
   return rows;
 }
 
+std::optional<OptionProblem> check_view(const LensView& view) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  if (view.focus_distance_m) {
+    if (const auto why = out_of_range(*view.focus_distance_m, kNearestLensFocus_m, kInfinity)) {
+      return OptionProblem{"focus_distance_m", *why};
+    }
+  }
+  for (const auto& [name, side] : {std::pair{"width_px", view.width_px}, {"height_px", view.height_px}}) {
+    if (!side) continue;
+    if (const auto why = out_of_range(*side, kLensViewSide_px[0], kLensViewSide_px[1])) {
+      return OptionProblem{name, *why};
+    }
+  }
+  if (view.pixel_pitch_um) {
+    if (const auto why = out_of_range(*view.pixel_pitch_um, kLensViewPitch_um[0], kLensViewPitch_um[1])) {
+      return OptionProblem{"pixel_pitch_um", *why};
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 SensorGrid sensor_for(const Lens& lens, int width_px, int height_px, double pixel_pitch_um) {
@@ -138,12 +161,14 @@ LensReport report_lens(const Lens& lens, const SensorGrid& sensor) {
 }
 
 LensReport report_lens(const nlohmann::json& json, const std::string& path, const LensView& view) {
+  if (const auto problem = check_view(view)) {
+    throw InputError(fmt::format("{}: {}: {}", printable(path), problem->field, problem->message));
+  }
   const LensOfFile file = read_lens_of(json, path, view.focus_distance_m);
   constexpr int kWidth_px = 2688, kHeight_px = 2016;
-  const auto chosen = [](auto given, auto own) { return given != 0 ? given : own; };
-  const int width_px = chosen(view.width_px, file.sensor ? file.sensor->width_px : kWidth_px);
-  const int height_px = chosen(view.height_px, file.sensor ? file.sensor->height_px : kHeight_px);
-  const double pitch_um = chosen(view.pixel_pitch_um, file.sensor ? file.sensor->pixel_pitch_um : 0.0);
+  const int width_px = view.width_px.value_or(file.sensor ? file.sensor->width_px : kWidth_px);
+  const int height_px = view.height_px.value_or(file.sensor ? file.sensor->height_px : kHeight_px);
+  const double pitch_um = view.pixel_pitch_um.value_or(file.sensor ? file.sensor->pixel_pitch_um : 0.0);
   try {
     SensorGrid sensor = sensor_for(file.lens, width_px, height_px, pitch_um);
     if (file.sensor) sensor.dp_downsample_x = file.sensor->dp_downsample_x;

@@ -48,13 +48,17 @@ SensorGrid sensor_for(const Lens& lens, int width_px, int height_px, double pixe
 
 LensReport report_lens(const Lens& lens, const SensorGrid& sensor);
 
-/// What may differ from what a file says. 0 or empty: what it says; where it says nothing, a focus distance of 1 m and
-/// a sensor of 2688 x 2016 photosites that fills the lens's picture.
+/// What may differ from what a file says. Empty: what it says; where it says nothing, a focus distance of 1 m and a
+/// sensor of 2688 x 2016 photosites that fills the lens's picture.
 struct LensView {
   std::optional<double> focus_distance_m;
-  int width_px = 0, height_px = 0;
-  double pixel_pitch_um = 0;
+  std::optional<int> width_px, height_px;
+  std::optional<double> pixel_pitch_um;
 };
+
+inline constexpr double kNearestLensFocus_m = 0.001;
+inline constexpr int kLensViewSide_px[] = {2, 32768};
+inline constexpr double kLensViewPitch_um[] = {0.1, 1000};
 
 /// The same of a lens file, or of the lens and sensor of a camera file or a scene; `json` came from `path`. Throws
 /// InputError.

@@ -148,6 +148,24 @@ def test_lens_is_the_programs(program):
         dualpixel.lens(json.loads(path.read_text()), {"f_number": -4})
 
 
+@pytest.mark.parametrize(
+    "field, value, allowed",
+    [
+        ("pixel_pitch_um", float("nan"), "nan: must be a number in [0.1, 1000]"),
+        ("pixel_pitch_um", 1e300, "1e+300: must be a number in [0.1, 1000]"),
+        ("pixel_pitch_um", 0, "0: must be a number in [0.1, 1000]"),
+        ("focus_distance_m", float("nan"), "nan: must be a number in [0.001, inf]"),
+        ("width_px", -5, "-5: must be an integer in [2, 32768]"),
+        ("height_px", 2**30, "1073741824: must be an integer in [2, 32768]"),
+    ],
+)
+def test_lens_refuses_what_is_no_sensor(field, value, allowed):
+    path = (SCENES / "../lens_models/phone_thin_4.4mm_f1.8.json").resolve()
+    with pytest.raises(dualpixel.InputError) as error:
+        dualpixel.lens(path, **{field: value})
+    assert str(error.value) == f"{path}: {field}: {allowed}"
+
+
 def test_stubs_name_what_there_is():
     stub = ast.parse((Path(_core.__file__).parent / "_core.pyi").read_text())
     for node in stub.body:

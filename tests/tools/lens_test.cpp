@@ -88,6 +88,8 @@ TEST(LensCommand, RefusesWhatItCannotDo) {
   };
   expect("none.json", "none.json");
   expect(kLens + " --focus-distance-m -1", "--focus-distance-m");
+  expect(kLens + " --focus-distance-m nan", "--focus-distance-m: Value nan not in range");
+  expect(kLens + " --pixel-pitch-um NaN", "--pixel-pitch-um: Value NaN not in range 0.1 to 1000");
   expect(kLens + " --focus-distance-m 0.15", "focus distance 0.15 m");
   expect(kLens + " --set f_number=2", "/f_number: 2: the lens opens to f/5");
   expect(kLens + " --set surfaces.3.thicknes_mm=2", "did you mean 'thickness_mm'");

@@ -14,6 +14,7 @@
 #include "simulator/lens/disparity_field.h"
 #include "simulator/lens/lens_file.h"
 #include "simulator/lens/lens_sampler.h"
+#include "tools/cli/number_range.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
@@ -146,7 +147,7 @@ void add_calibrate(CLI::App& program) {
       ->check(CLI::Range(3, 100))
       ->capture_default_str();
   command->add_option("--nearest-focus-m", options->sweep.nearest_focus_m, "Nearest focus distance")
-      ->check(CLI::Range(0.05, 10.0))
+      ->check(number_range(0.05, 10.0))
       ->capture_default_str();
   for (const char* of_a_sweep : {"--set", "--focuses", "--targets", "--nearest-focus-m"}) {
     captures->excludes(command->get_option(of_a_sweep));

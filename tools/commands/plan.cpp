@@ -6,6 +6,7 @@
 #include "simulator/lens/lens_file.h"
 #include "simulator/plan/plan_text.h"
 #include "simulator/simulate.h"
+#include "tools/cli/number_range.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
@@ -55,7 +56,7 @@ void add_plan(CLI::App& program) {
 
 CLI::Option* add_tolerance_option(CLI::App& command, double& tolerance_dp_px) {
   return command.add_option("--tolerance-px", tolerance_dp_px, "Largest disparity error allowed, RMS in DP pixels")
-      ->check(CLI::Range(1e-4, 10.0))
+      ->check(number_range(1e-4, 10.0))
       ->type_name("DP_PX")
       ->capture_default_str();
 }

@@ -24,6 +24,7 @@
 #include "pipeline/portrait/zoom.h"
 #include "pipeline/segmentation/network.h"
 #include "tools/cli/map_options.h"
+#include "tools/cli/number_range.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
@@ -389,7 +390,7 @@ void add_portrait(CLI::App& program) {
       ->type_name("N");
   sub->add_option("--cats-eye", command->aperture.cats_eye,
                   "Cat's-eye blur towards the corners: share of the radius that is cut off there on either side")
-      ->check(CLI::Range(0.0, 0.9))
+      ->check(number_range(0.0, 0.9))
       ->type_name("SHARE");
   sub->add_flag("--zoom", command->zoom,
                 "The middle of the picture alone, two thirds as wide and high, as the paper has it; not enlarged");

@@ -20,6 +20,7 @@
 #include "simulator/plan/plan_text.h"
 #include "simulator/ready_scene.h"
 #include "simulator/simulate.h"
+#include "tools/cli/number_range.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
@@ -218,7 +219,7 @@ void add_simulate(CLI::App& program) {
                         "Lens model, bounces, light and samples by 'dualpixel plan' instead of the scene file's");
   add_tolerance_option(*command, options->tolerance_dp_px)->needs(automatic);
   const auto sampling_option = [&](const std::string& name, const std::string& field, const std::string& meaning,
-                                   const CLI::Range& range, const std::string& unit) {
+                                   const CLI::Validator& range, const std::string& unit) {
     return command
         ->add_option_function<double>(
             name, [options, field](double to) { options->overrides.push_back(fmt::format("render.{}={}", field, to)); },
@@ -227,7 +228,7 @@ void add_simulate(CLI::App& program) {
         ->type_name(unit)
         ->excludes(automatic);
   };
-  const CLI::Range shares(1e-4, 100.0);
+  const CLI::Validator shares = number_range(1e-4, 100.0);
   CLI::Option* by_noise = sampling_option(
       "--noise-fraction", "noise_fraction",
       "Sample each picture until its error is this share of the sensor's noise, RMS; 0.25 is hard to see", shares,
@@ -236,7 +237,7 @@ void add_simulate(CLI::App& program) {
       sampling_option("--error", "error",
                       "Sample each picture until its error is this share of the white level's signal", shares, "SHARE");
   CLI::Option* by_time = sampling_option("--time-budget", "time_budget_s", "Sample the views for about so many seconds",
-                                         CLI::Range(0.0, 1e7), "S");
+                                         number_range(0.0, 1e7), "S");
   by_error->excludes(by_noise);
   by_time->excludes(by_noise)->excludes(by_error);
   command

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <atomic>
 
+#include "tools/cli/number_range.h"
 #include "tools/cli/small_program.h"
 #include "tools/train_segmentation/train.h"
 #include "tools/train_segmentation/train_faces.h"
@@ -43,7 +44,7 @@ int main(int argc, char** argv) {
                                    ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40))
                                    ->type_name("N");
   CLI::Option* const hours = program.add_option("--hours", options.hours, "Instead of --samples: hours to train")
-                                 ->check(CLI::Range(1e-4, 1e4))
+                                 ->check(dualpixel::tools::number_range(1e-4, 1e4))
                                  ->excludes(samples)
                                  ->type_name("H");
   CLI::Option* const resume = program.add_flag("--resume", options.resume,
@@ -57,7 +58,7 @@ int main(int argc, char** argv) {
       program
           .add_option("--half-size", options.half_size,
                       "Share of the training time, at its start, that uses pictures of half the side")
-          ->check(CLI::Range(0.0, 1.0))
+          ->check(dualpixel::tools::number_range(0.0, 1.0))
           ->capture_default_str();
   CLI::Option* const pose = program.add_flag("--no-pose", no_pose, "Learn no keypoints");
   CLI::Option* const fcn =
@@ -71,13 +72,13 @@ int main(int argc, char** argv) {
           ->excludes(stages, pose, fcn, half_size)
           ->type_name("RUN|FILE");
   program.add_option("--prune", options.prune, "Share of the samples that the second phase leaves out")
-      ->check(CLI::Range(0.0, 0.9))
+      ->check(dualpixel::tools::number_range(0.0, 0.9))
       ->needs(fine_tune)
       ->capture_default_str();
   program
       .add_option("--rate", options.rate,
                   "Learning rate at its peak: 3e-3 where not given, 3e-4 in the second phase, 0.1 with --sgd")
-      ->check(CLI::Range(1e-6, 1.0))
+      ->check(dualpixel::tools::number_range(1e-6, 1.0))
       ->type_name("R");
   program.add_option("--seed", options.seed, "Seed of the initial weights, the sample order and the augmentation")
       ->type_name("N")

@@ -3,6 +3,7 @@
 
 #include "capture/files.h"
 #include "evaluation/benchmarks/render_benchmark.h"
+#include "tools/cli/number_range.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
@@ -58,7 +59,7 @@ void add_bench_render(CLI::App& bench) {
       ->capture_default_str();
   command
       ->add_option("--most-triangles", options->most_triangles, "Most triangles in the chart of cost over scene size")
-      ->check(CLI::Range(1e4, 1e8))
+      ->check(number_range(1e4, 1e8))
       ->capture_default_str();
   command->footer("Example:\n  dualpixel bench render build/release/scenes/portrait.json -o bench");
   command->callback([options] { run(*options); });

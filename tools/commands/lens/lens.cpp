@@ -13,6 +13,7 @@
 #include "simulator/lens/aberrated/aberrated_twin.h"
 #include "simulator/lens/lens_file.h"
 #include "simulator/plan/lens_report.h"
+#include "tools/cli/number_range.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
@@ -58,16 +59,16 @@ void add_lens(CLI::App& program) {
   command
       ->add_option("--focus-distance-m", options->view.focus_distance_m,
                    "From the entrance pupil; inf is allowed. Default: the scene's, else 1")
-      ->check(CLI::Range(0.001, std::numeric_limits<double>::infinity()));
+      ->check(number_range(simulator::kNearestLensFocus_m, std::numeric_limits<double>::infinity()));
   add_overrides_option(*command, options->overrides, "f_number=4");
   command->add_option("--sensor-width-px", options->view.width_px, "Default: the file's, else 2688")
-      ->check(CLI::Range(2, 32768));
+      ->check(CLI::Range(simulator::kLensViewSide_px[0], simulator::kLensViewSide_px[1]));
   command->add_option("--sensor-height-px", options->view.height_px, "Default: the file's, else 2016")
-      ->check(CLI::Range(2, 32768));
+      ->check(CLI::Range(simulator::kLensViewSide_px[0], simulator::kLensViewSide_px[1]));
   command
       ->add_option("--pixel-pitch-um", options->view.pixel_pitch_um,
                    "Default: the file's, else the sensor fills the lens's picture")
-      ->check(CLI::Range(0.1, 1000.0));
+      ->check(number_range(simulator::kLensViewPitch_um[0], simulator::kLensViewPitch_um[1]));
   command->add_option("-o,--output", options->page, "Write a page with all plots")->type_name("PAGE.html");
   command->add_option("--twin", options->twin, "Fit an aberrated lens to a prescription and write it")
       ->type_name("LENS.json");
