@@ -31,6 +31,7 @@ void distrust_clipped(const Image& left, const Image& right, float level, TileDi
 
 TileDisparity match_as_in_paper(const Image& left, const Image& right, const ViewSensor& sensor,
                                 const MatcherOptions& options) {
+  require_views(left, right);  // before normalization makes one channel of them
   TileDisparity tiles = match_tiles(normalize_locally(left, options.normalize),
                                     normalize_locally(right, options.normalize), options.match);
   distrust_clipped(left, right, options.normalize.clipped * sensor.white, tiles);

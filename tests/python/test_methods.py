@@ -46,6 +46,13 @@ def test_match_takes_options_and_refuses_others():
         dualpixel.match(view[0], view)
 
 
+@pytest.mark.parametrize("matcher", ["paper", "likelihood", "split"])
+def test_match_takes_views_of_one_channel(matcher):
+    view = np.stack(3 * [texture(64, 64)], axis=-1)
+    with pytest.raises(dualpixel.InputError, match="^disparity: left view: 3 channels: must have one$"):
+        dualpixel.match(view, view, matcher=matcher)
+
+
 def test_match_of_a_capture_is_the_portraits(capture):
     np.testing.assert_array_equal(
         dualpixel.match(capture).disparity, dualpixel.portrait(capture).matched_disparity
