@@ -29,27 +29,42 @@ class Match(NamedTuple):
     """Predicted standard deviation of the error, DP pixels; None where the matcher predicts none."""
 
 
-def _without_infinity(value: Any) -> Any:
-    """Files say "inf", since JSON has no infinity."""
+def _plain(value: Any) -> Any:
+    """What NumPy holds as Python's own; infinity as files say it, "inf", since JSON has none."""
+    if isinstance(value, (np.generic, np.ndarray)):
+        value = value.tolist()
     if isinstance(value, float) and math.isinf(value) and value > 0:
         return "inf"
     if isinstance(value, Mapping):
-        return {key: _without_infinity(entry) for key, entry in value.items()}
+        return {key: _plain(entry) for key, entry in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_without_infinity(entry) for entry in value]
+        return [_plain(entry) for entry in value]
     return value
+
+
+def _json(name: str, value: Any) -> str:
+    try:
+        return json.dumps(_plain(value))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: {error}: must be numbers, text, lists or dicts, as JSON has them") from None
 
 
 def _assignments(overrides: Overrides) -> list[str]:
     if isinstance(overrides, Mapping):
-        return [f"{field}={json.dumps(_without_infinity(value))}" for field, value in overrides.items()]
+        return [f"{field}={_json(field, value)}" for field, value in overrides.items()]
     return list(overrides)
+
+
+def _seed(seed: Any) -> int:
+    if isinstance(seed, (int, np.integer)) and not isinstance(seed, bool) and 0 <= seed < 2**64:
+        return int(seed)
+    raise InputError(f"seed: {seed!r}: must be an integer in [0, {2**64 - 1}]")
 
 
 def _document(document: Union[Mapping[str, Any], Path], name: str, folder: Path = "") -> tuple[str, str]:
     """Text and name of a document of the caller's, as if it lay in `folder`, or no text and the path of a file."""
     if isinstance(document, Mapping):
-        return json.dumps(_without_infinity(document)), os.path.join(folder, name)
+        return _json(name, document), os.path.join(folder, name)
     return "", os.fspath(document)
 
 
@@ -74,7 +89,7 @@ def simulate(
     folder     to which a dict's paths are relative; "": the current one
     progress   called with the stage's name and the share of it that is done
     """
-    assignments = _assignments(overrides) + ([f"render.seed={seed}"] if seed is not None else [])
+    assignments = _assignments(overrides) + ([f"render.seed={_seed(seed)}"] if seed is not None else [])
     return _core.simulate(*_document(scene, "scene", folder), assignments, progress)
 
 
@@ -158,7 +173,7 @@ def portrait(
     people = [tuple(face) for face in faces]
     loaded = _loaded(capture, truth=False)
     return _core.portrait(
-        loaded, mode, matcher, _assignments(options), mask, people, zoom, seed, disparity, confidence, sigma
+        loaded, mode, matcher, _assignments(options), mask, people, zoom, _seed(seed), disparity, confidence, sigma
     )
 
 

@@ -155,6 +155,22 @@ def test_lens_is_the_programs(program):
         dualpixel.lens(json.loads(path.read_text()), {"f_number": -4})
 
 
+def test_overrides_may_be_numpys():
+    path = (SCENES / "../lens_models/phone_thin_4.4mm_f1.8.json").resolve()
+    plain = dualpixel.lens(path, {"f_number": 4, "split": {"model": "microlens", "offset": 0.25}})
+    split = {"model": "microlens", "offset": np.float32(0.25)}
+    assert dualpixel.lens(path, {"f_number": np.int64(4), "split": split}) == plain
+    tiny = {**SMALL, "sensor.width_px": np.uint16(16), "sensor.height_px": 12, "render.samples_per_pixel": 1}
+    place = {"camera.position_m": np.array([0, 0, 0.1]), "camera.look_at_m": np.array([0, 0, -1], dtype=np.float32)}
+    scene = dualpixel.simulate(SCENES / "slanted_planes.json", {**tiny, **place}, seed=np.int32(3)).provenance["scene"]
+    assert scene["camera"]["position_m"] == [0, 0, 0.1] and scene["render"]["seed"] == 3
+    with pytest.raises(dualpixel.InputError, match="^f_number: Object of type set is not JSON serializable: must be"):
+        dualpixel.lens(path, {"f_number": {4}})
+    for seed in (True, 1.5, -1, "1"):
+        with pytest.raises(dualpixel.InputError, match="^seed: .*: must be an integer in"):
+            dualpixel.simulate(SCENES / "slanted_planes.json", tiny, seed=seed)
+
+
 @pytest.mark.parametrize(
     "field, value, allowed",
     [
