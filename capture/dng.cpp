@@ -113,9 +113,13 @@ void set_colors(TiffFile& file, const Capture& capture) {
 
 }  // namespace
 
-void write_dng(const std::string& path, const ImageU16& raw, const Capture& capture, bool mosaic,
-               const NoiseProfile& noise, double pixel_height) {
+void write_dng(const std::string& path, const ImageU16& raw, const Capture& capture, DngImage image) {
+  const Camera& camera = capture.camera;
   const Exposure& exposure = capture.exposure;
+  const bool mosaic = image == DngImage::mosaic;
+  const bool colors = mosaic || camera.dp_downsample_x * camera.dp_downsample_y == 1;
+  const double pixel_height = mosaic ? 1 : static_cast<double>(camera.dp_downsample_y) / camera.dp_downsample_x;
+  const NoiseProfile& noise = mosaic ? exposure.mosaic_noise : exposure.dp_noise;
   const double white =
       (mosaic ? exposure.mosaic_white_level_dn : exposure.dp_white_level_dn).value_or(exposure.white_level_dn);
   const double range = white - exposure.black_level_dn;
@@ -148,7 +152,7 @@ void write_dng(const std::string& path, const ImageU16& raw, const Capture& capt
   file.set(TIFFTAG_DEFAULTSCALE, scale);
   file.set(TIFFTAG_CALIBRATIONILLUMINANT1, kD65);
   file.set_array(kNoiseProfile, std::vector<double>{noise.shot_dn / range, noise.read_dn2 / (range * range)});
-  if (mosaic) {
+  if (colors) {
     set_colors(file, capture);
   } else {
     file.set(TIFFTAG_PHOTOMETRIC, kLinearRaw);

@@ -84,6 +84,8 @@ Capture capture_of(const std::string& cfa) {
   capture.camera.focal_length_mm = 4.5;
   capture.exposure = {.time_s = 0.0078125, .iso = 200, .black_level_dn = 64, .white_level_dn = 1023};
   capture.exposure.white_balance = {2, 1, 1.6};
+  capture.exposure.mosaic_noise = {.shot_dn = 0.5, .read_dn2 = 3};
+  capture.exposure.dp_noise = {.shot_dn = 0.25, .read_dn2 = 2};
   return capture;
 }
 
@@ -102,7 +104,7 @@ void expect_near(const std::vector<double>& actual, const std::vector<double>& e
 TEST(Dng, AMosaicKeepsItsNumbersAndSaysWhatTheyMean) {
   const TemporaryFolder folder;
   const ImageU16 raw = ramp(6, 4);
-  write_dng(folder / "a.dng", raw, capture_of("GRBG"), true, {.shot_dn = 0.5, .read_dn2 = 3});
+  write_dng(folder / "a.dng", raw, capture_of("GRBG"), DngImage::mosaic);
   const Directory file(folder / "a.dng");
   EXPECT_EQ(file[kWidth], std::vector<double>{6});
   EXPECT_EQ(file[kHeight], std::vector<double>{4});
@@ -134,21 +136,36 @@ TEST(Dng, AViewIsMonochromeAndItsPixelsMayBeHigh) {
   const TemporaryFolder folder;
   Capture capture = capture_of("RGGB");
   capture.exposure.dp_white_level_dn = 544;
-  write_dng(folder / "a.dng", ramp(3, 2), capture, false, {.shot_dn = 0.5}, 2);
+  write_dng(folder / "a.dng", ramp(3, 2), capture, DngImage::view);
   const Directory file(folder / "a.dng");
   EXPECT_EQ(file[kPhotometric], std::vector<double>{34892}) << "linear raw";
   EXPECT_TRUE(file[kCfaPattern].empty());
   EXPECT_TRUE(file[kColorMatrix1].empty());
   expect_near(file[kDefaultScale], {1, 2});
   EXPECT_EQ(file[kWhiteLevel], std::vector<double>{544});
-  EXPECT_DOUBLE_EQ(file[kNoiseProfile].at(0), 0.5 / (544 - 64));
+  EXPECT_DOUBLE_EQ(file[kNoiseProfile].at(0), 0.25 / (544 - 64));
+}
+
+// Of all colors, but with wells and read-outs of halves.
+TEST(Dng, ADenseViewHasTheFiltersColorsAndAViewsLevels) {
+  const TemporaryFolder folder;
+  Capture capture = capture_of("GRBG");
+  capture.camera.dp_downsample_x = capture.camera.dp_downsample_y = 1;
+  capture.exposure.dp_white_level_dn = 544;
+  write_dng(folder / "a.dng", ramp(4, 2), capture, DngImage::view);
+  const Directory file(folder / "a.dng");
+  EXPECT_EQ(file[kPhotometric], std::vector<double>{32803}) << "color filter array";
+  EXPECT_EQ(file[kCfaPattern], (std::vector<double>{1, 0, 2, 1}));
+  expect_near(file[kDefaultScale], {1, 1});
+  EXPECT_EQ(file[kWhiteLevel], std::vector<double>{544});
+  EXPECT_DOUBLE_EQ(file[kNoiseProfile].at(0), 0.25 / (544 - 64));
 }
 
 TEST(Dng, AMosaicIsWhiteWhereItClips) {
   const TemporaryFolder folder;
   Capture capture = capture_of("RGGB");
   capture.exposure.mosaic_white_level_dn = 544;
-  write_dng(folder / "a.dng", ramp(2, 2), capture, true, {.shot_dn = 0.5});
+  write_dng(folder / "a.dng", ramp(2, 2), capture, DngImage::mosaic);
   const Directory file(folder / "a.dng");
   EXPECT_EQ(file[kWhiteLevel], std::vector<double>{544});
   EXPECT_DOUBLE_EQ(file[kNoiseProfile].at(0), 0.5 / (544 - 64));
@@ -158,7 +175,7 @@ TEST(Dng, RefusesPlacesThatCannotBeWritten) {
   const TemporaryFolder folder;
   const std::string path = folder / "none/a.dng";
   const std::string refusal =
-      message_of<InputError>([&] { write_dng(path, ramp(2, 2), capture_of("RGGB"), true, {}); });
+      message_of<InputError>([&] { write_dng(path, ramp(2, 2), capture_of("RGGB"), DngImage::mosaic); });
   EXPECT_TRUE(refusal.starts_with(path + ": cannot be written: ")) << refusal;
 }
 

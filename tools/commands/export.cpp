@@ -39,8 +39,6 @@ struct Export {
   std::string name;    ///< of the capture's folder: data sets name their images by it
   std::string folder;  ///< where to write
 
-  bool dense() const { return capture.camera.dp_downsample_x * capture.camera.dp_downsample_y == 1; }
-
   const Truth& truth() const {
     if (!capture.truth) throw InputError(printable(source) + ": holds no truth, which this layout needs");
     return *capture.truth;
@@ -58,40 +56,37 @@ struct Export {
   }
 };
 
-/// visit(file name without its ending, raw, whether raw is a mosaic) for the images of every frame.
-void each_raw(const Export& e, const std::function<void(const std::string&, const ImageU16&, bool)>& visit) {
+/// visit(file name without its ending, raw, what raw is) for the images of every frame.
+void each_raw(const Export& e, const std::function<void(const std::string&, const ImageU16&, DngImage)>& visit) {
   for (std::size_t i = 0; i < e.capture.frames.size(); ++i) {
     const Frame& frame = e.capture.frames[i];
-    if (!frame.mosaic.empty()) visit(fmt::format("{:03}_mosaic", i), frame.mosaic, true);
-    visit(fmt::format("{:03}_left", i), frame.left, false);
-    visit(fmt::format("{:03}_right", i), frame.right, false);
+    if (!frame.mosaic.empty()) visit(fmt::format("{:03}_mosaic", i), frame.mosaic, DngImage::mosaic);
+    visit(fmt::format("{:03}_left", i), frame.left, DngImage::view);
+    visit(fmt::format("{:03}_right", i), frame.right, DngImage::view);
   }
 }
 
 void export_dng(const Export& e) {
-  const Camera& camera = e.capture.camera;
-  const double pixel_height = static_cast<double>(camera.dp_downsample_y) / camera.dp_downsample_x;
-  each_raw(e, [&](const std::string& name, const ImageU16& raw, bool whole) {
-    write_dng(e.file(name + ".dng"), raw, e.capture, whole || e.dense(),
-              whole ? e.capture.exposure.mosaic_noise : e.capture.exposure.dp_noise, whole ? 1 : pixel_height);
+  each_raw(e, [&](const std::string& name, const ImageU16& raw, DngImage image) {
+    write_dng(e.file(name + ".dng"), raw, e.capture, image);
   });
 }
 
 void export_png16(const Export& e) {
-  each_raw(e, [&](const std::string& name, const ImageU16& raw, bool) {
+  each_raw(e, [&](const std::string& name, const ImageU16& raw, DngImage) {
     write_png16(e.file(name + ".png"), levels(normalized(raw, e.capture.exposure)));
   });
 }
 
 void export_exr(const Export& e) {
-  each_raw(e, [&](const std::string& name, const ImageU16& raw, bool) {
+  each_raw(e, [&](const std::string& name, const ImageU16& raw, DngImage) {
     const Image image = normalized(raw, e.capture.exposure);
     write_exr(e.file(name + ".exr"), {{"Y", &image}}, false);
   });
 }
 
 void export_npy(const Export& e) {
-  each_raw(e, [&](const std::string& name, const ImageU16& raw, bool) {
+  each_raw(e, [&](const std::string& name, const ImageU16& raw, DngImage) {
     write_npy(e.file(name + ".npy"), normalized(raw, e.capture.exposure));
   });
   if (!e.capture.truth) return;

@@ -122,7 +122,7 @@ TEST(ColorChart, LibrawDevelopsItWithinTwoUnitsOfColorDifference) {
     const Capture capture = chart_capture(sensor);
     const TemporaryFolder folder;
     const std::string file = folder / "chart.dng";
-    write_dng(file, capture.frames[0].mosaic, capture, true, capture.exposure.mosaic_noise);
+    write_dng(file, capture.frames[0].mosaic, capture, DngImage::mosaic);
     // camera white balance, linear 16 bits, sRGB primaries, bilinear; levels as the tags have them
     ASSERT_EQ(std::system(("dcraw_emu -4 -T -w -o 1 -q 0 -c 0 '" + file + "' >/dev/null 2>&1").c_str()), 0);
     Image rgb = read_image(file + ".tiff");

@@ -87,7 +87,7 @@ TEST(Photograph, GrayIsGivenNoColoredNoise) {
 TEST(Photograph, DngIsDeveloped) {
   const TemporaryFolder folder;
   const Capture capture = pipeline::synthetic_capture(64, 48);
-  write_dng(folder / "a.dng", capture.frames[0].mosaic, capture, true, {0.1, 1});
+  write_dng(folder / "a.dng", capture.frames[0].mosaic, capture, DngImage::mosaic);
   const Image developed = read_photograph(folder / "a.dng").picture;
   ASSERT_EQ(developed.channels, 3);
   ASSERT_EQ(developed.width, 64);
