@@ -130,7 +130,7 @@ void export_rgbd(const Export& e) {
   };
   const Image rgb = developed(normalized(e.mosaic(), capture.exposure), capture);
   write_png16(path("rgb", "png"), levels(srgb(rgb)), true);
-  write_exr(path("depth", "exr"), {{"Z", &e.truth().depth_m}}, false);
+  write_exr(path("depth", "exr"), {{"Y", &e.truth().depth_m}}, false);
   write_png16(path("left", "png"), levels(scaled(normalized(capture.frames[0].left, capture.exposure), 2)));
   write_png16(path("right", "png"), levels(scaled(normalized(capture.frames[0].right, capture.exposure), 2)));
 }
@@ -154,7 +154,8 @@ const std::map<std::string, Format> kFormats = {
       "(100 "
       "- 99.8 d / 255) m), merged_conf; turned clockwise"}},
     {"rgbd",
-     {export_rgbd, "the first frame as rgb (16-bit sRGB), depth (EXR, m), left and right (16-bit linear, times 2)"}}};
+     {export_rgbd,
+      "the first frame as rgb (16-bit sRGB), depth (EXR, channel Y, m), left and right (16-bit linear, times 2)"}}};
 
 void run(const ExportOptions& options) {
   NewFolder folder(options.output, "export.json");
