@@ -53,12 +53,14 @@ nlohmann::ordered_json statistics_of(const Capture& capture) {
   });
   const Image left = normalized(capture.frames.front().left, capture.exposure);
   const Image right = normalized(capture.frames.front().right, capture.exposure);
+  // noise and fixed pattern leave full wells a little below
+  const double full = 0.98 * std::min({1.0, mosaic_white(capture.exposure), 2 * view_white(capture.exposure)});
   double sum = 0, clipped = 0;
   const auto pixels = static_cast<double>(left.data.size());
   for (std::size_t i = 0; i < left.data.size(); ++i) {
     const float signal = left.data[i] + right.data[i];
     sum += std::min(signal, 1.0f);
-    clipped += signal >= 1 ? 1 : 0;
+    clipped += signal >= full ? 1 : 0;
   }
   const double valid_share = static_cast<double>(depth.size()) / count;
   return {{"disparity_dp_px", quantiles(std::move(disparity))}, {"depth_m", quantiles(std::move(depth))},

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "datasets/pictures/developed.h"
+#include "datasets/pictures/statistics.h"
 #include "simulator/sensor/sensor.h"
 
 namespace dualpixel::datasets {
@@ -40,6 +42,7 @@ Capture even_light(const SensorOptions& sensor, double iso, const std::array<flo
   Truth& truth = capture.truth.emplace();
   truth.all_in_focus = picture;
   truth.left = truth.right = scaled(picture, 0.5f);
+  truth.depth_m = truth.disparity_dp_px = truth.person_mask = truth.valid = Image(picture.width, picture.height);
   return capture;
 }
 
@@ -68,6 +71,22 @@ TEST(Pictures, DpddsGrayTargetIsTheGreenThatItsSourcesAre) {
   sensor.color_matrix = kTinted;
   const DpddPictures p = dpdd_pictures(even_light(sensor, 100, {0.6f, 0.2f, 0.1f}));
   for (std::size_t i = 0; i < p.target.data.size(); ++i) ASSERT_NEAR(p.combined.data[i], p.target.data[i], kNoise);
+}
+
+// Views are white where their wells are full: below the digital range at ISO 50, above it at ISO 400.
+TEST(Pictures, ClippedIsWhatFillsWellsOrTheDigitalRange) {
+  SensorOptions sensor = quiet_sensor(2, 4);
+  sensor.full_well_e = 6000;  // a phone's, so that noise shows
+  sensor.electrons_per_lux_s = {3600, 4000, 3200};
+  for (const double iso : {50.0, 100.0, 400.0}) {
+    const auto white = static_cast<float>(std::min(1.0, iso / 100));
+    const auto clipped = [&](float signal) {
+      const auto share = statistics_of(even_light(sensor, iso, {signal, signal, signal}))["clipped_share"];
+      return share.get<double>();
+    };
+    EXPECT_EQ(clipped(2 * white), 1) << iso;
+    EXPECT_EQ(clipped(0.8f * white), 0) << iso;
+  }
 }
 
 }  // namespace
