@@ -43,8 +43,10 @@ void load_row(const Image& mosaic, int y, std::vector<float>& padded) {
 
 }  // namespace
 
+double balanced_white(const std::array<double, 3>& gains) { return *std::min_element(gains.begin(), gains.end()); }
+
 Image white_balanced(Image mosaic, const std::string& cfa, const std::array<double, 3>& gains) {
-  const float ceiling = static_cast<float>(*std::min_element(gains.begin(), gains.end()));
+  const float ceiling = static_cast<float>(balanced_white(gains));
   for_rows(mosaic.height, [&](int y) {
     float* row = mosaic.row(y);
     const float gain[2] = {static_cast<float>(gains[color_at(cfa, 0, y)]),

@@ -9,8 +9,11 @@
 /// From a Bayer mosaic to linear RGB of the same size.
 namespace dualpixel {
 
-/// The mosaic with each photosite multiplied by its color's gain, then clipped at the smallest gain (at most), where
-/// the first of the three colors reaches its white level: beyond it a neutral highlight would turn pink.
+/// Balanced white: the smallest of the gains, where the first of the three colors reaches its white level. Beyond it a
+/// neutral highlight would turn pink.
+double balanced_white(const std::array<double, 3>& gains);
+
+/// The mosaic with each photosite multiplied by its color's gain, then clipped at balanced_white().
 /// `cfa` names the colors of the top-left 2x2 photosites row by row ("RGGB"); `gains` are R, G, B.
 Image white_balanced(Image mosaic, const std::string& cfa, const std::array<double, 3>& gains);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "capture/image/demosaic.h"
 #include "capture/image/image_io.h"
@@ -44,6 +45,18 @@ Image scaled(Image image, float factor) {
   return image;
 }
 
+namespace {
+
+/// Truth's picture as white as developed() makes a mosaic's.
+Image clipped_as_developed(const Image& rgb, const Exposure& exposure) {
+  Image balanced = camera_colors(rgb, exposure);
+  const auto white = static_cast<float>(balanced_white(exposure.white_balance));
+  for (float& value : balanced.data) value = std::min(value, white);
+  return in_srgb(std::move(balanced), exposure.color_matrix);
+}
+
+}  // namespace
+
 DpddPictures dpdd_pictures(const Capture& capture) {
   const bool dense = capture.camera.dp_downsample_x * capture.camera.dp_downsample_y == 1;
   const int width = capture.camera.bayer_plane_width(), height = capture.camera.bayer_plane_height();
@@ -56,7 +69,8 @@ DpddPictures dpdd_pictures(const Capture& capture) {
   for (std::size_t i = 0; i < sum.data.size(); ++i) sum.data[i] += right.data[i];
   const Image& sharp = capture.truth->all_in_focus;
   return {picture(scaled(left, 2)), picture(scaled(right, 2)), picture(sum),
-          dense ? sharp : gray(resize_area(camera_colors(sharp, capture.exposure), width, height), 1)};
+          dense ? clipped_as_developed(sharp, capture.exposure)
+                : gray(resize_area(camera_colors(sharp, capture.exposure), width, height), 1)};
 }
 
 }  // namespace dualpixel::datasets

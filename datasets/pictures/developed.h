@@ -29,7 +29,7 @@ struct DpddPictures {
 };
 
 /// Dense views are demosaicked to full size. Others are green alone: gray, at the Bayer planes' size, where their
-/// pixels are square. Needs truth.
+/// pixels are square. Highlights of the target are clipped as the sources' are. Needs truth.
 DpddPictures dpdd_pictures(const Capture& capture);
 
 }  // namespace dualpixel::datasets

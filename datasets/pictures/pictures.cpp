@@ -95,6 +95,7 @@ void require_finite(const Image& image, const std::string& name, bool infinite =
 }
 
 void write_dpdd(const Capture& capture, const std::string& folder) {
+  require_finite(capture.truth->all_in_focus, kDpddFiles[3]);  // before infinity is clipped to white
   const DpddPictures p = dpdd_pictures(capture);
   const Image* pictures[] = {&p.combined, &p.left, &p.right, &p.target};
   for (std::size_t i = 0; i < std::size(kDpddFiles); ++i) {

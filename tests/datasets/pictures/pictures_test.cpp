@@ -73,6 +73,22 @@ TEST(Pictures, DpddsGrayTargetIsTheGreenThatItsSourcesAre) {
   for (std::size_t i = 0; i < p.target.data.size(); ++i) ASSERT_NEAR(p.combined.data[i], p.target.data[i], kNoise);
 }
 
+// Red filters that let most light through are white first, and the others are made as white as they.
+TEST(Pictures, DpddsDenseTargetIsAsWhiteAsItsSources) {
+  SensorOptions sensor = quiet_sensor(1, 1);
+  sensor.electrons_per_lux_s = {8e5, 4e5, 3.2e5};
+  for (const Matrix3& matrix : {kIdentity3, kTinted}) {
+    sensor.color_matrix = matrix;
+    const Capture capture = even_light(sensor, 100, {3, 3, 3});
+    ASSERT_LT(capture.exposure.white_balance[0], 0.7);
+    const DpddPictures p = dpdd_pictures(capture);
+    for (std::size_t i = 0; i < p.target.data.size(); ++i) {
+      ASSERT_NEAR(p.target.data[i], capture.exposure.white_balance[0], kNoise);
+      ASSERT_NEAR(p.combined.data[i], p.target.data[i], kNoise);
+    }
+  }
+}
+
 // Views are white where their wells are full: below the digital range at ISO 50, above it at ISO 400.
 TEST(Pictures, ClippedIsWhatFillsWellsOrTheDigitalRange) {
   SensorOptions sensor = quiet_sensor(2, 4);
