@@ -14,6 +14,7 @@
 
 #include "capture/error.h"
 #include "capture/files.h"
+#include "capture/json_fields.h"
 #include "capture/path_beside.h"
 #include "datasets/plan/plan.h"
 #include "datasets/render/relations.h"
@@ -41,6 +42,21 @@ DrawnScene drawn_scene_of(const json& scene) {
   return {order, fmt::format("scenes/{}_{}_{}", order.kind, order.seed, hash_of(scene.dump()).substr(0, 8))};
 }
 
+/// Beside the scene: what draw_scene() found wrong with it, a list of lines. Absent where that is nothing.
+constexpr const char* kWarningsFile = "warnings.json";
+
+/// What draw_scene() said of the sample's scene, but for an exposure that the sample does not have.
+std::vector<std::string> warnings_of(const SampleLine& line, const std::string& folder) {
+  const std::string path = folder + "/" + kWarningsFile;
+  std::error_code error;
+  if (!fs::exists(path, error)) return {};
+  auto warnings = read_json_file(path).get<std::vector<std::string>>();
+  const bool exposed_anew = line.relations.contains("exposure_mean") || line.set.contains("exposure") ||
+                            line.set.contains("exposure.time_s") || line.set.contains("exposure.iso");
+  if (exposed_anew) std::erase_if(warnings, [](const std::string& text) { return text.starts_with("exposure: "); });
+  return warnings;
+}
+
 /// Draws the scene unless it is there. Two processes that do so at once write the same bytes.
 std::string draw_once(const DrawnScene& scene, const std::string& dataset) {
   const std::string folder = dataset + "/" + scene.folder;
@@ -48,7 +64,9 @@ std::string draw_once(const DrawnScene& scene, const std::string& dataset) {
   std::error_code error;
   if (fs::exists(path, error)) return path;
   NewFolder out(folder, "scene.json");
-  scenes::draw_scene(scenes::scene_kind(scene.order.kind), scene.order, out.path());
+  const std::vector<std::string> warnings =
+      scenes::draw_scene(scenes::scene_kind(scene.order.kind), scene.order, out.path());
+  if (!warnings.empty()) write_file(out.path() + "/" + kWarningsFile, json(warnings).dump(2) + "\n");
   try {
     out.commit();
   } catch (const InputError&) {  // another process was first
@@ -193,7 +211,8 @@ RenderedSample render_line(const SampleLine& line, const std::string& dataset,
   capture.provenance.gltf_xxh64 = ready->gltf_xxh64;
   capture.provenance.scene = beside_sample(capture.provenance.scene, path, drawn);
   if (drawn) capture.provenance.other["scene_command"] = json(command_of(*drawn)).dump();
-  return {std::move(capture), missed_exposure};
+  return {std::move(capture), missed_exposure,
+          drawn ? warnings_of(line, fs::path(path).parent_path().string()) : std::vector<std::string>()};
 }
 
 RenderCounts render_shard(const RenderTask& task) {

@@ -63,6 +63,7 @@ void write_sample(const SampleLine& line, const RenderedSample& sample, const st
                                      {"exposure", to_json(capture.exposure)},
                                      {"camera_from_world", capture.frames.front().camera_from_world}};
   if (sample.missed_exposure) document["missed_exposure"] = scenes::to_json(*sample.missed_exposure);
+  if (!sample.scene_warnings.empty()) document["scene_warnings"] = sample.scene_warnings;
   if (capture.face_px) document["face_px"] = *capture.face_px;
   document["noise"]["views"] = capture.truth->noise->views;
   if (!capture.truth->all_in_focus.empty()) document["noise"]["all_in_focus"] = capture.truth->noise->all_in_focus;

@@ -26,6 +26,7 @@ struct SampleFile {
 struct RenderedSample {
   Capture capture;
   std::optional<scenes::MissedExposure> missed_exposure;  ///< of relations.exposure_mean
+  std::vector<std::string> scene_warnings = {};           ///< what drawing the scene said of it, one line each
 };
 
 /// Whether the sample is there. Its folder appears in one step, so that it is whole.

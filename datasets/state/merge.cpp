@@ -35,7 +35,9 @@ json index_entry(const SampleLine& line, const std::string& dataset) {
       entry[field] = camera.at(field);
     }
     for (const char* field : {"time_s", "iso"}) entry[field] = sample.at("exposure").at(field);
-    if (sample.contains("missed_exposure")) entry["missed_exposure"] = sample["missed_exposure"];
+    for (const char* field : {"missed_exposure", "scene_warnings"}) {
+      if (sample.contains(field)) entry[field] = sample[field];
+    }
     for (const SampleFile& file : files) entry["files"].push_back(file.name);
     return entry;
   } catch (const json::exception& error) {

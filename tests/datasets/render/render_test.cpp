@@ -169,6 +169,34 @@ TEST(Render, WritesNoPictureWithAValueThatIsNotFinite) {
   EXPECT_FALSE(is_there(folder / "dpdd", dpdd));
 }
 
+// A chart of so little contrast is drawn with a warning, which both of its samples repeat.
+TEST(SlowRender, SamplesSayWhatIsWrongWithTheirDrawnScene) {
+  const TemporaryFolder folder;
+  const std::string set = folder / "set";
+  json recipe = small_recipe(2);
+  recipe["scenes"] = {{{"kind", "chart"}, {"seeds", {1, 1}}}};
+  recipe["scenes"][0]["set"] = {{"pattern", "siemens_star"}, {"contrast", 0.05}, {"width_px", 128}};
+  recipe["set"].erase("exposure.iso");
+  plan_into(set, recipe);
+  EXPECT_EQ(render_shard({.dataset = set}).rendered, 2);
+  const std::string even = "the picture shows an even surface and nothing else";
+  for (const char* name : {"000000", "000001"}) {
+    const json sample = json::parse(read_bytes(set + "/samples/" + name + "/sample.json"));
+    EXPECT_EQ(sample["scene_warnings"], json::array({even}));
+  }
+  const std::string file = std::filesystem::directory_iterator(set + "/scenes")->path() / "warnings.json";
+  const std::string limit = "exposure: 99 s at ISO 100 are asked for";
+  write_bytes(file, json::array({even, limit}).dump());
+  const auto warnings = [&](const json& fields) {
+    SampleLine line = read_plan(set).front();
+    line.set.update(fields);
+    std::unique_ptr<simulator::ReadyScene> ready;
+    return render_line(line, set, ready).scene_warnings;
+  };
+  EXPECT_EQ(warnings(json::object()), (std::vector<std::string>{even, limit}));
+  EXPECT_EQ(warnings({{"exposure.iso", 200}}), std::vector<std::string>{even});  // has an exposure of its own
+}
+
 // The box of a drawn scene is that of its own lens and sensor.
 TEST(SlowRender, TheFaceOfADrawnSceneIsTheSamples) {
   const TemporaryFolder folder;
