@@ -94,9 +94,13 @@ double draw_normal(const Distribution& d, double u) {
   return d.mean + d.deviation * normal_quantile(share, low, high);
 }
 
-/// Six digits, so that a plan is readable and does not depend on the last bits of a library's logarithm.
-double six_digits(double value, const Distribution& d) {
-  return std::clamp(std::stod(fmt::format("{:.6g}", value)), d.low, d.high);
+/// Six digits, so that a plan is readable and does not depend on the last bits of a library's logarithm; more in a
+/// range that is narrow beside its values, for steps of a 10 000th of `width` at most.
+double few_digits(double value, double width, const Distribution& d) {
+  constexpr int kFewest = 6, kMost = 17;
+  const auto order = [](double x) { return static_cast<int>(std::floor(std::log10(std::abs(x)))); };
+  const int digits = value != 0 && width > 0 ? std::clamp(order(value) - order(width) + 5, kFewest, kMost) : kFewest;
+  return std::clamp(std::stod(fmt::format("{:.{}g}", value, digits)), d.low, d.high);
 }
 
 std::size_t weighted_index(const std::vector<double>& weights, double u) {
@@ -176,13 +180,13 @@ json draw(const Distribution& d, Draws draws, std::size_t grid_position) {
     case Kind::grid:
       return d.values[grid_position];
     case Kind::uniform:
-      return six_digits(d.low + u * (d.high - d.low), d);
+      return few_digits(d.low + u * (d.high - d.low), d.high - d.low, d);
     case Kind::log_uniform:
-      return six_digits(d.low * std::pow(d.high / d.low, u), d);
+      return few_digits(d.low * std::pow(d.high / d.low, u), d.high - d.low, d);
     case Kind::integer:
       return static_cast<std::int64_t>(d.low + std::floor(u * (d.high - d.low + 1)));
     case Kind::normal:
-      return six_digits(draw_normal(d, u), d);
+      return few_digits(draw_normal(d, u), std::min(d.high - d.low, d.deviation), d);
   }
   return nullptr;
 }

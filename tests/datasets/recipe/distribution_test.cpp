@@ -1,5 +1,6 @@
 #include "datasets/recipe/distribution.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -57,6 +58,15 @@ TEST(Distribution, DrawsWhatItsNameSays) {
   EXPECT_LT(largest_difference(draws({{"normal", {2, 0.5}}, {"bounds", {1.5, 4}}}),
                                [&](double x) { return (normal_below((x - 2) / 0.5) - low) / (high - low); }),
             kLargestByChance);
+}
+
+TEST(Distribution, DrawsAllOfANarrowRange) {
+  EXPECT_LT(largest_difference(draws({{"uniform", {1000000, 1000004}}}), [](double x) { return (x - 1000000) / 4; }),
+            kLargestByChance + 1e-4);
+  EXPECT_LT(largest_difference(draws({{"normal", {1e6, 1}}, {"bounds", {0, 2e6}}}),
+                               [](double x) { return normal_below(x - 1e6); }),
+            kLargestByChance + 1e-4);
+  for (const double x : draws({{"uniform", {0.9, 1.1}}})) ASSERT_EQ(x, std::stod(fmt::format("{:.6g}", x)));
 }
 
 TEST(Distribution, ChoosesByWeight) {
