@@ -114,12 +114,25 @@ std::vector<Asset> kind_assets(const SceneSource& source, Reader& reader) {
       scenes::scene_file_start(kind, {source.kind, source.seeds[0], scenes::assignments_of(source.set)});
   if (!source.set.empty()) origin.scene["set"] = source.set;
   origin.environment = reader.environment_of(source.kind, origin.scene_file);
-  const auto shared = std::make_shared<const SceneOrigin>(std::move(origin));
+  std::map<std::string, std::shared_ptr<const SceneOrigin>> origins;  // "": models that the seed makes
+  scenes::SceneOrder order{source.kind, 0, scenes::assignments_of(source.set)};
+  const auto origin_of = [&](std::uint64_t seed) {
+    order.seed = seed;
+    const std::string model = scenes::fixed_model_of(kind, order);
+    std::shared_ptr<const SceneOrigin>& shared = origins[model];
+    if (!shared) {
+      SceneOrigin own = origin;
+      own.one_model = !model.empty();
+      if (own.one_model) own.geometry += " " + model;
+      shared = std::make_shared<const SceneOrigin>(std::move(own));
+    }
+    return shared;
+  };
   const double count = static_cast<double>(source.seeds[1] - source.seeds[0] + 1);
   std::vector<Asset> assets;
   assets.reserve(static_cast<std::size_t>(count));
   for (std::uint64_t seed = source.seeds[0]; seed <= source.seeds[1]; ++seed) {
-    assets.push_back({shared, seed, source.weight / count});
+    assets.push_back({origin_of(seed), seed, source.weight / count});
   }
   return assets;
 }
@@ -250,7 +263,9 @@ json Asset::scene() const {
 
 std::string Asset::path() const { return seed ? fmt::format("{} {}", origin->path, *seed) : origin->path; }
 
-std::string Asset::geometry() const { return seed ? fmt::format("{} {}", origin->geometry, *seed) : origin->geometry; }
+std::string Asset::geometry() const {
+  return seed && !origin->one_model ? fmt::format("{} {}", origin->geometry, *seed) : origin->geometry;
+}
 
 const Asset& SplitAssets::scene_at(double share) const {
   const auto end = std::upper_bound(ends.begin(), ends.end(), share * ends.back());

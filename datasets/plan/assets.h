@@ -17,6 +17,7 @@ struct SceneOrigin {
   nlohmann::json scene_file;  ///< of it; of a kind what is known before a scene is drawn
   std::string path;           ///< of the scene file; of a kind its name
   std::string geometry;       ///< names it among others; of a kind its name
+  bool one_model = false;     ///< of a kind: all seeds show the same
   std::string environment;    ///< hash of the picture that lights it, where one of its own does
 };
 

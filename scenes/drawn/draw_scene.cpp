@@ -101,6 +101,20 @@ std::vector<Parameter> parameters_of(const SceneKind& kind) {
   return all;
 }
 
+std::string fixed_model_of(const SceneKind& kind, const SceneOrder& order) {
+  const auto& [parameter, values] = kind.fixed_models;
+  if (parameter == nullptr) return "";
+  // that parameter alone: there may be a million seeds
+  std::vector<std::string> own;
+  for (const std::string& assignment : order.assignments) {
+    if (assignment.starts_with(std::string(parameter) + "=")) own.push_back(assignment);
+  }
+  const auto row = std::find_if(kind.parameters.begin(), kind.parameters.end(),
+                                [&](const Parameter& p) { return p.name == std::string_view(parameter); });
+  const std::string value = draw_parameters(kind.name, {&*row, 1}, own, order.seed).choice(parameter);
+  return std::find(values.begin(), values.end(), value) != values.end() ? value : "";
+}
+
 std::vector<std::string> draw_scene(const SceneKind& kind, const SceneOrder& order, const std::string& folder) {
   const Parameters parameters = parameters_for(kind, order);
   const std::string path = folder + "/scene.json";

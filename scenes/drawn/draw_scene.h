@@ -15,6 +15,12 @@
 ///   drawn       parameters, builder, exposure         kinds      what is in a scene: one file each
 namespace dualpixel::scenes {
 
+/// Values of a choice with each of which a kind draws one model, whatever the seed.
+struct FixedModels {
+  const char* parameter = nullptr;
+  std::vector<std::string> values;
+};
+
 struct SceneKind {
   const char* name;
   const char* description;
@@ -22,6 +28,7 @@ struct SceneKind {
   void (*build)(SceneBuilder& builder, const Parameters& parameters, RandomStream rng);
   /// The `environment` that build() makes, its model alone: known before anything is drawn.
   simulator::EnvironmentModel (*environment)(const Parameters& parameters);
+  FixedModels fixed_models = {};
 };
 
 struct SceneOrder {
@@ -35,6 +42,10 @@ inline constexpr int kArrangements = 4;
 
 /// Parameters of all kinds and then the kind's own.
 std::vector<Parameter> parameters_of(const SceneKind& kind);
+
+/// The value, one of kind.fixed_models, by which the order draws the same model as for any seed; empty: the model is
+/// the seed's own. Throws InputError.
+std::string fixed_model_of(const SceneKind& kind, const SceneOrder& order);
 
 /// Writes scene.json and scene.glb into a folder that exists; the same bytes for the same order and any number of
 /// threads. Where the camera does not stand in free space, shows nothing or finds no exposure, everything that is not

@@ -157,7 +157,8 @@ SceneKind chart_kind() {
         "Michelson contrast of siemens_star and slanted_edge; 0.6: ISO 12233's 4 : 1"},
        {"cycles", "", Type::integer, 4, 288, 72, 72, "of siemens_star"}},
       build_chart,
-      [](const Parameters&) { return simulator::EnvironmentModel::none; }};
+      [](const Parameters&) { return simulator::EnvironmentModel::none; },
+      {"pattern", {"target", "planes", "edges"}}};
 }
 
 }  // namespace dualpixel::scenes

@@ -14,6 +14,7 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
+#include "scenes/kinds/kinds.h"
 #include "simulator/lens/lens_file.h"
 #include "simulator/scene/gltf/gltf.h"
 #include "tests/datasets/small_recipe.h"
@@ -34,7 +35,8 @@ Plan plan_of(const json& recipe) { return make_plan(read_recipe(recipe, "r.json"
 
 json of_charts(int count, int seeds) {
   json recipe = small_recipe(count);
-  recipe["scenes"] = {{{"kind", "chart"}, {"seeds", {1, seeds}}, {"set", {{"width_px", 128}}}}};
+  recipe["scenes"] = {
+      {{"kind", "chart"}, {"seeds", {1, seeds}}, {"set", {{"pattern", "focus_ladder"}, {"width_px", 128}}}}};
   recipe["set"] = json::object();
   recipe["split"] = {{"train", 0.6}, {"validation", 0.1}, {"test", 0.3}};
   return recipe;
@@ -90,6 +92,24 @@ TEST(Plan, SplitsShareNoSceneAndHaveTheirShares) {
   EXPECT_NEAR(static_cast<double>(plan.samples[0]), 0.6 * kCount, off);
   EXPECT_NEAR(static_cast<double>(plan.samples[1]), 0.1 * kCount, off);
   EXPECT_EQ(plan.scenes, (std::array<std::size_t, 3>{12, 2, 6}));
+}
+
+// Some patterns are the shipped scenes', whatever the seed.
+TEST(Plan, ChartsOfOneModelAreInOneSplit) {
+  json recipe = of_charts(60, 60);
+  recipe["scenes"][0]["set"].erase("pattern");  // drawn, one of seven
+  std::map<std::string, std::set<Split>> splits;
+  for (const SampleLine& line : plan_of(recipe).lines) {
+    const std::string model = scenes::fixed_model_of(scenes::scene_kind("chart"), order_of(line.scene));
+    splits[model].insert(line.split);
+  }
+  ASSERT_EQ(splits.size(), 4U);
+  EXPECT_EQ(splits[""].size(), 3U);
+  for (const char* model : {"target", "planes", "edges"}) EXPECT_EQ(splits[model].size(), 1U) << model;
+  recipe["scenes"][0]["set"]["pattern"] = "planes";
+  EXPECT_EQ(message_of<InputError>([&] { plan_of(recipe); }),
+            "r.json: /scenes: 1 group of scenes that share no model and no light: must be 3 at least, one for each "
+            "split of /split");
 }
 
 std::uint32_t word_in(const std::string& bytes, std::size_t at) {
