@@ -22,12 +22,7 @@ constexpr double kSrgbFromXyz[3][3] = {
 
 constexpr int kNoiseProfile = 51041;
 
-/// DNG 1.4 wants these in the main directory, where libtiff does not expect them.
 const TIFFFieldInfo kDngFields[] = {
-    {EXIFTAG_EXPOSURETIME, 1, 1, TIFF_RATIONAL, FIELD_CUSTOM, 1, 0, const_cast<char*>("ExposureTime")},
-    {EXIFTAG_FNUMBER, 1, 1, TIFF_RATIONAL, FIELD_CUSTOM, 1, 0, const_cast<char*>("FNumber")},
-    {EXIFTAG_ISOSPEEDRATINGS, 1, 1, TIFF_SHORT, FIELD_CUSTOM, 1, 0, const_cast<char*>("ISOSpeedRatings")},
-    {EXIFTAG_FOCALLENGTH, 1, 1, TIFF_RATIONAL, FIELD_CUSTOM, 1, 0, const_cast<char*>("FocalLength")},
     {kNoiseProfile, TIFF_VARIABLE, TIFF_VARIABLE, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1, const_cast<char*>("NoiseProfile")},
 };
 
@@ -50,7 +45,21 @@ class TiffFile {
     TIFFOpenOptionsSetWarningHandlerExtR(options.get(), ignore_warning, nullptr);
     file_.reset(TIFFOpenExt(path.c_str(), "wl", options.get()));
     require(file_ != nullptr);
+  }
+
+  /// A directory of its own, which DNG prefers and without which LibRaw finds no ISO. Comes before the image's.
+  void write_exif(const Capture& capture) {
+    require(TIFFCreateEXIFDirectory(file_.get()) == 0);
+    set(EXIFTAG_EXPOSURETIME, capture.exposure.time_s);
+    set(EXIFTAG_FNUMBER, capture.camera.f_number);
+    const double iso = std::clamp(std::round(capture.exposure.iso), 0.0, 65535.0);
+    set_array(EXIFTAG_ISOSPEEDRATINGS, std::vector<std::uint16_t>{static_cast<std::uint16_t>(iso)});
+    set(EXIFTAG_FOCALLENGTH, capture.camera.focal_length_mm);
+    std::uint64_t offset = 0;
+    require(TIFFWriteCustomDirectory(file_.get(), &offset) == 1);
+    require(TIFFCreateDirectory(file_.get()) == 0);
     require(TIFFMergeFieldInfo(file_.get(), kDngFields, std::size(kDngFields)) == 0);
+    set(TIFFTAG_EXIFIFD, offset);
   }
 
   template <typename... Values>
@@ -126,6 +135,7 @@ void write_dng(const std::string& path, const ImageU16& raw, const Capture& capt
   constexpr int kLinearRaw = 34892, kD65 = 21;
 
   TiffFile file(path);
+  file.write_exif(capture);
   file.set(TIFFTAG_SUBFILETYPE, 0);  // the main image
   file.set(TIFFTAG_IMAGEWIDTH, raw.width);
   file.set(TIFFTAG_IMAGELENGTH, raw.height);
@@ -137,10 +147,6 @@ void write_dng(const std::string& path, const ImageU16& raw, const Capture& capt
   file.set(TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
   file.set(TIFFTAG_MAKE, "dualpixel");
   file.set(TIFFTAG_MODEL, capture.camera.name.c_str());
-  file.set(EXIFTAG_EXPOSURETIME, exposure.time_s);
-  file.set(EXIFTAG_FNUMBER, capture.camera.f_number);
-  file.set(EXIFTAG_ISOSPEEDRATINGS, static_cast<int>(std::clamp(std::round(exposure.iso), 0.0, 65535.0)));
-  file.set(EXIFTAG_FOCALLENGTH, capture.camera.focal_length_mm);
 
   const std::uint8_t version[4] = {1, 4, 0, 0}, oldest_reader[4] = {1, 3, 0, 0};
   file.set(TIFFTAG_DNGVERSION, version);

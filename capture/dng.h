@@ -7,7 +7,7 @@ namespace dualpixel {
 
 enum class DngImage { mosaic, view };
 
-/// Writes a raw image as an Adobe Digital Negative (DNG specification 1.4, 2012): little-endian, one directory, 16 bits
+/// Writes a raw image as an Adobe Digital Negative (DNG specification 1.4, 2012): little-endian, one image, 16 bits
 /// uncompressed, digital numbers unchanged. It carries black level, the as-shot neutral, white level and noise profile
 /// of such an image, and a color matrix from XYZ to linear sRGB divided by the white balance, which is what the
 /// simulated sensor records. A mosaic has the camera's color filters, as has a view of a dense sensor; other views are

@@ -25,6 +25,8 @@ enum Tag {
   kStripOffsets = 273,
   kStripBytes = 279,
   kExposureTime = 33434,
+  kExif = 34665,
+  kIso = 34855,
   kCfaPattern = 33422,
   kBlackLevel = 50714,
   kWhiteLevel = 50717,
@@ -34,11 +36,16 @@ enum Tag {
   kNoiseProfile = 51041
 };
 
-/// The fields of a little-endian TIFF file's only directory, as numbers.
+/// The fields of a little-endian TIFF file's only directory and of the EXIF directory that it names, as numbers.
 struct Directory {
   explicit Directory(const std::string& path) : bytes(read_file(path)) {
     EXPECT_EQ(bytes.substr(0, 4), std::string("II*\0", 4));
-    const auto start = at<std::uint32_t>(4);
+    read_directory(at<std::uint32_t>(4));
+    EXPECT_TRUE(fields[kExposureTime].empty()) << "is EXIF's";
+    if (fields.count(kExif)) read_directory(static_cast<std::size_t>(fields[kExif].at(0)));
+  }
+
+  void read_directory(std::size_t start) {
     const auto count = at<std::uint16_t>(start);
     for (int i = 0; i < count; ++i) read_field(start + 2 + 12 * i);
     EXPECT_EQ(at<std::uint32_t>(start + 2 + 12 * count), 0u) << "one directory";
@@ -55,7 +62,7 @@ struct Directory {
 
   void read_field(std::size_t entry) {
     static_assert(std::endian::native == std::endian::little);
-    const std::map<int, int> sizes = {{1, 1}, {2, 1}, {3, 2}, {4, 4}, {5, 8}, {10, 8}, {12, 8}};
+    const std::map<int, int> sizes = {{1, 1}, {2, 1}, {3, 2}, {4, 4}, {5, 8}, {10, 8}, {12, 8}, {13, 4}};
     const int type = at<std::uint16_t>(entry + 2);
     const auto count = at<std::uint32_t>(entry + 4);
     ASSERT_TRUE(sizes.count(type)) << "type " << type;
@@ -63,12 +70,12 @@ struct Directory {
     std::size_t offset = size * count <= 4 ? entry + 8 : at<std::uint32_t>(entry + 8);
     std::vector<double>& values = fields[at<std::uint16_t>(entry)];
     for (std::uint32_t i = 0; i < count; ++i, offset += size) {
-      values.push_back(type == 3    ? at<std::uint16_t>(offset)
-                       : type == 4  ? at<std::uint32_t>(offset)
-                       : type == 5  ? 1.0 * at<std::uint32_t>(offset) / at<std::uint32_t>(offset + 4)
-                       : type == 10 ? 1.0 * at<std::int32_t>(offset) / at<std::int32_t>(offset + 4)
-                       : type == 12 ? at<double>(offset)
-                                    : at<std::uint8_t>(offset));
+      values.push_back(type == 3                 ? at<std::uint16_t>(offset)
+                       : type == 4 || type == 13 ? at<std::uint32_t>(offset)
+                       : type == 5               ? 1.0 * at<std::uint32_t>(offset) / at<std::uint32_t>(offset + 4)
+                       : type == 10              ? 1.0 * at<std::int32_t>(offset) / at<std::int32_t>(offset + 4)
+                       : type == 12              ? at<double>(offset)
+                                                 : at<std::uint8_t>(offset));
     }
   }
 
@@ -115,6 +122,7 @@ TEST(Dng, AMosaicKeepsItsNumbersAndSaysWhatTheyMean) {
   expect_near(file[kBlackLevel], {64});
   EXPECT_EQ(file[kWhiteLevel], std::vector<double>{1023});
   expect_near(file[kExposureTime], {0.0078125});
+  EXPECT_EQ(file[kIso], std::vector<double>{200});
   expect_near(file[kAsShotNeutral], {0.5, 1, 0.625});
   // XYZ of the neutral that sRGB calls white (D65: 0.95047, 1, 1.08883) is what the sensor records of a neutral gray
   const std::vector<double> matrix = file[kColorMatrix1];

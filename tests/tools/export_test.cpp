@@ -66,6 +66,7 @@ TEST(SlowExport, DngOpensInLibRaw) {
     EXPECT_TRUE(std::regex_search(about, std::regex("Full size: +96 x 128\n"))) << about;
     EXPECT_NE(about.find("Filter pattern: " + cfa), std::string::npos) << about;
     EXPECT_NE(about.find("black: 64\n"), std::string::npos) << about;
+    EXPECT_NE(about.find("ISO speed: 100\n"), std::string::npos) << about;
 
     // developed: camera white balance, linear, sRGB primaries, bilinear; the white level is 65535
     output_of("dcraw_emu -4 -T -w -o 1 -q 0 '" + mosaic + "'");
