@@ -116,29 +116,29 @@ nlohmann::json lens_at(const CameraMeasurements& m, const Eigen::VectorXd& at) {
 }
 
 /// A camera and its errors; none where the lens cannot be.
-struct Trial {
+struct TriedCamera {
   PreparedCamera camera;
   Eigen::VectorXd errors;
 };
-std::optional<Trial> try_at(const CameraMeasurements& m, const Eigen::VectorXd& at, const PreparedCamera* like) {
+std::optional<TriedCamera> try_at(const CameraMeasurements& m, const Eigen::VectorXd& at, const PreparedCamera* like) {
   try {
     PreparedCamera camera = prepare_camera(m, lens_at(m, at), like);
     std::optional<Eigen::VectorXd> errors = weighted_errors(m, camera);
     if (!errors) return {};
-    return Trial{std::move(camera), std::move(*errors)};
+    return TriedCamera{std::move(camera), std::move(*errors)};
   } catch (const InputError&) {
     return {};
   }
 }
 
 /// Central differences, one-sided at a bound or where the lens cannot be.
-Eigen::MatrixXd slopes_of(const CameraMeasurements& m, const Eigen::VectorXd& at, const Trial& here) {
+Eigen::MatrixXd slopes_of(const CameraMeasurements& m, const Eigen::VectorXd& at, const TriedCamera& here) {
   Eigen::MatrixXd slopes(here.errors.size(), at.size());
   tbb::parallel_for(Eigen::Index{0}, at.size(), [&](Eigen::Index i) {
     Eigen::VectorXd ahead = at, behind = at;
     ahead[i] = std::min(1.0, at[i] + kDifference);
     behind[i] = std::max(0.0, at[i] - kDifference);
-    const std::optional<Trial> more = try_at(m, ahead, &here.camera), less = try_at(m, behind, &here.camera);
+    const std::optional<TriedCamera> more = try_at(m, ahead, &here.camera), less = try_at(m, behind, &here.camera);
     const double step = (more ? ahead[i] : at[i]) - (less ? behind[i] : at[i]);
     slopes.col(i).setZero();
     if (step > 0) slopes.col(i) = ((more ? more->errors : here.errors) - (less ? less->errors : here.errors)) / step;
@@ -166,12 +166,14 @@ Eigen::VectorXd damped_step(const Eigen::MatrixXd& slopes, const Eigen::VectorXd
   return (at + step).cwiseMax(0).cwiseMin(1);
 }
 
-double cost_of(const Trial& trial) { return trial.errors.squaredNorm() / static_cast<double>(trial.errors.size()); }
+double cost_of(const TriedCamera& trial) {
+  return trial.errors.squaredNorm() / static_cast<double>(trial.errors.size());
+}
 
 /// Where a descent is.
 struct Descent {
   Eigen::VectorXd at;
-  Trial here;
+  TriedCamera here;
   int steps = 0;
 };
 
@@ -184,7 +186,7 @@ Descent descend(const CameraMeasurements& m, Descent d) {
     improved = false;
     while (!improved && damping < 1e8) {
       const Eigen::VectorXd next = damped_step(slopes, d.here.errors, d.at, damping);
-      std::optional<Trial> there = try_at(m, next, &d.here.camera);
+      std::optional<TriedCamera> there = try_at(m, next, &d.here.camera);
       if (there && cost_of(*there) < cost_of(d.here) * (1 - kSmallestGain)) {
         d.at = next, d.here = std::move(*there), improved = true;
         damping = std::max(damping / 3, 1e-9), growth = 2;
@@ -199,12 +201,12 @@ Descent descend(const CameraMeasurements& m, Descent d) {
 
 /// The best of points spread over the bounds by a hash, some of which lie in the valley of another minimum than the
 /// lens that the file starts from.
-std::vector<Descent> other_starts(const CameraMeasurements& m, const Trial& first) {
+std::vector<Descent> other_starts(const CameraMeasurements& m, const TriedCamera& first) {
   std::vector<std::unique_ptr<Descent>> tried(kTriedStarts);  // none where the lens cannot be
   tbb::parallel_for(std::size_t{0}, tried.size(), [&](std::size_t k) {
     Eigen::VectorXd at(static_cast<Eigen::Index>(m.fit.size()));
     for (Eigen::Index i = 0; i < at.size(); ++i) at[i] = std::ldexp(simulator::hash(1, k, i) >> 11, -53);
-    if (std::optional<Trial> trial = try_at(m, at, &first.camera))
+    if (std::optional<TriedCamera> trial = try_at(m, at, &first.camera))
       tried[k] = std::make_unique<Descent>(Descent{std::move(at), std::move(*trial)});
   });
   std::erase_if(tried, [](const auto& d) { return !d; });
@@ -329,7 +331,7 @@ CameraFit fit_camera(const CameraMeasurements& m) {
     const double value = m.lens.at(nlohmann::json::json_pointer(f.pointer)).get<double>();
     start[static_cast<Eigen::Index>(i)] = (value - f.low) / (f.high - f.low);
   }
-  std::optional<Trial> first = try_at(m, start, nullptr);
+  std::optional<TriedCamera> first = try_at(m, start, nullptr);
   if (!first) {
     throw InputError(printable(m.path) + ": /lens: some place of the grids gets no light: start from another lens");
   }

@@ -11,7 +11,6 @@ namespace dualpixel::evaluation {
 namespace {
 
 constexpr double kWidth = 900, kHeight = 34;
-constexpr int kColors = 6;  // of page.css
 
 double length_of(double value) { return std::isfinite(value) ? std::max(value, 0.0) : 0; }
 
@@ -31,12 +30,12 @@ std::string svg_bar(const Bar& bar) {
                                          sum != 0 ? 100 * value / sum : 0);
     svg += fmt::format(
         "<rect class=\"part c{}\" x=\"{:.1f}\" y=\"2\" width=\"{:.1f}\" height=\"{}\"><title>{}</title></rect>",
-        i % kColors, x, std::max(width - 1, 0.0), kHeight - 4, text);
+        i % kSeriesColors, x, std::max(width - 1, 0.0), kHeight - 4, text);
     x += width;
     legend += fmt::format(
         " <span class=\"name\"><svg class=\"legend\" viewBox=\"0 0 22 9\"><line class=\"key c{}\" x1=\"0\" x2=\"22\" "
         "y1=\"5\" y2=\"5\" stroke-width=\"6\"/></svg> {}</span>",
-        i % kColors, text);
+        i % kSeriesColors, text);
   }
   return svg + "</svg><figcaption><b>" + escape_html(bar.title) + fmt::format("</b>, {:.4g} ", sum) +
          escape_html(bar.unit) + ":" + legend + "</figcaption></figure>\n";

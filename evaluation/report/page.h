@@ -5,6 +5,9 @@
 /// are HTML; every other text is escaped here.
 namespace dualpixel::evaluation {
 
+/// Colors for series, classes c0, c1, ... of page.css.
+inline constexpr int kSeriesColors = 6;
+
 /// `text` with the characters that mean something in HTML replaced.
 std::string escape_html(const std::string& text);
 

@@ -12,7 +12,6 @@ namespace dualpixel::evaluation {
 namespace {
 
 constexpr double kPlotWidth = 480, kPlotHeight = 300, kLeft = 62, kRight = 14, kTop = 12, kBottom = 46;
-constexpr int kColors = 6;
 
 struct Axis {
   double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
@@ -123,8 +122,8 @@ std::string svg_plot(const Plot& plot) {
     std::string points;
     const auto end_line = [&] {
       if (!points.empty()) {
-        svg += fmt::format("<polyline class=\"c{}{}\" points=\"{}\"/>", i % kColors, series.dashed ? " dashed" : "",
-                           points);
+        svg += fmt::format("<polyline class=\"c{}{}\" points=\"{}\"/>", i % kSeriesColors,
+                           series.dashed ? " dashed" : "", points);
       }
       points.clear();
     };
@@ -134,8 +133,8 @@ std::string svg_plot(const Plot& plot) {
         end_line();
       } else if (series.dots) {
         const double dot_x = at_x(point.first), dot_y = at_y(point.second);
-        svg += fmt::format("<circle class=\"c{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\">{}</circle>", i % kColors, dot_x,
-                           dot_y, dot_title(series, k));
+        svg += fmt::format("<circle class=\"c{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\">{}</circle>", i % kSeriesColors,
+                           dot_x, dot_y, dot_title(series, k));
         if (series.write_labels && k < series.labels.size()) svg += dot_label(series.labels[k], dot_x, dot_y);
       } else {
         points += fmt::format("{:.1f},{:.1f} ", at_x(point.first), at_y(point.second));
@@ -149,7 +148,7 @@ std::string svg_plot(const Plot& plot) {
     svg += fmt::format(
         " <span class=\"name\"><svg class=\"legend\" viewBox=\"0 0 22 9\"><line class=\"key c{}{}\" x1=\"0\" x2=\"22\" "
         "y1=\"5\" y2=\"5\" stroke-width=\"3\"/></svg> {}</span>",
-        i % kColors, plot.series[i].dashed ? " dashed" : "", escape_html(plot.series[i].name));
+        i % kSeriesColors, plot.series[i].dashed ? " dashed" : "", escape_html(plot.series[i].name));
   }
   return svg + "</figcaption></figure>\n";
 }

@@ -28,9 +28,9 @@ TEST(ScoreCommand, WritesItsFiguresBesideTheResult) {
   pipeline::write_result(pipeline::synthetic_result(capture), {{"mode", "dp"}}, folder / "r");
   CLI::App program;
   add_score(program);
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   program.parse(std::vector<std::string>{"--json", folder / "r", folder / "c", "score"});  // CLI11 takes them reversed
-  const std::string printed = testing::internal::GetCapturedStdout();
+  const std::string printed = ::testing::internal::GetCapturedStdout();
   EXPECT_EQ(printed, read_bytes(folder / "r/score.json"));
   const nlohmann::json score = nlohmann::json::parse(printed);
   EXPECT_NEAR(score["disparity"]["confident"]["rmse_affine_px"].get<double>(), 0, 1e-6);
@@ -138,9 +138,9 @@ TEST(InfoCommand, KnowsAPortraitResult) {
   pipeline::write_result(pipeline::synthetic_result(pipeline::synthetic_capture()), {{"mode", "dp"}}, folder / "r");
   CLI::App program;
   add_info(program);
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   program.parse(std::vector<std::string>{"--json", folder / "r", "info"});
-  EXPECT_EQ(nlohmann::json::parse(testing::internal::GetCapturedStdout())["kind"], "portrait result");
+  EXPECT_EQ(nlohmann::json::parse(::testing::internal::GetCapturedStdout())["kind"], "portrait result");
 }
 
 }  // namespace

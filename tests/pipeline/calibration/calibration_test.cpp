@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -18,6 +17,7 @@
 #include "pipeline/calibration/correction.h"
 #include "pipeline/calibration/tilt.h"
 #include "tests/pipeline/texture.h"
+#include "tests/temporary_folder.h"
 
 namespace dualpixel::pipeline {
 namespace {
@@ -66,17 +66,8 @@ std::vector<TargetMeasurement> sweep(const std::vector<double>& focuses_m, doubl
   return measurements;
 }
 
-std::string message_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 std::string refusal_of(const std::vector<TargetMeasurement>& measurements) {
-  return message_of([&] { fit_calibration(test_camera(), measurements); });
+  return message_of<InputError>([&] { fit_calibration(test_camera(), measurements); });
 }
 
 TEST(CalibrationFlow, FindsASmoothFieldUnderShadingThatDiffersBetweenTheViews) {
@@ -356,7 +347,7 @@ TEST(Calibration, AHoleBesideThePrincipalPointLeavesItsLineAndOneOnItIsRefused) 
   calibration.focuses[0].slope_dp_px_m.at(11, 7) = 0;
   EXPECT_LT(worst_trusted_error(calibration), 2.0 / 27 * 0.2 + 2e-3);
   calibration.focuses[0].slope_dp_px_m.at(10, 7) = 0;
-  EXPECT_EQ(message_of([&] { make_correction(calibration, test_camera()); }),
+  EXPECT_EQ(message_of<InputError>([&] { make_correction(calibration, test_camera()); }),
             "calibration: focus distance 0.8 m: disparity at the principal point does not change with depth: there is "
             "nothing to correct to");
 }

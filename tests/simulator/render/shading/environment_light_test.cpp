@@ -16,20 +16,20 @@ glm::vec3 direction_of(double down, double around) {
           static_cast<float>(-r * std::cos(phi))};
 }
 
-constexpr int kWidth = 256, kHeight = 128;
+constexpr int kSkyWidth = 256, kSkyHeight = 128;
 
 /// A clear sky over gray ground, and the sun in one pixel.
 Environment sky_with_sun(int row, int column) {
-  Environment sky{kWidth, kHeight, {}};
-  const glm::vec3 to_sun = direction_of((row + 0.5) / kHeight, (column + 0.5) / kWidth);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      const glm::vec3 d = direction_of((y + 0.5) / kHeight, (x + 0.5) / kWidth);
+  Environment sky{kSkyWidth, kSkyHeight, {}};
+  const glm::vec3 to_sun = direction_of((row + 0.5) / kSkyHeight, (column + 0.5) / kSkyWidth);
+  for (int y = 0; y < kSkyHeight; ++y) {
+    for (int x = 0; x < kSkyWidth; ++x) {
+      const glm::vec3 d = direction_of((y + 0.5) / kSkyHeight, (x + 0.5) / kSkyWidth);
       const float degrees = std::acos(std::min(glm::dot(d, to_sun), 1.0f)) * 180 / kPi;
       sky.radiance_nits.emplace_back(d.y > 0 ? 4000 * (1 - 0.5f * d.y) + 8000 * std::exp(-degrees / 15) : 500);
     }
   }
-  sky.radiance_nits[row * kWidth + column] = glm::vec3(1.8e8f);  // 1.6e9 over half a degree
+  sky.radiance_nits[row * kSkyWidth + column] = glm::vec3(1.8e8f);  // 1.6e9 over half a degree
   return sky;
 }
 
