@@ -226,6 +226,10 @@ Truth first_truth(const Simulation& s, const RenderScene& world, const CameraVie
       trace_truth_rows(world, now.view, band.first_row, band.end_row, truth);
     }
   }
+  // the middle of the lens lies in what it sees
+  if (std::any_of(truth.depth_m.data.begin(), truth.depth_m.data.end(), [](float depth) { return depth <= 0; })) {
+    throw InputError(printable(s.path) + ": /camera: lies in a surface: must look at it from a distance");
+  }
   return truth;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
@@ -67,7 +68,7 @@ double take_model_scale(json& document, const std::string& path) {
 
 void scale_model(double scale, json& document, const std::string& path, Ready& ready) {
   make_ready(simulator::read_simulation(document, path), ready);
-  document["model_size_m"] = short_number(scale * simulator::longest_side(ready->scene));
+  document["model_size_m"] = std::stod(fmt::format("{:.9g}", scale * simulator::longest_side(ready->scene)));
 }
 
 /// From where the whole of the scene's ball is in the picture, a little from above and aside.

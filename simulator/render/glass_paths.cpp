@@ -192,16 +192,26 @@ void dim_by_glass(const RenderScene& world, const int active[kPacket], const int
   alignas(64) RayPacket rays = shadow_rays;
   alignas(64) int lanes[kPacket];
   for (int i = 0; i < kPacket; ++i) lanes[i] = active[i] && !hidden[i] ? -1 : 0;
+  glm::vec3 within_per_m[kPacket] = {};  // absorption of the solid glass that the ray is in, where it entered it
   for (int passage = 0; passage < kMostPassages; ++passage) {
     alignas(64) float far[kPacket];
+    alignas(64) int before[kPacket];
     std::copy_n(rays.far, kPacket, far);
-    if (!world.intersector.intersect_glass(lanes, rays)) return;
+    std::copy_n(lanes, kPacket, before);
+    const bool any = world.intersector.intersect_glass(lanes, rays);
+    for (int i = 0; i < kPacket; ++i) {  // a lamp in the glass
+      if (!before[i] || lanes[i] || !std::isfinite(far[i])) continue;
+      const float distance = far[i] * glm::length(direction_of(rays, i));
+      light.set(i, light.at(i) * glm::exp(-within_per_m[i] * distance));
+    }
+    if (!any) return;
     each_surface(world.scene, lanes, rays, [&](int i, const Surface& s, float magnitude) {
       const glm::vec3 direction = direction_of(rays, i);
       const float distance = rays.far[i] * glm::length(direction);
       const bool leaves = leaves_solid(world.scene, rays, i);
       glm::vec3 share = passing(s, std::abs(glm::dot(s.normal, direction)) / glm::length(direction), leaves);
       if (leaves) share *= absorbed(*s.layers, distance);
+      within_per_m[i] = s.layers->solid && !leaves ? s.layers->absorption_per_m : glm::vec3(0);
       light.set(i, light.at(i) * share);
       far[i] -= rays.far[i];
       go_on(rays, i, s, magnitude, distance, direction);

@@ -333,6 +333,15 @@ TEST(Simulate, WhatNoCaptureMayHoldIsRefusedBeforeRendering) {
   EXPECT_FALSE(rendered);
 }
 
+TEST(Simulate, ACameraInASurfaceIsRefused) {
+  json document = minimal();
+  document["camera"] = {{"position_m", {0, 0, 0}}, {"look_at_m", {1, 0, 0}}, {"focus_distance_m", 1}};
+  Scene scene = step_under_a_sky();
+  scene.meshes = {make_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 0)};
+  EXPECT_EQ(message_of<InputError>([&] { simulate(read_simulation(document, "s.json"), scene); }),
+            "s.json: /camera: lies in a surface: must look at it from a distance");
+}
+
 // With a goal each picture of truth keeps it, and says by tile how well.
 TEST(SlowSimulate, KeepsTheGoalInEveryPicture) {
   json document = minimal();

@@ -11,17 +11,19 @@ namespace {
 
 float largest_of(glm::vec3 rgb) { return std::max({rgb.r, rgb.g, rgb.b}); }
 
-/// What coat and sheen leave of light that passes them at this angle.
-float below_layers(const Layers& y, float cosine) {
-  const float coat = 1 - coat_reflects(y, cosine), sheen = largest_of(y.sheen_color);
-  return coat * coat * (sheen > 0 ? 1 - sheen * sheen_albedo(y.sheen_roughness, cosine) : 1);
+/// What coat and sheen leave of light that passes them, by the cosines against the surface at which it comes and goes:
+/// as layered_bsdf() has it, whose lobes hold the rest.
+float below_layers(const Layers& y, float n_v, float n_l) {
+  const float coats = (1 - coat_reflects(y, n_v)) * (1 - coat_reflects(y, n_l)), sheen = largest_of(y.sheen_color);
+  if (sheen == 0) return coats;
+  return coats * (1 - sheen * std::max(sheen_albedo(y.sheen_roughness, n_v), sheen_albedo(y.sheen_roughness, n_l)));
 }
 
-/// Share that goes in or out where all that is not reflected does. Transmission is what of the light that enters is not
-/// taken by the diffuse or metallic base: of light inside, all may leave.
-glm::vec3 tint(const Surface& s, float cosine, bool leaves) {
+/// Share that goes in or out below the layers where all that is not reflected does. Transmission is what of the light
+/// that enters is not taken by the diffuse or metallic base: of light inside, all may leave.
+glm::vec3 tint(const Surface& s, bool leaves) {
   const float enters = leaves ? 1 : s.layers->transmission * (1 - s.metallic);
-  return enters * below_layers(*s.layers, cosine) * s.base_color;
+  return enters * s.base_color;
 }
 
 /// That light is bent by: an ior of 0 stands for full reflection, and bends nothing by itself.
@@ -37,7 +39,7 @@ float rough_share(float n_v, float n_l, float v_h, float n_h, float alpha) {
 }  // namespace
 
 glm::vec3 passing(const Surface& s, float cosine, bool leaves) {
-  return tint(s, cosine, leaves) * (1 - reflected_at(*s.layers, cosine));
+  return tint(s, leaves) * below_layers(*s.layers, cosine, cosine) * (1 - reflected_at(*s.layers, cosine));
 }
 
 bool refract(glm::vec3 to_eye, glm::vec3 normal, float eta, glm::vec3& direction) {
@@ -79,9 +81,14 @@ Passage sample_passage(const Surface& s, glm::vec3 to_eye, bool leaves, float ch
   // Shading normals and microfacets may lead to the wrong side of the triangles.
   const float side = glm::dot(passage.direction, s.geometric_normal);
   if (reflected ? side <= 0 : side >= 0) return {};
-  passage.share = reflected ? glm::vec3(1) : tint(s, outside, leaves) * (leaves ? 1 : 1 - reflects);
+  const float n_l = std::max(std::abs(glm::dot(s.normal, passage.direction)), 1e-4f);
+  passage.share = glm::vec3(1);
+  if (!reflected) {
+    // layers lie outside of solid glass; a pane's light passes them where it comes and where it goes
+    const float layers_v = clear ? outside : leaves ? n_l : n_v, layers_l = clear || solid ? layers_v : n_l;
+    passage.share = tint(s, leaves) * below_layers(y, layers_v, layers_l) * (leaves ? 1 : 1 - reflects);
+  }
   if (!clear) {
-    const float n_l = std::max(std::abs(glm::dot(s.normal, passage.direction)), 1e-4f);
     passage.share *= rough_share(n_v, n_l, v_h, std::max(glm::dot(s.normal, half), 1e-4f), alpha);
   }
   return passage;

@@ -40,6 +40,7 @@ float sheen_alpha(float roughness) {
 
 /// Estevez and Kulla 2017, the fit of equation 3 and its table.
 float charlie_lambda(float cosine, float alpha) {
+  cosine = std::clamp(cosine, 0.0f, 1.0f);  // rounding may lead beyond, where the fit is no number
   const float t = (1 - alpha) * (1 - alpha);
   const auto fit = [&](float x) {
     const float a = glm::mix(21.5473f, 25.3245f, t), b = glm::mix(3.82987f, 3.32435f, t);

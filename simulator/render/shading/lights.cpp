@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "simulator/render/shading/pick.h"
 #include "simulator/render/shading/radiometry.h"
@@ -17,14 +18,17 @@ Lights::Lights(const Scene& scene, const Intersector& intersector)
     if (far && luminance(light.intensity) > 0) directional_.push_back({light, luminance(light.intensity)});
   }
   const glm::vec3 size = intersector.bounds().high - intersector.bounds().low;
-  make_near_lights(std::max(0.25f * glm::dot(size, size), 1e-12f));
+  const glm::vec3 middle = 0.5f * (intersector.bounds().high + intersector.bounds().low);
+  make_near_lights(std::max(0.25f * glm::dot(size, size), 1e-12f), middle);
 }
 
-void Lights::make_near_lights(float radius_squared) {
+void Lights::make_near_lights(float radius_squared, glm::vec3 middle) {
   std::vector<float> powers;
   for (const PunctualLight& light : scene_.lights) {
     const bool far = light.kind == PunctualLight::Kind::directional;
-    powers.push_back(far ? 0 : luminance(light.intensity) / (4 * radius_squared));
+    const glm::vec3 off = light.position - middle;
+    const float distance_squared = std::max(radius_squared, glm::dot(off, off));  // a lamp far outside shines on little
+    powers.push_back(far ? 0 : luminance(light.intensity) / (4 * distance_squared));
   }
   first_triangle_of_mesh_.assign(scene_.meshes.size(), -1);
   for (unsigned m = 0; m < scene_.meshes.size(); ++m) {
@@ -42,6 +46,11 @@ void Lights::make_near_lights(float radius_squared) {
       powers.push_back(luminance(material.emission_nits) * area / (4 * radius_squared));
     }
   }
+  // running sums in float would skip a weak lamp beside a strong one, which may not shine where the weak one does
+  const double all = std::accumulate(powers.begin(), powers.end(), 0.0);
+  const auto least =
+      static_cast<float>(1e-2 * all / static_cast<double>(std::max<std::size_t>(scene_.lights.size(), 1)));
+  for (std::size_t i = 0; i < scene_.lights.size(); ++i) powers[i] = powers[i] > 0 ? std::max(powers[i], least) : 0;
   double sum = 0;
   for (float power : powers) {
     sum += power;

@@ -67,7 +67,7 @@ class Lights {
                      float abs_cos_at_light, LightKinds kinds = LightKinds::all) const;
 
  private:
-  void make_near_lights(float radius_squared);
+  void make_near_lights(float radius_squared, glm::vec3 middle);
 
   /// How the samples of a surface are shared out: by illuminance.
   struct Choice {

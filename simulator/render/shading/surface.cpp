@@ -119,16 +119,17 @@ Axes axes_of(const Placement& placement) {
 }
 
 /// The shading normal bent by a tangent-space normal map; the tangent follows the texture's u direction on this
-/// triangle (glTF 2.0, section 3.9.3, without authored tangents). `axes`: of the placement, nullptr where there is
-/// none.
+/// triangle (glTF 2.0, section 3.9.3, without authored tangents), as KHR_texture_transform turns it. `axes`: of the
+/// placement, nullptr where there is none.
 glm::vec3 mapped_normal(const Scene& scene, const Mesh& mesh, const Axes* axes, const Material& material,
                         const glm::uvec3& t, float u, float v, glm::vec3 normal) {
   const auto& uvs = uv_set(mesh, material.normal_texture);
   if (uvs.empty()) return normal;
   const glm::vec3 e1 = mesh.positions[t.y] - mesh.positions[t.x];
   const glm::vec3 e2 = mesh.positions[t.z] - mesh.positions[t.x];
-  const glm::vec2 d1 = uvs[t.y] - uvs[t.x];
-  const glm::vec2 d2 = uvs[t.z] - uvs[t.x];
+  const auto& m = material.normal_texture.uv_from_uv;
+  const auto turned = [&m](glm::vec2 d) { return glm::vec2(m[0] * d.x + m[1] * d.y, m[3] * d.x + m[4] * d.y); };
+  const glm::vec2 d1 = turned(uvs[t.y] - uvs[t.x]), d2 = turned(uvs[t.z] - uvs[t.x]);
   const float determinant = d1.x * d2.y - d2.x * d1.y;
   if (determinant == 0) return normal;
   glm::vec3 tangent = (e1 * d2.y - e2 * d1.y) / determinant;

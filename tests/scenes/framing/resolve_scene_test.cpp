@@ -111,6 +111,9 @@ TEST(ResolveScene, ScalesTheModelByAFactor) {
   EXPECT_NEAR(resolved.at("model_size_m").get<double>(), 0.05, 1e-6);  // 0.4 x 0.3 x 0.5 m before
   EXPECT_NEAR(resolved.at("camera").at("focus_distance_m").get<double>(), 0.2, 1e-4);
   EXPECT_FALSE(resolved.contains("model_scale"));
+  scene["model_scale"] = 1.0003;
+  EXPECT_NEAR(resolve_scene(scene, folder / "scene.json", ready, warnings)["model_size_m"].get<double>(), 0.50015,
+              1e-7);
   scene["model_size_m"] = 1;
   EXPECT_EQ(message_of<InputError>([&] { resolve_scene(scene, "s.json", ready, warnings); }),
             "s.json: /model_scale: give either model_scale or model_size_m");

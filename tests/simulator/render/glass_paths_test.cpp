@@ -163,6 +163,27 @@ TEST(SlowGlassPaths, BallInAFurnaceIsInvisible) {
   }
 }
 
+// A point light in the middle of a ball of absorbing glass that bends nothing, r = .5 m, shines on a wall 2 m away:
+// its rays end in the glass that they enter. The ball is of flat faces, .5 % nearer to its middle at most.
+TEST(GlassPaths, ALampInGlassIsDimmedByIt) {
+  const glm::vec3 absorption(0.5f, 2, 5);
+  Scene scene;
+  scene.materials = {diffuse(1), glass(glm::vec3(1), true, absorption)};
+  scene.materials[1].layers->ior = 1;
+  scene.meshes = {make_quad({-5, -5, 1}, {10, 0, 0}, {0, 10, 0}, 0), glass_ball({0, 0, -1}, 0.5f, 1)};
+  PunctualLight lamp;
+  lamp.intensity = glm::vec3(80);
+  lamp.position = {0, 0, -1};
+  scene.lights = {lamp};
+  for (const double spacing : {0.0, 4.0}) {
+    const glm::dvec3 rgb = seen(scene, 16, 0, {.light_spacing_px = spacing});
+    for (int c = 0; c < 3; ++c) {
+      const double exact = 80.0 / 4 / M_PI * std::exp(-0.5 * absorption[c]);
+      EXPECT_NEAR(rgb[c], exact, (0.005 + 0.0025 * absorption[c]) * exact) << c << ", " << spacing;
+    }
+  }
+}
+
 // A directional light of 10000 lx through a tinted pane onto a wall of albedo .5, at points on surfaces and sampled by
 // each path. The camera is on the wall's side of the pane.
 TEST(GlassPaths, PaneTintsTheSun) {

@@ -90,6 +90,38 @@ TEST(SlowLayers, GiveBackNoMoreThanTheyGet) {
   }
 }
 
+// Directions that were mirrored are of length 1 but for rounding.
+TEST(Layers, AreFiniteWhereACosinePassesOne) {
+  for (const Named& named : white_materials()) {
+    const glm::vec3 longer(0, 0, 1.0000002f);
+    EXPECT_TRUE(std::isfinite(bsdf(surface_of(named, 0.5f), longer, longer).x)) << named.name;
+  }
+}
+
+// What a rough white pane lets through, by its own samples, and what it and its layers reflect: no more than it gets.
+TEST(SlowLayers, PanesPassAndReflectNoMoreThanTheyGet) {
+  for (const float coat : {0.0f, 1.0f}) {
+    for (const float sheen : {0.0f, 1.0f}) {
+      Layers y;
+      y.ior = 1.5f, y.transmission = 1, y.clearcoat = coat, y.sheen_color = glm::vec3(sheen), y.sheen_roughness = 0.5f;
+      for (const float roughness : {0.3f, 0.6f, 1.0f}) {
+        const Surface s = surface_of({"pane", y}, roughness);
+        for (const double cosine : {1.0, 0.5, 0.17, 0.08}) {
+          constexpr int kSide = 300;
+          const glm::vec3 to_eye = direction(cosine, 0.3);
+          double passes = 0;
+          for (int i = 0; i < kSide * kSide; ++i) {
+            const int column = i % kSide, row = i / kSide;
+            const float u = (column + 0.5f) / kSide, v = (row + 0.5f) / kSide;
+            passes += sample_passage(s, to_eye, false, 1, u, v).share.x / (kSide * kSide);
+          }
+          EXPECT_LT(passes + albedo(s, to_eye), 1.005) << coat << ' ' << sheen << ' ' << roughness << ' ' << cosine;
+        }
+      }
+    }
+  }
+}
+
 TEST(Layers, AreReciprocal) {
   for (const Named& named : white_materials()) {
     const Surface s = surface_of(named, 0.45f);

@@ -138,11 +138,18 @@ TEST(Surface, NormalMapFollowsTextureAxes) {
   lanes[5] = -1;
   rays.u[5] = rays.v[5] = 0.3f;
   rays.direction_z[5] = 1;
-  SurfacePacket packet;
-  surfaces_at(scene, quad, lanes, rays, packet);
-  const Surface s = packet.at(5);
+  const auto surface = [&](const std::array<float, 6>& uv_from_uv) {
+    scene.materials[0].normal_texture.uv_from_uv = uv_from_uv;
+    SurfacePacket packet;
+    surfaces_at(scene, quad, lanes, rays, packet);
+    return packet.at(5);
+  };
+  const Surface s = surface({1, 0, 0, 0, 1, 0});
   EXPECT_NEAR(std::abs(s.normal.x), 1, 0.01);
   EXPECT_LE(s.geometric_normal.z, -0.999f);  // towards the camera
+  // KHR_texture_transform turns the picture, and with it what the picture says of directions
+  EXPECT_NEAR(surface({-1, 0, 1, 0, 1, 0}).normal.x, -s.normal.x, 0.01);
+  EXPECT_NEAR(std::abs(surface({0, 1, 0, -1, 0, 1}).normal.y), 1, 0.01);
 }
 
 }  // namespace
