@@ -217,9 +217,11 @@ std::string to_text(const std::vector<ChartChange>& changes) {
   if (changes.empty()) return "nothing changed by more than noise\n";
   std::string text;
   for (const ChartChange& change : changes) {
-    text += fmt::format("{:<6} {}, {}: {} {:.4g}, was {:.4g} ({:+.1f} %)\n", change.worse() ? "worse" : "better",
+    const std::string share =
+        change.before != 0 ? fmt::format(" ({:+.1f} %)", 100 * (change.now / change.before - 1)) : "";
+    text += fmt::format("{:<6} {}, {}: {} {:.4g}, was {:.4g}{}\n", change.worse() ? "worse" : "better",
                         printable(change.section), printable(change.point), change.figure, change.now, change.before,
-                        100 * (change.now / change.before - 1));
+                        share);
   }
   return text;
 }

@@ -110,7 +110,7 @@ Linear pictures_of(const Capture& capture, double pupil_mm, pipeline::PersonNetw
 }
 
 PictureFigures figures_of(const Image& picture, const Image& photograph) {
-  return {psnr_db(picture, photograph).value_or(kEqual_db), ssim(picture, photograph).value_or(0),
+  return {std::min(psnr_db(picture, photograph).value_or(kEqual_db), kEqual_db), ssim(picture, photograph).value_or(0),
           mean_flip(photograph, picture)};
 }
 

@@ -126,7 +126,7 @@ PeopleScores score_people(const scenes::PeopleSet& set, pipeline::PersonNetwork&
 
     const float* const face = sample.face;
     add_region(regions["hair"], gradient, filtered_gradient, [&](double x, double y) {
-      return x > face[0] - face[2] && x < face[0] + 2 * face[2] && y > face[1] - face[3] && y < face[1] + face[3];
+      return x > face[0] - face[2] && x < face[0] + 2 * face[2] && y > face[1] - face[2] && y < face[1] + face[3];
     });
     const auto on_hand = [&](double x, double y) {
       return std::any_of(kWrists.begin(), kWrists.end(), [&](int wrist) {

@@ -19,10 +19,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What `image`, which shows a later frame, shows of the points that the first frame sees: bilinear at pixel + motion,
-/// outside of the picture its border, or `outside` where that is given.
-Image seen_from_first(const Image& image, const Image& motion, std::optional<float> outside = {}) {
-  if (image.empty()) return {};
+/// Bilinear at pixel + motion; outside of the picture its border, or `outside` where that is given.
+Image moved_by(const Image& image, const Image& motion, std::optional<float> outside) {
   Image moved(image.width, image.height, image.channels);
   tbb::parallel_for(0, image.height, [&](int y) {
     for (int x = 0; x < image.width; ++x) {
@@ -41,26 +39,6 @@ Image seen_from_first(const Image& image, const Image& motion, std::optional<flo
     }
   });
   return moved;
-}
-
-bool has_moved(const pipeline::PortraitResult& result, const Truth& truth) {
-  return result.base_frame > 0 && !truth.motion.empty();
-}
-
-/// What of a result is scored, as the first frame sees it.
-struct ScoredMaps {
-  Estimate estimate;
-  Image input;
-};
-
-ScoredMaps seen_from_first(const pipeline::PortraitResult& result, const Truth& truth) {
-  const Image& motion = truth.motion[result.base_frame - 1];
-  ScoredMaps seen;
-  seen.input = seen_from_first(result.input, motion);
-  seen.estimate.portrait = seen_from_first(result.portrait, motion);
-  seen.estimate.disparity_dp_px = disparity_seen_from_first(result, truth);
-  seen.estimate.confidence = seen_from_first(result.confidence, motion, 0);
-  return seen;
 }
 
 Json or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
@@ -340,10 +318,10 @@ Score score_against(const Truth& truth, const Estimate& estimate, const Image& i
 
 }  // namespace
 
-Image disparity_seen_from_first(const pipeline::PortraitResult& result, const Truth& truth) {
-  if (!has_moved(result, truth)) return result.disparity_dp_px;
-  return seen_from_first(result.disparity_dp_px, truth.motion[result.base_frame - 1],
-                         std::numeric_limits<float>::quiet_NaN());
+Image seen_from_first(const Image& image, const pipeline::PortraitResult& result, const Truth& truth,
+                      std::optional<float> outside) {
+  const bool has_moved = result.base_frame > 0 && !truth.motion.empty() && !image.empty();
+  return has_moved ? moved_by(image, truth.motion[result.base_frame - 1], outside) : image;
 }
 
 Score score_result(const Capture& capture, const std::string& capture_path, const pipeline::StoredResult& stored,
@@ -361,12 +339,10 @@ Score score_result(const Capture& capture, const std::string& capture_path, cons
     throw InputError(fmt::format("{}: /base_frame: {}; the capture {} has {} frames", printable(result_path), base,
                                  printable(capture_path), capture.frames.size()));
   }
-  const ScoredMaps scored =
-      has_moved(result, truth)
-          ? seen_from_first(result, truth)
-          : ScoredMaps{{result.disparity_dp_px, result.confidence, {}, result.portrait}, result.input};
-
-  Score score = score_against(truth, scored.estimate, scored.input);
+  const Estimate seen = {.disparity_dp_px = seen_from_first(result.disparity_dp_px, result, truth, NAN),
+                         .confidence = seen_from_first(result.confidence, result, truth, 0.0f),
+                         .portrait = seen_from_first(result.portrait, result, truth)};
+  Score score = score_against(truth, seen, seen_from_first(result.input, result, truth));
   score.capture = capture_path;
   score.result = result_path;
   score.mode = stored.mode.empty() ? "unknown" : stored.mode;

@@ -76,8 +76,10 @@ struct Score {
   std::vector<std::string> notes;  ///< why a figure is none: one line each
 };
 
-/// The result's disparity where the first frame sees it; NaN outside of the frame that it was estimated for.
-Image disparity_seen_from_first(const pipeline::PortraitResult& result, const Truth& truth);
+/// A picture or map of the result, which may show a later frame, where the first frame sees it, as truth does. Outside of
+/// that later frame: its border, or `outside` where that is given.
+Image seen_from_first(const Image& image, const pipeline::PortraitResult& result, const Truth& truth,
+                      std::optional<float> outside = {});
 
 /// `capture_path` and `result_path` are named in messages and in the score. Throws InputError where the capture holds
 /// no truth or the sizes differ.

@@ -187,17 +187,18 @@ void add_result(CaptureSection& section, const Capture& capture, const std::stri
   };
   const bool first = viewer.results.empty();
   viewer.results.push_back(added.name);
+  const auto seen = [&](const Image& image, std::optional<float> outside = {}) {
+    return truth ? seen_from_first(image, result, *truth, outside) : image;
+  };
   const Image shown = page_sized(truth ? truth->photograph : result.input);
   const float gain = display_gain(shown);
-  add("Picture", displayed(page_sized(result.input), gain));
-  add("Portrait", displayed(page_sized(result.portrait), gain));
+  add("Picture", displayed(page_sized(seen(result.input)), gain));
+  add("Portrait", displayed(page_sized(seen(result.portrait)), gain));
   if (truth && first) {
     add("True photograph", displayed(shown, gain));
     add("True disparity", known_disparity(*truth)).high = disparity_limit(truth->disparity_dp_px);
   }
-  ViewerLayer& disparity =
-      add("Disparity", truth && !result.disparity_dp_px.empty() ? disparity_seen_from_first(result, *truth)
-                                                                : result.disparity_dp_px);
+  ViewerLayer& disparity = add("Disparity", seen(result.disparity_dp_px, NAN));
   if (truth) {
     disparity.high = layer_named(viewer, "True disparity").high;
     if (!result.disparity_dp_px.empty()) {
@@ -208,10 +209,10 @@ void add_result(CaptureSection& section, const Capture& capture, const std::stri
   } else if (!result.disparity_dp_px.empty()) {
     disparity.high = std::max<double>(disparity_limit(result.disparity_dp_px), first ? 0 : disparity.high);
   }
-  add("Confidence", result.confidence);
-  ViewerLayer& radius = add("Blur radius", result.blur_radius_px);
+  add("Confidence", seen(result.confidence, 0.0f));
+  ViewerLayer& radius = add("Blur radius", seen(result.blur_radius_px));
   radius.high = std::max<double>(radius.high, percentile(result.blur_radius_px, 0.995));
-  add("Person mask", result.mask);
+  add("Person mask", seen(result.mask));
   section.results.push_back(std::move(added));
 }
 

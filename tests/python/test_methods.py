@@ -157,13 +157,13 @@ def test_lens_is_the_programs(program):
 
 def test_overrides_may_be_numpys():
     path = (SCENES / "../lens_models/phone_thin_4.4mm_f1.8.json").resolve()
-    plain = dualpixel.lens(path, {"f_number": 4, "split": {"model": "microlens", "offset": 0.25}})
-    split = {"model": "microlens", "offset": np.float32(0.25)}
+    plain = dualpixel.lens(path, {"f_number": 4, "split": {"model": "ramp", "k": 1.5}})
+    split = {"model": "ramp", "k": np.float32(1.5)}
     assert dualpixel.lens(path, {"f_number": np.int64(4), "split": split}) == plain
     tiny = {**SMALL, "sensor.width_px": np.uint16(16), "sensor.height_px": 12, "render.samples_per_pixel": 1}
-    place = {"camera.position_m": np.array([0, 0, 0.1]), "camera.look_at_m": np.array([0, 0, -1], dtype=np.float32)}
-    scene = dualpixel.simulate(SCENES / "slanted_planes.json", {**tiny, **place}, seed=np.int32(3)).provenance["scene"]
-    assert scene["camera"]["position_m"] == [0, 0, 0.1] and scene["render"]["seed"] == 3
+    light = {"environment.model": "constant", "environment.nits": np.array([1, 2.5, 4], dtype=np.float32)}
+    scene = dualpixel.simulate(SCENES / "slanted_planes.json", {**tiny, **light}, seed=np.int32(3)).provenance["scene"]
+    assert scene["environment"]["nits"] == [1, 2.5, 4] and scene["render"]["seed"] == 3
     with pytest.raises(dualpixel.InputError, match="^f_number: Object of type set is not JSON serializable: must be"):
         dualpixel.lens(path, {"f_number": {4}})
     for seed in (True, 1.5, -1, "1"):

@@ -93,6 +93,10 @@ Prescription read_prescription(Fields& lens) {
   }
   lens.integer("band_samples", p.band_samples, 1, 9);
   if (p.band_samples % 2 == 0) lens.fail("band_samples", fmt::format("{}: must be odd", p.band_samples));
+  if (p.band_samples > 1 && !p.has_color()) {
+    lens.fail("band_samples", fmt::format("{}: must be 1 where wavelengths_nm are one: all light is of that wavelength",
+                                          p.band_samples));
+  }
   lens.number("band_width_nm", p.band_width_nm, 1, 200);
   for (int color = 0; color < 3; ++color) {
     for (const int i : {0, p.band_samples - 1}) {

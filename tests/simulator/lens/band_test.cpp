@@ -102,6 +102,7 @@ TEST(SlowBand, ARenderedPointHasEveryWavelengthOfTheBand) {
 
 TEST(Band, RefusesEvenNumbersAndInvisibleLight) {
   EXPECT_THROW(phone({{"band_samples", 2}}), InputError);
+  EXPECT_THROW(phone({{"band_samples", 3}, {"wavelengths_nm", {540, 540, 540}}}), InputError);
   EXPECT_THROW(phone({{"band_samples", 3}, {"wavelengths_nm", {610, 540, 360}}, {"band_width_nm", 80}}), InputError);
 }
 
