@@ -300,10 +300,11 @@ SensorOptions read_sensor(Fields sensor) {
   read_named(sensor, "readout", s.readout, kReadouts);
   sensor.numbers("color_matrix", s.color_matrix.data(), 9);
   sensor.numbers("illuminant", s.illuminant.data(), 3);
-  const double green = s.illuminant[1];
-  if (green > 0) {
-    for (double& value : s.illuminant) value /= green;
+  for (const double value : s.illuminant) {
+    if (const auto why = out_of_range(value, 1e-3, 1e3)) sensor.fail("illuminant", *why);
   }
+  const double green = s.illuminant[1];
+  for (double& value : s.illuminant) value /= green;
   sensor.integer("fixed_pattern_seed", s.fixed_pattern_seed, 0, kAnySeed);
   sensor.done();
   return s;

@@ -47,9 +47,19 @@ Image scaled(Image image, float factor) {
 
 namespace {
 
-/// Truth's picture as white as developed() makes a mosaic's.
-Image clipped_as_developed(const Image& rgb, const Exposure& exposure) {
+/// Truth's picture in balanced camera colors, each clipped where the wells of the views are full, or their numbers end.
+Image clipped_as_views(const Image& rgb, const Exposure& exposure) {
   Image balanced = camera_colors(rgb, exposure);
+  const double full = std::min(1.0, 2 * view_white(exposure));
+  for (std::size_t i = 0; i < balanced.data.size(); ++i) {
+    balanced.data[i] = std::min(balanced.data[i], static_cast<float>(full * exposure.white_balance[i % 3]));
+  }
+  return balanced;
+}
+
+/// The same as white as developed() makes a mosaic's.
+Image clipped_as_developed(const Image& rgb, const Exposure& exposure) {
+  Image balanced = clipped_as_views(rgb, exposure);
   const auto white = static_cast<float>(balanced_white(exposure.white_balance));
   for (float& value : balanced.data) value = std::min(value, white);
   return in_srgb(std::move(balanced), exposure.color_matrix);
@@ -70,7 +80,7 @@ DpddPictures dpdd_pictures(const Capture& capture) {
   const Image& sharp = capture.truth->all_in_focus;
   return {picture(scaled(left, 2)), picture(scaled(right, 2)), picture(sum),
           dense ? clipped_as_developed(sharp, capture.exposure)
-                : gray(resize_area(camera_colors(sharp, capture.exposure), width, height), 1)};
+                : gray(resize_area(clipped_as_views(sharp, capture.exposure), width, height), 1)};
 }
 
 }  // namespace dualpixel::datasets

@@ -45,15 +45,25 @@ DrawnScene drawn_scene_of(const json& scene) {
 /// Beside the scene: what draw_scene() found wrong with it, a list of lines. Absent where that is nothing.
 constexpr const char* kWarningsFile = "warnings.json";
 
-/// What draw_scene() said of the sample's scene, but for an exposure that the sample does not have.
+/// What draw_scene() said of the sample's scene, but for an exposure or a place of the camera that the sample does not
+/// have.
 std::vector<std::string> warnings_of(const SampleLine& line, const std::string& folder) {
   const std::string path = folder + "/" + kWarningsFile;
   std::error_code error;
   if (!fs::exists(path, error)) return {};
-  auto warnings = read_json_file(path).get<std::vector<std::string>>();
+  std::vector<std::string> warnings;
+  const json kept = read_json_file(path);
+  for (const json& text : kept) {
+    if (!text.is_string()) throw InputError(printable(path) + ": must be a list of lines");
+    warnings.push_back(text.get<std::string>());
+  }
   const bool exposed_anew = line.relations.contains("exposure_mean") || line.set.contains("exposure") ||
                             line.set.contains("exposure.time_s") || line.set.contains("exposure.iso");
-  if (exposed_anew) std::erase_if(warnings, [](const std::string& text) { return text.starts_with("exposure: "); });
+  const bool placed_anew = line.relations.contains("camera_shell") || line.set.contains("model_size_m") ||
+                           line.set.contains("camera.position_m") || line.set.contains("camera.look_at_m");
+  std::erase_if(warnings, [&](const std::string& text) {
+    return text.starts_with("exposure: ") ? exposed_anew : placed_anew;  // all others are of what the camera sees
+  });
   return warnings;
 }
 

@@ -76,8 +76,8 @@ struct Score {
   std::vector<std::string> notes;  ///< why a figure is none: one line each
 };
 
-/// A picture or map of the result, which may show a later frame, where the first frame sees it, as truth does. Outside of
-/// that later frame: its border, or `outside` where that is given.
+/// A picture or map of the result, which may show a later frame, where the first frame sees it, as truth does. Outside
+/// of that later frame: its border, or `outside` where that is given.
 Image seen_from_first(const Image& image, const pipeline::PortraitResult& result, const Truth& truth,
                       std::optional<float> outside = {});
 

@@ -21,7 +21,8 @@ constexpr int kColumns = kCalibrationColumns, kRows = kCalibrationRows;
 constexpr int kFewestTargets = 3;
 constexpr double kSmallestSpan_per_m = 0.2;  ///< of the targets' inverse depth
 constexpr double kMostMismatch = 0.5;
-/// Matches end before the border at either side: by this share of the width, and by two blocks, which lack neighbors.
+/// Matches end before the border at either side: by this share of the width, at least by two blocks, which lack
+/// neighbors.
 constexpr double kUnmatched = 0.01, kUnmatchedBlocks = 2;
 constexpr double kTiltWarning_deg = 0.7;
 

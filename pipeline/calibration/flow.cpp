@@ -41,8 +41,8 @@ struct Matched {
   float difference, gradient;
 };
 
-/// right(x + d) - left(x) and how fast it changes with d; none where x + d lies within two blocks of the border, give
-/// or take half a block: where views match, d is about 0, and its sign must not decide.
+/// right(x + d) - left(x) and how fast it changes with d; none where x + d lies outside of the third block from
+/// either border. Half a block is left for d: where views match it is about 0, and its sign must not decide.
 bool match_at(const float* left, const float* right, int width, int x, float d, Matched& matched) {
   const float at = static_cast<float>(x) + d;
   if (width < kQuinticTaps || x < 1 || x + 1 >= width) return false;

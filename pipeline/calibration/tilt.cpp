@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <tuple>
 
 #include "pipeline/calibration/nodes.h"
@@ -53,7 +54,9 @@ struct Tangents {
   double x = 0, y = 0;
 };
 
-Tangents tangents_without(const Camera& camera, const Targets& targets, const TargetMeasurement* left_out) {
+/// None where too few nodes tell.
+std::optional<Tangents> tangents_without(const Camera& camera, const Targets& targets,
+                                         const TargetMeasurement* left_out) {
   const double image_distance_mm =
       camera.focal_length_mm / (1 - 1e-3 * camera.focal_length_mm / targets.front()->focus_distance_m);
   const double per_px = 1e-3 * camera.pixel_pitch_um / image_distance_mm;
@@ -77,7 +80,7 @@ Tangents tangents_without(const Camera& camera, const Targets& targets, const Ta
   }
   const double determinant = uu * vv - uv * uv;
   if (!(determinant > 1e-12 * uu * vv)) return {};
-  return {(vv * ue - uv * ve) / determinant, (uu * ve - uv * ue) / determinant};
+  return Tangents{(vv * ue - uv * ve) / determinant, (uu * ve - uv * ue) / determinant};
 }
 
 }  // namespace
@@ -88,23 +91,27 @@ TargetTilt estimate_tilt(const Camera& camera, const std::vector<TargetMeasureme
   Tangents sum, variance;
   int degrees_of_freedom = 0;
   for (const auto& [focus_distance_m, targets] : sweeps) {
-    const Tangents all = tangents_without(camera, targets, nullptr);
+    const Tangents all = tangents_without(camera, targets, nullptr).value_or(Tangents{});
     sum.x += all.x, sum.y += all.y;
     const auto n = static_cast<double>(targets.size());
-    degrees_of_freedom += static_cast<int>(targets.size()) - 1;
-    if (n < 3) variance.x = variance.y = std::numeric_limits<double>::infinity();
+    degrees_of_freedom += std::max(static_cast<int>(targets.size()) - 2, 0);
     double inverse = 0, squares = 0;
     for (const TargetMeasurement* target : targets) {
       inverse += 1 / target->target_distance_m;
       squares += 1 / (target->target_distance_m * target->target_distance_m);
     }
+    const double spread = squares - inverse * inverse / n;
     for (const TargetMeasurement* target : targets) {
-      const Tangents rest = tangents_without(camera, targets, target);
+      const std::optional<Tangents> rest = tangents_without(camera, targets, target);
+      if (n < 3 || !rest || !(spread > 1e-9 * squares)) {
+        variance.x = variance.y = std::numeric_limits<double>::infinity();
+        break;
+      }
       const double off = 1 / target->target_distance_m - inverse / n;
-      // what the line through the targets leaves of this one's own error (Hinkley 1977)
-      const double share = 1 - 1 / n - off * off / (squares - inverse * inverse / n);
-      variance.x += share * (rest.x - all.x) * (rest.x - all.x);
-      variance.y += share * (rest.y - all.y) * (rest.y - all.y);
+      // what the line through the targets leaves of this one's own error (Wu 1986)
+      const double share = 1 - 1 / n - off * off / spread;
+      variance.x += share * (rest->x - all.x) * (rest->x - all.x);
+      variance.y += share * (rest->y - all.y) * (rest->y - all.y);
     }
   }
   const auto n = static_cast<double>(std::max<std::size_t>(sweeps.size(), 1));

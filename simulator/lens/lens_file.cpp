@@ -129,10 +129,9 @@ nlohmann::json lens_laid_over(nlohmann::json base, const nlohmann::json& own) {
 }
 
 void apply_overrides(nlohmann::json& document, const std::vector<std::string>& assignments) {
-  const auto names_lens = [](const std::string& assignment) {
-    return assignment.starts_with("lens.file=") && assignment != "lens.file=null";
-  };
-  if (document.is_object() && std::any_of(assignments.begin(), assignments.end(), names_lens)) document.erase("lens");
+  const auto last = std::find_if(assignments.rbegin(), assignments.rend(),
+                                 [](const std::string& assignment) { return assignment.starts_with("lens.file="); });
+  if (document.is_object() && last != assignments.rend() && *last != "lens.file=null") document.erase("lens");
   for (const std::string& assignment : assignments) apply_override(document, assignment);
 }
 

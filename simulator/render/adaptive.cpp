@@ -95,11 +95,12 @@ Pilot probe_tiles(const RenderScene& world, const CameraView& camera, const Rend
     int count = 0;
     for (int v = std::max(row - 1, 0); v <= std::min(row + 1, map.rows() - 1); ++v) {
       for (int u = std::max(column - 1, 0); u <= std::min(column + 1, map.columns() - 1); ++u, ++count) {
-        // below one sample, too: what is stated of the error must fall on
-        log_sum += std::log(std::max(own[v * map.columns() + u], 1e-6));
+        log_sum += std::log(std::max(own[v * map.columns() + u], 1.0));
       }
     }
-    pilot.needed.push_back(std::max(own[i], std::exp(log_sum / count)));
+    // none of them needs a whole sample: the error of more is stated by what the tile itself says
+    const double around = std::exp(log_sum / count);
+    pilot.needed.push_back(around > 1 ? std::max(own[i], around) : own[i]);
   }
   if (progress) progress(1);
   return pilot;

@@ -140,7 +140,7 @@ int binned(const SensorOptions& sensor) {
 std::optional<OptionProblem> check_colors(const SensorOptions& s) {
   constexpr double kMostSeen = 100, kLeastElectrons = 1e-3, kMostChange = 1e6;
   for (const double value : s.illuminant) {
-    if (const auto why = out_of_range(value, 1e-3, 1e3)) return OptionProblem{"illuminant", *why};
+    if (const auto why = out_of_range(value, 1e-6, 1e6)) return OptionProblem{"illuminant", *why};
   }
   for (const double value : s.color_matrix) {
     if (const auto why = out_of_range(value, -kMostSeen, kMostSeen)) return OptionProblem{"color_matrix", *why};

@@ -42,7 +42,7 @@ TEST(Options, EachProblemNamesFieldValueAndWhatIsAllowed) {
       // rows that see almost as much of one color as they take of another: captures could not undo them
       {"sensor/color_matrix: determinant",
        [](Simulation& s) { s.sensor.color_matrix = {100, -99.999, 0, 0, 100, -99.999, -99.999, 0, 100}; }},
-      {"sensor/illuminant: 1e-300: must be a number in [0.001, 1000]",
+      {"sensor/illuminant: 1e-300: must be a number in [1e-06, 1e+06]",
        [](Simulation& s) { s.sensor.illuminant[0] = 1e-300; }},
       {"sensor/dark_current_e_per_s: 10: gathers 4.789e+51 electrons in 0.01 s at 200 C: must leave some of the well, "
        "5880 at most",

@@ -336,6 +336,7 @@ TEST(Simulate, WhatNoCaptureMayHoldIsRefusedBeforeRendering) {
 TEST(Simulate, ACameraInASurfaceIsRefused) {
   json document = minimal();
   document["camera"] = {{"position_m", {0, 0, 0}}, {"look_at_m", {1, 0, 0}}, {"focus_distance_m", 1}};
+  document["sensor"] = {{"width_px", 64}, {"height_px", 48}};
   Scene scene = step_under_a_sky();
   scene.meshes = {make_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 0)};
   EXPECT_EQ(message_of<InputError>([&] { simulate(read_simulation(document, "s.json"), scene); }),

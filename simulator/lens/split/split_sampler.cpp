@@ -7,7 +7,6 @@ namespace dualpixel::simulator {
 namespace {
 
 constexpr int kTableSteps = 4096, kDiscSteps = 1024;
-constexpr double kFarthest = 8;  ///< pupil radii: no ray of a lens that is tabulated crosses so far out
 
 /// How much steeper an ideal lens's chief ray is than the one the microlens was shifted for.
 float excess_slope(const SplitPixel& split, float x_m, float chief_slope) {
@@ -35,7 +34,7 @@ float left_part_of_disc(float v) {
 
 SplitSampler::SplitSampler(const SplitPixel& split, double rim_slope) : split_(split), rim_slope_(rim_slope) {
   if (split.kind != SplitKind::table) return;
-  const double low = std::max(split.table.p.front(), -kFarthest), high = std::min(split.table.p.back(), kFarthest);
+  const double low = split.table.p.front(), high = split.table.p.back();
   table_.low = static_cast<float>(low);
   table_.per_step = static_cast<float>(kTableSteps / (high - low));
   for (int i = 0; i <= kTableSteps + 1; ++i) {

@@ -51,6 +51,12 @@ void Lights::make_near_lights(float radius_squared, glm::vec3 middle) {
   const auto least =
       static_cast<float>(1e-2 * all / static_cast<double>(std::max<std::size_t>(scene_.lights.size(), 1)));
   for (std::size_t i = 0; i < scene_.lights.size(); ++i) powers[i] = powers[i] > 0 ? std::max(powers[i], least) : 0;
+  const auto first_triangle = powers.begin() + static_cast<std::ptrdiff_t>(scene_.lights.size());
+  const double glowing = std::accumulate(first_triangle, powers.end(), 0.0);
+  if (glowing > 0 && glowing < 1e-2 * all) {
+    const auto scale = static_cast<float>(1e-2 * all / glowing);
+    std::for_each(first_triangle, powers.end(), [scale](float& power) { power *= scale; });
+  }
   double sum = 0;
   for (float power : powers) {
     sum += power;
