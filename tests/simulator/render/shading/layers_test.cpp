@@ -104,8 +104,9 @@ TEST(SlowLayers, PanesPassAndReflectNoMoreThanTheyGet) {
     for (const float sheen : {0.0f, 1.0f}) {
       Layers y;
       y.ior = 1.5f, y.transmission = 1, y.clearcoat = coat, y.sheen_color = glm::vec3(sheen), y.sheen_roughness = 0.5f;
+      const Named pane{"pane", y};
       for (const float roughness : {0.3f, 0.6f, 1.0f}) {
-        const Surface s = surface_of({"pane", y}, roughness);
+        const Surface s = surface_of(pane, roughness);
         for (const double cosine : {1.0, 0.5, 0.17, 0.08}) {
           constexpr int kSide = 300;
           const glm::vec3 to_eye = direction(cosine, 0.3);
