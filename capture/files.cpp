@@ -32,6 +32,12 @@ std::map<std::string, std::string> unfinished;
 
 }  // namespace
 
+std::string extension_of(const std::string& path) {
+  std::string extension = fs::path(path).extension();
+  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return extension;
+}
+
 std::string final_path(std::string path) {
   const std::lock_guard lock(unfinished_mutex);
   // backwards: a temporary within a temporary before the outer one

@@ -12,6 +12,9 @@ void require_regular_file(const std::string& path);
 
 inline constexpr std::size_t kLargestFileBytes = std::size_t{4} << 30;
 
+/// ".exr" of "a/b.EXR": in lower case, empty where the name has none.
+std::string extension_of(const std::string& path);
+
 /// The bytes of a regular file of at most `most_bytes`.
 std::string read_file(const std::string& path, std::size_t most_bytes = kLargestFileBytes);
 

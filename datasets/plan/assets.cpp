@@ -227,7 +227,8 @@ void add_environments(const Recipe& recipe, Assets& assets) {
   std::map<std::string, std::uint64_t> keys;  // of each path
   std::vector<std::uint64_t> all;
   for (const std::string& path : files_under(recipe.relations.environments)) {
-    if (!path.ends_with(".exr") && !path.ends_with(".hdr")) continue;
+    const std::string extension = extension_of(path);
+    if (extension != ".exr" && extension != ".hdr") continue;
     all.push_back(keys[path] = key_of(recipe, file_hash(path)));
   }
   if (all.empty()) throw InputError(printable(recipe.relations.environments) + ": holds no .exr and no .hdr file");

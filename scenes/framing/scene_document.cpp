@@ -4,13 +4,17 @@
 
 #include <filesystem>
 
+#include "capture/files.h"
 #include "capture/json_fields.h"
 
 namespace dualpixel::scenes {
 
 using nlohmann::json;
 
-bool is_gltf(const std::string& path) { return path.ends_with(".glb") || path.ends_with(".gltf"); }
+bool is_gltf(const std::string& path) {
+  const std::string extension = extension_of(path);
+  return extension == ".glb" || extension == ".gltf";
+}
 
 json read_scene_document(const std::string& path) {
   if (!is_gltf(path)) return read_json_file(path);

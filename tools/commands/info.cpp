@@ -227,7 +227,7 @@ json describe(const std::string& path) {
   }
   char head[4] = {};
   std::ifstream(path, std::ios::binary).read(head, sizeof(head));
-  if (std::string(head, 4) == "glTF" || fs::path(path).extension() == ".gltf") return describe_gltf(path);
+  if (std::string(head, 4) == "glTF" || extension_of(path) == ".gltf") return describe_gltf(path);
   if (fs::path(path).extension() == ".json") return describe_json(path);
   return describe_picture(path);
 }

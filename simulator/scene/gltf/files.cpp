@@ -193,6 +193,18 @@ bool keep_encoded(tinygltf::Image* image, int, std::string*, std::string*, int, 
   return true;
 }
 
+/// An attribute that the mesh's targets morph and that is not read; empty where there is none.
+std::string ignored_morph(const json& mesh) {
+  for (const json& primitive : mesh.at("primitives")) {
+    for (const json& target : primitive.value("targets", json::array())) {
+      for (const auto& [attribute, accessor] : target.items()) {
+        if (attribute != "POSITION" && attribute != "NORMAL" && attribute != "TANGENT") return printable(attribute);
+      }
+    }
+  }
+  return {};
+}
+
 std::vector<std::string> ignored_features(const json& root, const std::string& name) {
   std::vector<std::string> warnings;
   for (const json& extension : root.value("extensionsUsed", json::array())) {
@@ -200,6 +212,12 @@ std::vector<std::string> ignored_features(const json& root, const std::string& n
                      [&](const char* supported) { return extension == supported; })) {
       warnings.push_back(
           fmt::format("{}: extension {} is ignored", printable(name), printable(extension.get<std::string>())));
+    }
+  }
+  const json meshes = root.value("meshes", json::array());
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    if (const std::string attribute = ignored_morph(meshes[i]); !attribute.empty()) {
+      warnings.push_back(fmt::format("{}: /meshes/{}: morph targets of {} are ignored", printable(name), i, attribute));
     }
   }
   return warnings;

@@ -156,7 +156,7 @@ std::string saved_again(const std::string& glb) {
 TEST(Plan, CopiesOfAModelAreInOneSplit) {
   const TemporaryFolder folder;
   const std::string glb = read_bytes(DUALPIXEL_SCENES_DIR "/slanted_planes.glb");
-  for (const char* name : {"a.glb", "b.glb", "deep/c.glb"}) folder.write(name, glb);
+  for (const char* name : {"a.glb", "b.glb", "deep/C.GLB"}) folder.write(name, glb);
   folder.write("again.glb", saved_again(glb));
   GlbParts parts = parts_of(glb);
   parts.root["buffers"][0]["uri"] = "apart.bin";
@@ -173,7 +173,7 @@ TEST(Plan, CopiesOfAModelAreInOneSplit) {
   }
   std::set<std::string>& copies = train.size() == 5 ? train : test;
   EXPECT_EQ(copies, (std::set<std::string>{folder / "a.json", folder / "again.glb", folder / "apart.gltf",
-                                           folder / "b.glb", folder / "deep/c.glb"}));
+                                           folder / "b.glb", folder / "deep/C.GLB"}));
   EXPECT_EQ(train.size() + test.size(), 6U);
 }
 
@@ -306,7 +306,7 @@ TEST(Plan, GroupsOfScenesAreDealtOutByChance) {
 TEST(Plan, SplitsShareNoEnvironment) {
   const TemporaryFolder folder;
   for (const char* name : {"1", "2", "3", "4"}) folder.write(std::string("light/") + name + ".exr", name);
-  folder.write("light/deep/copy_of_1.exr", "1");
+  folder.write("light/deep/copy_of_1.EXR", "1");
   json recipe = small_recipe(200);
   recipe["split"] = {{"train", 0.5}, {"test", 0.5}};
   recipe["relations"]["environments"] = folder / "light";

@@ -69,14 +69,16 @@ TEST(GltfHostile, AssetAndExtensions) {
   EXPECT_EQ(message([](auto& g) { g.root["extensionsUsed"] = {7}; }), "/extensionsUsed/0: 7: must be a string");
 }
 
-TEST(GltfHostile, OptionalExtensionsAndAnimationsAreIgnoredWithAWarning) {
+TEST(GltfHostile, WhatIsNotReadIsIgnoredWithAWarning) {
   GltfBuilder gltf = one_triangle();
   gltf.root["extensionsUsed"] = {"VENDOR_sparkle"};
   gltf.root["animations"] = {{{"channels", "nonsense"}}};
+  gltf.root["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", 0}}, {{"NORMAL", 0}, {"COLOR_0", 0}}};
   const Scene scene = gltf.read();
-  ASSERT_EQ(scene.warnings.size(), 2u);
+  ASSERT_EQ(scene.warnings.size(), 3u);
   EXPECT_EQ(scene.warnings[0], "test.glb: extension VENDOR_sparkle is ignored");
-  EXPECT_NE(scene.warnings[1].find("animations are ignored"), std::string::npos);
+  EXPECT_EQ(scene.warnings[1], "test.glb: /meshes/0: morph targets of COLOR_0 are ignored");
+  EXPECT_NE(scene.warnings[2].find("animations are ignored"), std::string::npos);
 }
 
 TEST(GltfHostile, Buffers) {
