@@ -20,7 +20,8 @@ install(FILES tools/completion/dualpixel DESTINATION ${CMAKE_INSTALL_DATADIR}/ba
 find_program(HELP2MAN help2man)
 if(HELP2MAN)
   set(pages ${PROJECT_BINARY_DIR}/man1)
-  install(CODE "execute_process(COMMAND \"${PROJECT_SOURCE_DIR}/cmake/manual_pages.sh\" \"$<TARGET_FILE:dualpixel>\"
+  install(CODE "message(STATUS \"Manual pages: half a minute, the first time\")
+                execute_process(COMMAND \"${PROJECT_SOURCE_DIR}/cmake/manual_pages.sh\" \"$<TARGET_FILE:dualpixel>\"
                                         \"${pages}\" COMMAND_ERROR_IS_FATAL ANY)")
   install(DIRECTORY ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR} FILES_MATCHING PATTERN "*.1")
 else()

@@ -185,8 +185,8 @@ Chart read_chart(const nlohmann::json& json, const std::string& file) {
     for (const nlohmann::json& bar : json.at("bars")) chart.bars.push_back(bar_of(bar));
     for (const nlohmann::json& growth : json.at("growths")) chart.growths.push_back(growth_of(growth));
     return chart;
-  } catch (const nlohmann::json::exception& error) {
-    throw InputError(printable(file) + ": is no chart's JSON: " + printable(error.what()));
+  } catch (const nlohmann::json::exception&) {
+    throw InputError(printable(file) + ": is not what 'dualpixel chart' writes beside its page");
   }
 }
 

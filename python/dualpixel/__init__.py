@@ -27,6 +27,14 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'dualpixel' has no attribute {name!r}")
     import importlib
 
-    value = getattr(importlib.import_module(f"{__name__}.{_COMPILED[name]}"), name)
+    try:
+        value = getattr(importlib.import_module(f"{__name__}.{_COMPILED[name]}"), name)
+    except ImportError as error:
+        if "_core" not in str(error):
+            raise
+        raise ImportError(
+            f"dualpixel.{name} needs the compiled part, which is not beside {__file__}: "
+            "pip install the project, or set PYTHONPATH to the build's build/release/python"
+        ) from None
     globals()[name] = value
     return value

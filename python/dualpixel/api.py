@@ -69,7 +69,11 @@ def _document(document: Union[Mapping[str, Any], Path], name: str, folder: Path 
 
 
 def _loaded(capture: Union[_core.Capture, Path], truth: bool) -> _core.Capture:
-    return capture if isinstance(capture, _core.Capture) else _core.Capture(capture, truth=truth)
+    if isinstance(capture, _core.Capture):
+        return capture
+    if not isinstance(capture, (str, os.PathLike)):
+        raise InputError(f"capture: a {type(capture).__name__}: must be a Capture, or the path of its folder")
+    return _core.Capture(capture, truth=truth)
 
 
 def simulate(

@@ -53,6 +53,11 @@ def test_match_takes_views_of_one_channel(matcher):
         dualpixel.match(view, view, matcher=matcher)
 
 
+def test_what_is_no_capture_is_refused():
+    with pytest.raises(dualpixel.InputError, match="^capture: a dict: must be a Capture, or the path of its folder$"):
+        dualpixel.score({"left": None}, disparity=np.zeros((4, 4)))
+
+
 def test_match_of_a_capture_is_the_portraits(capture):
     np.testing.assert_array_equal(
         dualpixel.match(capture).disparity, dualpixel.portrait(capture).matched_disparity

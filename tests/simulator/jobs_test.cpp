@@ -118,12 +118,10 @@ TEST(SlowJobs, GiveTheBytesOfSeparateCalls) {
   const std::vector<std::pair<std::string, json>> jobs = {
       {"plain", json::object()},
       {"light", {{"render.light_samples", 32}, {"camera.focus_distance_m", 1.5}}},
-      {"again", {{"render.seed", 2}}},
-      {"goal", {{"render.error", 0.1}}},
-      {"spacing", {{"render.light_spacing_px", 0}}},
+      {"goal", {{"render.error", 0.1}, {"render.light_spacing_px", 0}}},
       {"sky", {{"environment", {{"model", "sky"}, {"zenith_nits", 9000}}}}},
       {"auto", {{"camera.focus_distance_m", "auto"}}},
-      {"last", {{"render.max_bounces", 1}, {"burst.hand_shake", 1}}}};
+      {"last", {{"render.seed", 2}, {"render.max_bounces", 1}, {"burst.hand_shake", 1}}}};
   std::string lines;
   for (const auto& [name, set] : jobs) lines += json{{"name", name}, {"set", set}}.dump() + "\n";
   write_bytes(folder / "jobs.jsonl", lines);

@@ -267,6 +267,22 @@ TEST(SlowCli, EndsAtItsTimeLimitAndLeavesNothing) {
   expect_one_line_refusal(run_program("--max-time 0 info '" DUALPIXEL_SCENES_DIR "/portrait.json'"));
 }
 
+TEST(SlowCli, TheFirstSignalSaysThatTheSetGoesOnToItsNextWholeShard) {
+  const TemporaryFolder folder;
+  const std::string out = "'" + (folder / "set") + "' 2>'" + (folder / "said") + "'";
+  run_program("--version >/dev/null; '" DUALPIXEL_PROGRAM "' people --count 8 -o " + out +
+              " & sleep 1.5; kill -TERM $!; wait $!");
+  EXPECT_EQ(read_bytes(folder / "said"),
+            "dualpixel: stopping when what is being made is whole; a second signal ends it at once\n");
+}
+
+TEST(Cli, OutputsThatCannotBeWrittenAreRefusedBeforeTheWork) {
+  const TemporaryFolder folder;
+  const Outcome chart = run_program("chart --quick -o '" + folder.path.string() + "'");
+  expect_one_line_refusal(chart);
+  EXPECT_NE(chart.err.find("exists and is not a regular file"), std::string::npos) << chart.err;
+}
+
 TEST(Cli, AFullDiskOnStandardOutputIsNoSuccess) {
   const TemporaryFolder folder;
   write_png8(folder / "a.png", Image(5, 3, 3, 0.5f));

@@ -22,7 +22,7 @@ const std::string kSmall =
     " --set burst.frames=3 --set render.photograph_samples_per_pixel=16";
 const std::string kTiny =
     " --set sensor.width_px=336 --set sensor.height_px=252 --set sensor.pixel_pitch_um=11.2"
-    " --set burst.frames=3 --set render.photograph_samples_per_pixel=16";
+    " --set burst.frames=3 --set render.samples_per_pixel=16 --set render.photograph_samples_per_pixel=16";
 
 void must_run(const std::string& arguments) {
   const Outcome outcome = run_command(arguments);

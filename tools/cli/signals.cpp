@@ -17,6 +17,15 @@ namespace {
 std::atomic<bool> first_is_noted = false;
 std::atomic<int> noted_signal = 0;
 
+/// Perhaps nobody reads stderr: this thread has no more to say then, but goes on.
+void say(const std::string& line) {
+  sigset_t pipe;
+  sigemptyset(&pipe);
+  sigaddset(&pipe, SIGPIPE);
+  pthread_sigmask(SIG_BLOCK, &pipe, nullptr);
+  std::cerr << line << '\n';
+}
+
 /// Of the threads that would end the process one goes on; the others wait until it has.
 void claim_the_end() {
   static std::atomic_flag claimed;
@@ -36,6 +45,7 @@ void end_cleanly_on_signals() {
     sigwait(&signals, &signal_number);
     if (first_is_noted) {
       noted_signal = signal_number;
+      say("dualpixel: stopping when what is being made is whole; a second signal ends it at once");
       sigwait(&signals, &signal_number);
     }
     claim_the_end();
@@ -59,11 +69,7 @@ void end_after(std::chrono::seconds limit) {
     std::this_thread::sleep_for(std::chrono::seconds(1));  // a command whose output is whole ends by itself
     evaluation::end_child_processes();
     remove_unfinished_outputs();
-    sigset_t pipe;  // perhaps nobody reads stderr
-    sigemptyset(&pipe);
-    sigaddset(&pipe, SIGPIPE);
-    pthread_sigmask(SIG_BLOCK, &pipe, nullptr);
-    std::cerr << fmt::format("dualpixel: --max-time: not done after {} s\n", limit.count());
+    say(fmt::format("dualpixel: --max-time: not done after {} s", limit.count()));
     _exit(kBadInput);
   }).detach();
 }

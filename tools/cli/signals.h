@@ -10,8 +10,8 @@ namespace dualpixel::tools {
 /// Call before any other thread starts: threads inherit the signal mask.
 void end_cleanly_on_signals();
 
-/// From now on the first signal is only noted in what is returned (0: none), for work that ends by itself at its next
-/// step; the second ends the process as above.
+/// From now on the first signal is only noted in what is returned (0: none), with a line on stderr, for work that ends
+/// by itself at its next step; the second ends the process as above.
 const std::atomic<int>& note_first_signal();
 
 /// Ends the process as a signal does about a second after `limit`, unless it ends by itself, with status 2 and a line

@@ -55,6 +55,7 @@ void run(const ChartOptions& options) {
   if (!options.older.empty()) older = evaluation::read_chart(read_json_file(options.older), options.older);
   const std::string json_file = fs::path(options.page).replace_extension(".json").string();
   if (json_file == options.page) throw InputError(printable(options.page) + ": must not end in .json");
+  for (const std::string& file : {options.page, json_file}) require_writable(file);  // before the work, not after it
   evaluation::Chart chart = interrupted(json_file, {options.quick, DUALPIXEL_VERSION, machine(), {}, {}, false});
   chart.left_out = evaluation::chart_left_out(options.quick);
   const NewFolder scratch(options.page + ".captures", "capture");  // never made: it goes when the page is there

@@ -15,8 +15,8 @@ float excess_slope(const SplitPixel& split, float x_m, float chief_slope) {
   return static_cast<float>(chief_slope - x_m / design_m);
 }
 
-/// The share of an evenly lit disc of radius 1 that lies left of v: 0 at -1, 1 at 1. From a table, to 1e-5.
-float left_part_of_disc(float v) {
+/// The share of an evenly lit disc of radius 1 that lies left of v, in kDiscSteps steps from 0 at -1 to 1 at 1.
+const float* left_parts_of_disc() {
   static const std::vector<float> parts = [] {
     std::vector<float> table;
     for (int i = 0; i <= kDiscSteps + 1; ++i) {
@@ -25,6 +25,11 @@ float left_part_of_disc(float v) {
     }
     return table;
   }();
+  return parts.data();
+}
+
+/// Between the steps of left_parts_of_disc(), to 1e-5.
+float left_part_of_disc(const float* parts, float v) {
   const float u = std::clamp((v + 1) * (kDiscSteps / 2), 0.0f, static_cast<float>(kDiscSteps));
   const int k = static_cast<int>(u);
   return parts[k] + (u - static_cast<float>(k)) * (parts[k + 1] - parts[k]);
@@ -63,10 +68,12 @@ void SplitSampler::weigh_by_microlens(const PixelFrame& f, const PupilPacket& pu
   const auto width = static_cast<float>(m.diode_width / spot), crosstalk = static_cast<float>(split_.crosstalk);
   const float middle =
       excess_slope(split_, f.x_m, pupil.chief_slope) - pupil.split_offset * static_cast<float>(rim_slope_);
+  const float* parts = left_parts_of_disc();
   for (int i = 0; i < kPacket; ++i) {
     const float v = shift - per_slope * (pupil.t[i] + middle);  // of the border between the diodes, in spot radii
-    const float below = left_part_of_disc(v);
-    const float left = below - left_part_of_disc(v - width), right = left_part_of_disc(v + width) - below;
+    const float below = left_part_of_disc(parts, v);
+    const float left = below - left_part_of_disc(parts, v - width);
+    const float right = left_part_of_disc(parts, v + width) - below;
     out.left[i] = left + crosstalk * (right - left);
     out.right[i] = right + crosstalk * (left - right);
   }

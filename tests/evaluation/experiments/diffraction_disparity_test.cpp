@@ -82,7 +82,7 @@ Error disparity_error(const Capture& capture, const pipeline::Matcher& matcher) 
 // pulls what is measured towards 0 by some hundredths of a pixel, as blur that both views have in common does: always
 // that way where there is disparity to speak of. How far is a regression: the largest of the document's figures,
 // rounded up.
-TEST(SlowDiffraction, CostsLittleDisparityNearTheFocus) {
+TEST(SweepDiffraction, CostsLittleDisparityNearTheFocus) {
   for (const double depth_m : {0.7, 0.8, 0.86, 0.9, 0.95, 1.1, 1.3}) {
     const Capture without = capture_of_wall(depth_m, false), with = capture_of_wall(depth_m, true);
     for (const pipeline::Matcher& matcher : pipeline::matchers()) {

@@ -46,7 +46,7 @@ Drawn portrait_of(std::uint64_t seed, bool from_behind) {
   return drawn;
 }
 
-TEST(SlowPeopleFailures, TheBackOfAHeadIsNoFace) {
+TEST(SweepPeopleFailures, TheBackOfAHeadIsNoFace) {
   if (!pipeline::has_person_network()) GTEST_SKIP() << "built without oneDNN";
   constexpr int kFigures = 10;
   int from_front = 0, from_behind = 0;

@@ -187,6 +187,8 @@ TEST(SlowPhotograph, BecomesAPortraitOfItsPeople) {
   expect_one_line_refusal(nobody);
   EXPECT_NE(nobody.err.find("no face found, and there are no dual-pixel views"), std::string::npos) << nobody.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "none"));
+  const Outcome missing = run_command("portrait " + in + "no.jpg' -o " + in + "none'");
+  EXPECT_EQ(missing.err, "dualpixel: " + (folder / "no.jpg") + ": no such capture folder or picture\n");
   write_png8(folder / "wall.png", ramp(9, 7));  // with a mask there is nothing to be found
   write_png8(folder / "mask.png", Image(9, 7, 1, 1.0f));
   EXPECT_EQ(run_command("portrait " + in + "wall.png' --mask " + in + "mask.png' -o " + in + "small'").status, 0);
