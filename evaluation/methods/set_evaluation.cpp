@@ -194,14 +194,13 @@ Json to_json(const std::vector<SetScore>& scores, std::size_t samples) {
 
 std::string to_page(const std::vector<SetScore>& scores, std::size_t samples) {
   std::string body = fmt::format(
-      "<h1>Methods compared over {} pairs</h1>\n<p>A click on a column's head sorts by it. Edges: up to {} DP px from "
-      "a "
-      "jump of the true disparity by more than {} DP px. Thin: no more than {} DP px along the row or the column, with "
-      "what lies further back by such a jump on both sides. Textureless: views vary by less than {} times the variance "
-      "of "
-      "their noise. Clipped: a view reaches {} of its white. Front and behind: the true disparity is under -{} or over "
-      "{} DP px; bins are of its amount. Wrong: by more than {} DP px, or not found.</p>\n",
-      samples, kEdgeReachDpPx, kJumpDpPx, kThinDpPx, kTextureless, kClipped, kFocusDpPx, kFocusDpPx, kWrongDpPx);
+      "<h1>Methods compared over {} pair{}</h1>\n<p>A click on a column's head sorts by it. Edges: up to {} DP px from "
+      "a jump of the true disparity by more than {} DP px. Thin: no more than {} DP px along the row or the column, "
+      "with what lies further back by such a jump on both sides. Textureless: views vary by less than {} times the "
+      "variance of their noise. Clipped: a view reaches {} of its white. Front and behind: the true disparity is under "
+      "-{} or over {} DP px; bins are of its amount. Wrong: by more than {} DP px, or not found.</p>\n",
+      samples, samples == 1 ? "" : "s", kEdgeReachDpPx, kJumpDpPx, kThinDpPx, kTextureless, kClipped, kFocusDpPx,
+      kFocusDpPx, kWrongDpPx);
   using Figure = std::optional<double> (*)(const SetFigures&);
   const std::pair<const char*, Figure> figures[] = {
       {"RMSE of what was found, DP px", [](const SetFigures& f) { return f.rmse_dp_px; }},

@@ -22,21 +22,25 @@ using nlohmann::json;
 /// Values and how much each counts.
 using Weighted = std::vector<std::pair<double, double>>;
 
-/// Shares of the weight in bins of equal width, by the middle of each.
-Series histogram(const std::string& name, const Weighted& values, double low, double high) {
-  constexpr int kBins = 48;
-  std::vector<double> bins(kBins);
+/// Shares of the weight, in percent, in bins of equal width: the outline of their bars. Few values have few bins, by
+/// Rice's rule; an odd number, so that equal values stand in the middle.
+Series histogram(const Weighted& values, double low, double high) {
+  constexpr int kMostBins = 49;
+  const int count = std::min(static_cast<int>(2 * std::cbrt(values.size())) | 1, kMostBins);
+  std::vector<double> bins(static_cast<std::size_t>(count));
   double sum = 0;
   for (const auto& [value, weight] : values) {
-    const int bin = static_cast<int>(std::floor((value - low) / (high - low) * kBins));
-    bins[static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1))] += weight;
+    const int bin = static_cast<int>(std::floor((value - low) / (high - low) * count));
+    bins[static_cast<std::size_t>(std::clamp(bin, 0, count - 1))] += weight;
     sum += weight;
   }
-  Series series{name, {}};
-  for (int i = 0; i < kBins; ++i) {
-    series.points.emplace_back(low + (i + 0.5) / kBins * (high - low), 100 * bins[static_cast<std::size_t>(i)] / sum);
+  Series outline{"", {{low, 0}}};
+  for (int i = 0; i < count; ++i) {
+    const double percent = 100 * bins[static_cast<std::size_t>(i)] / sum;
+    for (const int side : {0, 1}) outline.points.emplace_back(low + (high - low) * (i + side) / count, percent);
   }
-  return series;
+  outline.points.emplace_back(high, 0);
+  return outline;
 }
 
 /// The value below which `share` of the weight lies.
@@ -75,12 +79,16 @@ Plot plot_of(const char* title, const char* x_label, const char* y_label, const 
   constexpr double kTail = 0.002;
   double low = weighted_quantile(values, kTail), high = weighted_quantile(values, 1 - kTail);
   if (!(high > low)) low -= 0.5, high += 0.5;
-  return {title, x_label, y_label, {histogram("", values, low, high)}};
+  return {title, x_label, y_label, {histogram(values, low, high)}};
 }
 
-Weighted in_octaves(Weighted values) {
+/// In bins of equal ratio.
+Plot log_plot_of(const char* title, const char* x_label, const char* y_label, Weighted values) {
   for (auto& [value, weight] : values) value = std::log2(value);
-  return values;
+  Plot plot = plot_of(title, x_label, y_label, values);
+  plot.log_x = true;
+  for (auto& [x, percent] : plot.series[0].points) x = std::exp2(x);
+  return plot;
 }
 
 std::string plots_of(const std::vector<json>& index) {
@@ -92,9 +100,8 @@ std::string plots_of(const std::vector<json>& index) {
   const auto field = [](const char* name) { return [name](const json& sample) { return sample.at(name); }; };
   return html_plots(
       {plot_of("Disparity", "disparity, DP px", kPixels, pixels_of(index, "disparity_dp_px")),
-       plot_of("Depth", "depth, log2 of m", kPixels, in_octaves(pixels_of(index, "depth_m"))),
-       plot_of("Focus", "focus distance, log2 of m", kSamples,
-               in_octaves(samples_of(index, field("focus_distance_m")))),
+       log_plot_of("Depth", "depth, m", kPixels, pixels_of(index, "depth_m")),
+       log_plot_of("Focus", "focus distance, m", kSamples, samples_of(index, field("focus_distance_m"))),
        plot_of("Light", "mean signal over white", kSamples, samples_of(index, statistic("mean_signal"))),
        plot_of("Clipped", "share of clipped pixels", kSamples, samples_of(index, statistic("clipped_share"))),
        plot_of("Rendering noise", "of the sensor's noise", kSamples, samples_of(index, field("noise_fraction")))});

@@ -13,7 +13,7 @@ namespace dualpixel::evaluation {
 namespace {
 
 std::string disparity_table(const std::vector<RegionScore>& regions) {
-  Table table{{"region", "coverage", "bias", "RMSE", "> 0.1", "> 0.25", "> 0.5", "fitted scale", "and offset",
+  Table table{{"region", "coverage", "bias", "RMSE", "> 0.1", "> 0.25", "> 0.5", "fit scale", "fit offset",
                "fitted RMSE", "fitted > 0.1", "> 0.25", "> 0.5", "AIWE(1)", "1 − |ρ|", "AUSE"},
               {}};
   for (const RegionScore& r : regions) {
