@@ -102,7 +102,8 @@ std::vector<Parameter> parameters_of(const SceneKind& kind) {
 }
 
 std::string fixed_model_of(const SceneKind& kind, const SceneOrder& order) {
-  const auto& [parameter, values] = kind.fixed_models;
+  const char* const parameter = kind.fixed_models.parameter;
+  const auto& values = kind.fixed_models.values;
   if (parameter == nullptr) return "";
   // that parameter alone: there may be a million seeds
   std::vector<std::string> own;
