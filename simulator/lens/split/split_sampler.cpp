@@ -30,7 +30,7 @@ const float* left_parts_of_disc() {
 
 /// Between the steps of left_parts_of_disc(), to 1e-5.
 float left_part_of_disc(const float* parts, float v) {
-  const float u = std::clamp((v + 1) * (kDiscSteps / 2), 0.0f, static_cast<float>(kDiscSteps));
+  const float u = std::clamp((v + 1) * (0.5f * kDiscSteps), 0.0f, static_cast<float>(kDiscSteps));
   const int k = static_cast<int>(u);
   return parts[k] + (u - static_cast<float>(k)) * (parts[k + 1] - parts[k]);
 }
