@@ -270,15 +270,17 @@ TEST(SlowCli, EndsAtItsTimeLimitAndLeavesNothing) {
 TEST(SlowCli, TheFirstSignalSaysThatTheSetGoesOnToItsNextWholeShard) {
   const TemporaryFolder folder;
   const std::string out = "'" + (folder / "set") + "' 2>'" + (folder / "said") + "'";
+  // once the set's folder is there, signals are noted, and seconds of work are left
   run_program("--version >/dev/null; '" DUALPIXEL_PROGRAM "' people --count 8 -o " + out +
-              " & sleep 1.5; kill -TERM $!; wait $!");
+              " & for i in $(seq 600); do [ -d '" + (folder / "set") +
+              "' ] && break; sleep 0.05; done; kill -TERM $!; wait $!");
   EXPECT_EQ(read_bytes(folder / "said"),
             "dualpixel: stopping when what is being made is whole; a second signal ends it at once\n");
 }
 
 TEST(Cli, OutputsThatCannotBeWrittenAreRefusedBeforeTheWork) {
   const TemporaryFolder folder;
-  const Outcome chart = run_program("chart --quick -o '" + folder.path.string() + "'");
+  const Outcome chart = run_program("--max-time 60 chart --quick -o '" + folder.path.string() + "'");
   expect_one_line_refusal(chart);
   EXPECT_NE(chart.err.find("exists and is not a regular file"), std::string::npos) << chart.err;
 }

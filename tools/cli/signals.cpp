@@ -17,13 +17,13 @@ namespace {
 std::atomic<bool> first_is_noted = false;
 std::atomic<int> noted_signal = 0;
 
-/// Perhaps nobody reads stderr: this thread has no more to say then, but goes on.
+/// Writes a line to stderr, over a progress bar. Where nobody reads it, this thread goes on all the same.
 void say(const std::string& line) {
   sigset_t pipe;
   sigemptyset(&pipe);
   sigaddset(&pipe, SIGPIPE);
   pthread_sigmask(SIG_BLOCK, &pipe, nullptr);
-  std::cerr << line << '\n';
+  std::cerr << (isatty(STDERR_FILENO) != 0 ? "\r\x1b[K" : "") << line << '\n';
 }
 
 /// Of the threads that would end the process one goes on; the others wait until it has.

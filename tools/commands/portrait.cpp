@@ -182,8 +182,8 @@ Capture read_input(const PortraitCommand& command, PortraitOptions& options, std
     assumed = std::move(photograph.assumed);
     return std::move(photograph.capture);
   }
-  std::error_code unreadable;  // as in photograph()
-  if (!std::filesystem::exists(command.capture, unreadable)) {
+  std::error_code unreadable;  // then the capture's reader says why
+  if (!std::filesystem::exists(command.capture, unreadable) && !unreadable) {
     throw InputError(printable(command.capture) + ": no such capture folder or picture");
   }
   return read_capture(command.capture, command.true_mask);

@@ -311,9 +311,13 @@ TEST(Plan, SplitsShareNoEnvironment) {
   recipe["split"] = {{"train", 0.5}, {"test", 0.5}};
   recipe["relations"]["environments"] = folder / "light";
   std::map<std::string, std::set<Split>> splits;  // of a picture's bytes
+  std::set<std::string> files;
   for (const SampleLine& line : plan_of(recipe).lines) {
-    splits[read_bytes(line.set["environment"]["path"].get<std::string>())].insert(line.split);
+    const std::string file = line.set["environment"]["path"];
+    files.insert(file);
+    splits[read_bytes(file)].insert(line.split);
   }
+  EXPECT_EQ(files.size(), 5U);
   EXPECT_EQ(splits.size(), 4U);
   for (const auto& [bytes, in] : splits) EXPECT_EQ(in.size(), 1U) << bytes;
   recipe["relations"].erase("environments");

@@ -26,7 +26,9 @@ void add_experiment_failures(CLI::App& experiment) {
   add_methods_option(*command, options->methods)
       ->description(
           "A matcher's name: these alone. NAME=COMMAND: another program beside them; see `dualpixel evaluate --help`");
-  command->add_option("--row", options->rows, "This row alone, by its name; repeat for several. A wrong name lists all")
+  command
+      ->add_option("--row", options->rows,
+                   "This row alone, by its name; repeat for several. An unknown name lists all names")
       ->take_all()
       ->expected(1)
       ->allow_extra_args(false)
