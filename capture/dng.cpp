@@ -57,6 +57,7 @@ class TiffFile {
     set(EXIFTAG_FOCALLENGTH, capture.camera.focal_length_mm);
     std::uint64_t offset = 0;
     require(TIFFWriteCustomDirectory(file_.get(), &offset) == 1);
+    TIFFFreeDirectory(file_.get());  // its fields, which TIFFCreateDirectory() would leak
     require(TIFFCreateDirectory(file_.get()) == 0);
     require(TIFFMergeFieldInfo(file_.get(), kDngFields, std::size(kDngFields)) == 0);
     set(TIFFTAG_EXIFIFD, offset);

@@ -181,9 +181,11 @@ void require_line(const FocusCalibration& fit, const Targets& targets, std::size
 
 void warn_of_tilt(const TargetTilt& tilt, std::vector<std::string>& warnings) {
   const double errors = significant_errors(tilt.degrees_of_freedom);
-  const bool significant =
-      std::abs(tilt.x_deg) > errors * tilt.x_error_deg || std::abs(tilt.y_deg) > errors * tilt.y_error_deg;
-  if (!significant || std::hypot(tilt.x_deg, tilt.y_deg) < kTiltWarning_deg) return;
+  // A tilt about one axis that is more than chance says nothing of the other's: noise that is the same in all rows
+  // leaves y no more than rounding, and an error as small.
+  const double x = std::abs(tilt.x_deg) > errors * tilt.x_error_deg ? tilt.x_deg : 0;
+  const double y = std::abs(tilt.y_deg) > errors * tilt.y_error_deg ? tilt.y_deg : 0;
+  if (std::hypot(x, y) < kTiltWarning_deg) return;
   warnings.push_back(fmt::format(
       "the target seems tilted: its right side is {:.1f} +- {:.1f} degrees farther, its lower side {:.1f} +- {:.1f} "
       "degrees (or the lens is not symmetric); straighten it and repeat the sweep",

@@ -6,6 +6,7 @@
 #include <wordexp.h>
 
 #include <array>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
@@ -16,6 +17,7 @@
 #include "tools/cli/program.h"
 
 #ifdef DUALPIXEL_FINDS_LEAKS
+#include <sanitizer/common_interface_defs.h>
 #include <sanitizer/lsan_interface.h>
 #endif
 
@@ -54,6 +56,9 @@ bool receive(int pipe, std::string& text) {
   constexpr int kMode = 0600;
 #ifdef DUALPIXEL_FINDS_LEAKS
   constexpr int kLeaks = 23;  // as LeakSanitizer's own
+  // Reports go to the test's stderr: clang 14 warns in every fork that it cannot suspend the thread that forked.
+  const std::intptr_t reports = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0);
+  __sanitizer_set_report_fd(reinterpret_cast<void*>(reports));
 #endif
   dup2(open("/dev/null", O_RDONLY | O_CLOEXEC), STDIN_FILENO);
   dup2(open((folder + "/out").c_str(), O_CREAT | O_WRONLY | O_APPEND | O_CLOEXEC, kMode), STDOUT_FILENO);
