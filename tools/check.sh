@@ -23,33 +23,37 @@ case $check in
 esac
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" "${packages[@]}"
 
-# Builds the distribution's TBB with the thread sanitizer, which otherwise sees none of its synchronization and takes every
-# parallel loop for a race; prints the folder of the library.
-tbb_with_thread_sanitizer() {
-  local folder=$PWD/build/tsan/tbb
-  if ! compgen -G "$folder/source/onetbb-*" >/dev/null; then
-    mkdir -p "$folder/apt/sources" "$folder/apt/lists/partial" "$folder/source"
+# The distribution's TBB, built with the thread sanitizer, which otherwise sees none of its synchronization and takes every
+# parallel loop for a race. Tests and programs load it from here on.
+use_tbb_with_thread_sanitizer() {
+  local folder list version
+  version=$(dpkg-query -W -f='${Version}' libtbb12)
+  folder=$PWD/build/tsan/tbb-${version//[^A-Za-z0-9.]/-}
+  if [ ! -d "$folder/source" ]; then
+    rm -rf "$folder"
+    mkdir -p "$folder/apt/sources" "$folder/apt/lists/partial" "$folder/unpacked"
     for list in /etc/apt/sources.list /etc/apt/sources.list.d/*; do
       if [ -e "$list" ]; then sed 's/^Types: .*/Types: deb-src/; s/^deb /deb-src /' "$list" >"$folder/apt/sources/${list##*/}"; fi
     done
     local apt=(apt-get -q -o "Dir::Etc::SourceParts=$folder/apt/sources" -o Dir::Etc::SourceList=/dev/null
                -o "Dir::State::Lists=$folder/apt/lists")
-    (cd "$folder/source" && "${apt[@]}" update && "${apt[@]}" source libtbb12) >&2
+    (cd "$folder/unpacked" && "${apt[@]}" update && "${apt[@]}" source libtbb12)
+    mv "$folder"/unpacked/onetbb-*/ "$folder/source"
   fi
-  cmake -S "$folder"/source/onetbb-*/ -B "$folder/build" -G Ninja -DCMAKE_CXX_COMPILER=clang++ \
-    -DCMAKE_BUILD_TYPE=RelWithDebInfo -DTBB_SANITIZE=thread -DTBB_TEST=OFF -DTBBMALLOC_BUILD=OFF -DTBB_STRICT=OFF \
-    -DTBB_DISABLE_HWLOC_AUTOMATIC_SEARCH=ON >&2
-  cmake --build "$folder/build" >&2
-  dirname "$folder"/build/*/libtbb.so
+  cmake -S "$folder/source" -B "$folder/build" -G Ninja -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=RelWithDebInfo \
+    -DTBB_OUTPUT_DIR_BASE=tbb -DTBB_SANITIZE=thread -DTBB_TEST=OFF -DTBBMALLOC_BUILD=OFF -DTBB_STRICT=OFF \
+    -DTBB_DISABLE_HWLOC_AUTOMATIC_SEARCH=ON
+  cmake --build "$folder/build"
+  export LD_LIBRARY_PATH=$folder/build/tbb_relwithdebinfo
+  ls "$LD_LIBRARY_PATH/libtbb.so.12" >/dev/null
+  # Locks are taken in libraries that the sanitizer does not see release them; some tests fork.
+  export TSAN_OPTIONS="suppressions='$PWD/tests/tsan_suppressions.txt':detect_deadlocks=0:die_after_fork=0"
 }
+if [ "$check" = tsan ]; then use_tbb_with_thread_sanitizer; fi
 
 cmake "${configure[@]}" -DDUALPIXEL_TESTS=ON >/dev/null
 if [ ${#names[@]} -eq 0 ]; then names=(capture simulator pipeline scenes datasets evaluation tools); fi
 cmake --build "build/$check" --target "${names[@]/#/test_}"
-if [ "$check" = tsan ]; then
-  LD_LIBRARY_PATH=$(tbb_with_thread_sanitizer)
-  export LD_LIBRARY_PATH
-fi
 for name in "${names[@]}"; do
   if [ "$check" = valgrind ]; then
     valgrind -q --error-exitcode=1 "build/valgrind/tests/test_$name" --gtest_filter='-Slow*:Sweep*'

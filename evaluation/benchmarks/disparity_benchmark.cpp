@@ -88,11 +88,15 @@ MatcherBenchmark errors_of(const pipeline::PixelDisparity& found, const Image& t
   return result;
 }
 
-/// The best of a few at the size of a phone's Bayer plane. Methods take turns, so that a busy machine slows all.
-std::vector<double> times_ms(const std::vector<StereoMethod>& all, const StereoPair& pair) {
-  constexpr int kWidth = 1344, kHeight = 1008, kRepeats = 9;
-  const StereoPair large{resize_bilinear(pair.left, kWidth, kHeight), resize_bilinear(pair.right, kWidth, kHeight),
-                         pair.sensor};
+/// At the size of a phone's Bayer plane.
+StereoPair enlarged(const StereoPair& pair) {
+  constexpr int kWidth = 1344, kHeight = 1008;
+  return {resize_bilinear(pair.left, kWidth, kHeight), resize_bilinear(pair.right, kWidth, kHeight), pair.sensor};
+}
+
+/// The best of a few. Methods take turns, so that a busy machine slows all.
+std::vector<double> times_ms(const std::vector<StereoMethod>& all, const StereoPair& large) {
+  constexpr int kRepeats = 9;
   std::vector<double> best(all.size(), std::numeric_limits<double>::infinity());
   for (int repeat = 0; repeat < kRepeats; ++repeat) {
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -114,11 +118,9 @@ double copy_ms() {
 }
 
 nlohmann::ordered_json to_json(const MatcherBenchmark& m) {
-  nlohmann::ordered_json json = {{"method", m.method},
-                                 {"ms", m.ms},
-                                 {"answered_share", m.answered_share},
-                                 {"rmse_dp_px", m.rmse_dp_px},
-                                 {"wrong_share", m.wrong_share},
+  nlohmann::ordered_json json = {{"method", m.method},          {"ms", m.ms},
+                                 {"memory_mb", m.memory_mb},    {"answered_share", m.answered_share},
+                                 {"rmse_dp_px", m.rmse_dp_px},  {"wrong_share", m.wrong_share},
                                  {"aiwe1_dp_px", m.aiwe1_dp_px}};
   if (m.confidence) {
     json["sparsification_area_over_oracle"] = m.confidence->area_over_oracle;
@@ -156,7 +158,8 @@ DisparityBenchmark measure_disparity(const std::vector<std::string>& scene_files
     StereoPair pair{normalized(capture.frames[0].left, capture.exposure),
                     normalized(capture.frames[0].right, capture.exposure), pipeline::view_sensor(capture.exposure)};
     pair.sensor.pixel_height = pipeline::pixel_height(capture.camera);
-    const std::vector<double> ms = times_ms(all, pair);
+    const StereoPair large = enlarged(pair);
+    const std::vector<double> ms = times_ms(all, large);
     DisparityBenchmark::Scene& scene = benchmark.scenes.emplace_back();
     scene.scene = file;
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -164,6 +167,7 @@ DisparityBenchmark measure_disparity(const std::vector<std::string>& scene_files
           errors_of(all[i].match(pair), capture.truth->disparity_dp_px, capture.truth->valid));
       row.method = all[i].name;
       row.ms = ms[i];
+      row.memory_mb = peak_mb([&] { all[i].match(large); });
     }
   }
   return benchmark;

@@ -28,6 +28,7 @@ struct SigmaQuality {
 struct MatcherBenchmark {
   std::string method;
   double ms = 0;              ///< at 1344 x 1008, all threads, the best of nine
+  double memory_mb = 0;       ///< at most, besides the views
   double answered_share = 0;  ///< of the pixels with truth; errors are over these
   double rmse_dp_px = 0;
   double wrong_share = 0;  ///< err by more than 0.5 DP px

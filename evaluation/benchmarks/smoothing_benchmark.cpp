@@ -272,9 +272,11 @@ std::vector<SolverFailure> measure_solver_failures() {
 SmoothingRun run_method(const SmoothingMethod& method, const Problem& problem) {
   const SmoothingInput small = reduced(problem, method.divisor);
   Image result;
-  const Times time =
-      times({[&] { result = pipeline::upsample_along_edges(method.smooth(small), small.guide, problem.input); }}, 2);
-  return {time.ms[0], time.cpu_ms[0], errors_of(problem, result)};
+  const auto smooth = [&] {
+    result = pipeline::upsample_along_edges(method.smooth(small), small.guide, problem.input);
+  };
+  const Times time = times({smooth}, 2);
+  return {time.ms[0], time.cpu_ms[0], peak_mb(smooth), errors_of(problem, result)};
 }
 
 }  // namespace
@@ -308,7 +310,7 @@ nlohmann::ordered_json to_json(const SmoothingErrors& e) {
 }
 
 nlohmann::ordered_json to_json(const SmoothingRun& run) {
-  nlohmann::ordered_json json = {{"ms", run.ms}, {"cpu_ms", run.cpu_ms}};
+  nlohmann::ordered_json json = {{"ms", run.ms}, {"cpu_ms", run.cpu_ms}, {"memory_mb", run.memory_mb}};
   json.update(to_json(run.errors));
   return json;
 }

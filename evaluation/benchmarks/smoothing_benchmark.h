@@ -22,6 +22,7 @@ struct SmoothingErrors {
 /// is included, as in the pipeline's stage; reducing the guide and the map is not.
 struct SmoothingRun {
   double ms = 0, cpu_ms = 0;
+  double memory_mb = 0;  ///< at most, besides what goes in
   SmoothingErrors errors;
 };
 

@@ -49,9 +49,15 @@ Json json_of(const ChartSection& section) {
     points.push_back({{"name", point.name}, {"error", json_of(point.error)}, {"time", json_of(point.time)}});
     if (point.is_default) points.back()["default"] = true;
     if (point.memory_mb) points.back()["memory_mb"] = *point.memory_mb;
+    if (point.is_bound) points.back()["bound"] = true;
   }
-  return {{"title", section.title},           {"stage", section.stage},         {"note", section.note},
-          {"error_unit", section.error_unit}, {"time_unit", section.time_unit}, {"points", points}};
+  return {{"title", section.title},
+          {"stage", section.stage},
+          {"note", section.note},
+          {"default_reason", section.default_reason},
+          {"error_unit", section.error_unit},
+          {"time_unit", section.time_unit},
+          {"points", points}};
 }
 
 Json json_of(const ChartBar& bar) {
@@ -68,13 +74,19 @@ Json json_of(const ChartGrowth& growth) {
 }
 
 ChartSection section_of(const nlohmann::json& json) {
-  ChartSection section{json.at("title"), json.at("note"), json.at("error_unit"), json.at("time_unit"), {},
-                       json.at("stage")};
+  ChartSection section{json.at("title"),
+                       json.at("note"),
+                       json.at("error_unit"),
+                       json.at("time_unit"),
+                       {},
+                       json.at("stage"),
+                       json.value("default_reason", "")};
   for (const nlohmann::json& point : json.at("points")) {
     ChartPoint& read =
         section.points.emplace_back(ChartPoint{point.at("name"), measured_of(point.at("error")),
                                                measured_of(point.at("time")), point.value("default", false)});
     if (point.contains("memory_mb")) read.memory_mb = point["memory_mb"].get<double>();
+    read.is_bound = point.value("bound", false);
   }
   return section;
 }
@@ -106,10 +118,12 @@ const Entry* find_by(const std::vector<Entry>& entries, std::string Entry::*name
 std::vector<bool> pareto_front(const std::vector<ChartPoint>& points) {
   std::vector<bool> front;
   for (const ChartPoint& point : points) {
-    front.push_back(std::none_of(points.begin(), points.end(), [&](const ChartPoint& other) {
+    const auto beats = [&](const ChartPoint& other) {
       const bool no_worse = other.error.value <= point.error.value && other.time.value <= point.time.value;
-      return no_worse && (other.error.value < point.error.value || other.time.value < point.time.value);
-    }));
+      const bool better = other.error.value < point.error.value || other.time.value < point.time.value;
+      return !other.is_bound && no_worse && better;
+    };
+    front.push_back(!point.is_bound && std::none_of(points.begin(), points.end(), beats));
   }
   return front;
 }

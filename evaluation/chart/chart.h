@@ -21,6 +21,7 @@ struct ChartPoint {
   Measured error, time;
   bool is_default = false;
   std::optional<double> memory_mb = {};  ///< at most, besides what the program held before
+  bool is_bound = false;                 ///< no setting: what none of them can beat; never on the front
 };
 
 struct ChartSection {
@@ -28,7 +29,8 @@ struct ChartSection {
   std::string note;  ///< what was measured on what, and what repetitions are
   std::string error_unit, time_unit;
   std::vector<ChartPoint> points;
-  std::string stage = {};  ///< of chart_stages() that measured it
+  std::string stage = {};           ///< of chart_stages() that measured it
+  std::string default_reason = {};  ///< why the default is what it is
 };
 
 /// A whole by its parts, one bar. A part below 0 takes from the others.
@@ -70,7 +72,7 @@ struct Chart {
 bool has_stage(const Chart& chart, const std::string& stage);
 void add(Chart& chart, ChartPart part, const std::string& stage);
 
-/// Whether no other point has both less error and less time, one of them strictly; in the points' order.
+/// Whether no other setting has both less error and less time, one of them strictly; in the points' order.
 std::vector<bool> pareto_front(const std::vector<ChartPoint>& points);
 
 /// What more time buys: each point of the front, fastest first, with the next one.

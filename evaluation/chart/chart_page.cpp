@@ -35,12 +35,13 @@ Plot plot_of(const ChartSection& section) {
   plot.wide = true;
   plot.log_x = spans_decades(section.points, &ChartPoint::time);
   plot.log_y = spans_decades(section.points, &ChartPoint::error);
-  Series others{"others", {}, false, true}, best{"Pareto front", {}, false, true}, chosen{"default", {}, false, true};
+  Series others{"others", {}, false, true}, best{"Pareto front", {}, false, true}, chosen{"default", {}, false, true},
+      bounds{"bound", {}, false, true};
   Series line{"", {}}, errors{"± one standard error", {}};
   std::vector<std::pair<double, double>> front_points;
   for (std::size_t i = 0; i < section.points.size(); ++i) {
     const ChartPoint& point = section.points[i];
-    Series& dots = point.is_default ? chosen : front[i] ? best : others;
+    Series& dots = point.is_bound ? bounds : point.is_default ? chosen : front[i] ? best : others;
     dots.points.emplace_back(point.time.value, point.error.value);
     dots.labels.push_back(point.name);
     if (front[i]) front_points.emplace_back(point.time.value, point.error.value);
@@ -56,7 +57,7 @@ Plot plot_of(const ChartSection& section) {
   std::sort(front_points.begin(), front_points.end());
   line.points = front_points;
   line.dashed = true;
-  plot.series = {best, chosen, others, errors, line};
+  plot.series = {best, chosen, others, errors, line, bounds};
   plot.series.erase(std::remove_if(plot.series.begin(), plot.series.end(),
                                    [](const Series& series) { return series.points.empty(); }),
                     plot.series.end());
@@ -83,6 +84,14 @@ Table table_of(const ChartSection& section) {
   return table;
 }
 
+std::string paragraph(const std::string& text) {
+  return text.empty() ? "" : "<p class=\"soft\">" + escape_html(printable(text, 1000)) + "</p>\n";
+}
+
+std::string heading(const std::string& title, const std::string& note) {
+  return "<h2>" + escape_name(title) + "</h2>\n" + paragraph(note);
+}
+
 /// Nothing where the front is a single point.
 std::string steps_of(const ChartSection& section) {
   const std::vector<FrontStep> steps = front_steps(section.points);
@@ -95,16 +104,24 @@ std::string steps_of(const ChartSection& section) {
                           fmt::format("{:.3g}", step.less_error),
                           step.more_time > 0 ? fmt::format("{:.2g}", step.less_error / step.more_time) : "–"});
   }
-  return "<details><summary>What more time buys, along the front</summary>" + html_table(table) + "</details>\n";
+  return html_table(table);
 }
 
-std::string heading(const std::string& title, const std::string& note) {
-  return "<h2>" + escape_name(title) + "</h2>\n<p class=\"soft\">" + escape_html(printable(note, 1000)) + "</p>\n";
+/// Plot, reason of the default, table, and what more time buys.
+std::string html_section(const ChartSection& section) {
+  std::string html = heading(section.title, section.note) + html_plots({plot_of(section)});
+  if (!section.default_reason.empty()) html += paragraph("Default: " + section.default_reason);
+  html += html_table(table_of(section));
+  const std::string steps = steps_of(section);
+  if (!steps.empty()) {
+    html += "<details><summary>What more time buys, along the front</summary>" + steps + "</details>\n";
+  }
+  return html;
 }
 
 std::string growth_section(const ChartGrowth& growth) {
   Plot plot{growth.title, growth.x_label, growth.y_label, {}, true, true, false, true};
-  for (const auto& [name, points] : growth.lines) plot.series.push_back({name, points});
+  for (const auto& [name, points] : growth.lines) plot.series.push_back({name, points, false, points.size() == 1});
   return heading(growth.title, growth.note) + html_plots({plot});
 }
 
@@ -115,14 +132,16 @@ std::string to_page(const Chart& chart) {
       "<h1>Speed against accuracy</h1>\n<p>{}{}; dualpixel {}. To the left and down is better; a setting on the Pareto "
       "front has no other that is both faster and more accurate.</p>\n",
       escape_name(chart.machine), chart.quick ? ", in short" : "", escape_name(chart.version));
+  if (!chart.complete) body += paragraph("Not all of it is measured yet: the same command goes on where it stopped.");
   for (const ChartBar& bar : chart.bars) {
     body += heading(bar.title, bar.note) + "<div class=\"plots wide-plot\">" +
             svg_bar({bar.title, bar.unit, bar.parts}) + "</div>\n";
   }
-  for (const ChartSection& section : chart.sections) {
-    body += heading(section.title, section.note) + html_plots({plot_of(section)}) + html_table(table_of(section)) +
-            steps_of(section);
+  if (!chart.sections.empty()) {  // the whole pipeline comes first
+    const std::string steps = steps_of(chart.sections.front());
+    if (!steps.empty()) body += heading("What more time buys: " + chart.sections.front().title, "") + steps;
   }
+  for (const ChartSection& section : chart.sections) body += html_section(section);
   for (const ChartGrowth& growth : chart.growths) body += growth_section(growth);
   if (!chart.left_out.empty()) {
     body += "<h2>Not on this page</h2>\n<ul>";

@@ -10,7 +10,9 @@
 #include "evaluation/chart/pipeline_stage.h"
 #include "evaluation/experiments/calibration_cost.h"
 #include "pipeline/disparity/matchers.h"
+#include "pipeline/edge_aware/smooth_disparity.h"
 #include "pipeline/segmentation/network.h"
+#include "simulator/render/render_options.h"
 #include "simulator/scene_file.h"
 
 namespace dualpixel::evaluation {
@@ -28,11 +30,20 @@ ChartPart measure_renderer(const ChartInput& input) {
                        "CPU s",
                        {}};
   for (const RenderCurve& curve : benchmark.curves) {
-    if (curve.name == "Embree alone") continue;  // no renderer
+    const bool is_bound = curve.name == "Embree alone", is_default_way = curve.name == "light cache";
     for (const RenderRun& run : curve.runs) {
-      section.points.push_back({fmt::format("{}, {:.3g} spp", curve.name, run.samples), {run.error}, {run.time_s}});
+      const bool is_default = is_default_way && run.samples == simulator::RenderOptions().samples_per_pixel;
+      section.points.push_back({fmt::format("{}, {:.3g} spp", curve.name, run.samples),
+                                {run.error},
+                                {run.time_s},
+                                is_default,
+                                {},
+                                is_bound});
     }
   }
+  section.default_reason =
+      "mirrored pairs and light at points of surfaces, which take the least time for an error on scenes that are lit "
+      "(docs/rendering.md); render.error asks for an error instead of a count. Bound: Embree alone, the same rays.";
   return {{section}};
 }
 
@@ -55,6 +66,8 @@ ChartPart measure_light(const ChartInput& input) {
           {fmt::format("{}, {:.3g} spp", curve.name, run.samples), {run.error}, {run.time_s}, is_default});
     }
   }
+  section.default_reason =
+      "points so near that interpolating between them adds at most a tenth of the sensor's noise (docs/rendering.md).";
   return {{section}};
 }
 
@@ -77,6 +90,8 @@ ChartPart measure_lens_models(const ChartInput& input) {
       if (model.disparity_error_dp_px == 0) continue;
       section.points.push_back({model.model, {model.disparity_error_dp_px}, {1e9 / model.samples_per_core_s}});
     }
+    section.default_reason =
+        "none: a scene names its lens, and `dualpixel plan` the cheapest model that it can do with.";
   }
   return {sections};
 }
@@ -99,9 +114,14 @@ ChartPart measure_matchers(const ChartInput& input) {
       errors.push_back(scene.methods[i].rmse_dp_px);
       ms.push_back(scene.methods[i].ms);
     }
-    const std::string& name = benchmark.scenes.front().methods[i].method;
-    section.points.push_back({name, mean_of(errors), mean_of(ms), name == pipeline::matchers().front().name});
+    const MatcherBenchmark& first = benchmark.scenes.front().methods[i];
+    section.points.push_back({first.method, mean_of(errors), mean_of(ms),
+                              first.method == pipeline::matchers().front().name, first.memory_mb});
   }
+  section.default_reason =
+      "the paper's, the fastest. The others know their error, and split errs less on strongly blurred real pairs, but "
+      "not "
+      "by as much as it was to (docs/disparity.md).";
   return {{section}};
 }
 
@@ -113,10 +133,15 @@ ChartPart measure_solver(const ChartInput& input) {
                        "DP px",
                        "CPU ms",
                        {}};
+  const std::string default_name = fmt::format("resolution: 1/{}", pipeline::SmoothOptions().divisor);
   for (const SmoothingComparison& method : benchmark.methods) {
-    section.points.push_back(
-        {method.family + ": " + method.name, {method.matched.errors.rmse_dp_px}, {method.matched.cpu_ms}});
+    const std::string name = method.family + ": " + method.name;
+    const SmoothingRun& run = method.matched;
+    section.points.push_back({name, {run.errors.rmse_dp_px}, {run.cpu_ms}, name == default_name, run.memory_mb});
   }
+  section.default_reason =
+      "the paper's quarter of the size, and its other constants; no other filter has less error near edges on matches "
+      "(docs/edges.md).";
   return {{section}};
 }
 
@@ -158,9 +183,14 @@ ChartPart measure_calibration(const ChartInput& input) {
                        "photographs",
                        {}};
   for (const CalibrationEffort& effort : cost.efforts) {
-    section.points.push_back(
-        {effort.axis + " " + effort.value, {effort.residual_dp_px}, {static_cast<double>(effort.photographs())}});
+    const bool is_default = effort.axis == "focus distances" && effort.sweep.focuses == SweepOptions().focuses;
+    section.points.push_back({effort.axis + " " + effort.value,
+                              {effort.residual_dp_px},
+                              {static_cast<double>(effort.photographs())},
+                              is_default});
   }
+  section.default_reason =
+      "as many focus distances as the paper has, and targets that leave no more than noise (docs/calibration.md).";
   return {{section}};
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -20,8 +21,15 @@
 namespace dualpixel::evaluation {
 namespace {
 
-/// Of three runs: what is made once is in the first.
-double least_cpu_ms(const std::function<void()>& work) { return times({work}, 3).cpu_ms.front(); }
+struct Cost {
+  double cpu_ms = 0, memory_mb = 0;
+};
+
+/// The time of the fastest of three runs, since what is made once is in the first; the memory of one more.
+Cost cost_of(const std::function<void()>& work) {
+  const double cpu_ms = times({work}, 3).cpu_ms.front();
+  return {cpu_ms, peak_mb(work)};
+}
 
 }  // namespace
 
@@ -37,9 +45,9 @@ std::vector<Trial> try_defocus(const Capture& capture) {
   const auto add = [&](const std::string& name, const pipeline::DefocusMethod& method,
                        const pipeline::DefocusOptions& options, bool is_default) {
     Image picture;
-    const double cpu_ms = least_cpu_ms([&] { picture = method.render(input, options).rgb; });
+    const Cost cost = cost_of([&] { picture = method.render(input, options).rgb; });
     const auto psnr = psnr_db(displayed(clipped(picture)), photograph);
-    trials.push_back({name, psnr ? percent_of_white(*psnr) : 0, cpu_ms, is_default});
+    trials.push_back({name, psnr ? percent_of_white(*psnr) : 0, cost.cpu_ms, cost.memory_mb, is_default});
   };
   pipeline::DefocusOptions options;
   if (capture.face_px) {
@@ -65,12 +73,13 @@ std::vector<Trial> try_masks(const Capture& capture, const Image& picture) {
   std::vector<Trial> trials;
   const auto add = [&](const std::string& name, const std::vector<pipeline::Face>& given, bool is_default) {
     Image coarse, fine;
-    const double find_ms = least_cpu_ms([&] { coarse = pipeline::find_people(picture, given, network).mask; });
+    const Cost find = cost_of([&] { coarse = pipeline::find_people(picture, given, network).mask; });
     if (coarse.empty()) coarse = Image(2, 2);
     const Image enlarged = resize_bilinear(coarse, truth.width, truth.height);
-    const double filter_ms = least_cpu_ms([&] { fine = filtered_mask(coarse, picture); });
-    trials.push_back({name, 100 * (1 - mask_iou(enlarged, truth)), find_ms, is_default});
-    trials.push_back({name + ", filtered", 100 * (1 - mask_iou(fine, truth)), find_ms + filter_ms, false});
+    const Cost filter = cost_of([&] { fine = filtered_mask(coarse, picture); });
+    trials.push_back({name, 100 * (1 - mask_iou(enlarged, truth)), find.cpu_ms, find.memory_mb, is_default});
+    trials.push_back({name + ", filtered", 100 * (1 - mask_iou(fine, truth)), find.cpu_ms + filter.cpu_ms,
+                      std::max(find.memory_mb, filter.memory_mb), false});
   };
   add("face found", {}, true);
   add("face given", {{face[0], face[1], face[2], face[3]}}, false);
@@ -87,7 +96,7 @@ std::vector<ChartPoint> points_of(const std::vector<std::vector<Trial>>& by_capt
       times.push_back(trials[i].cpu_ms);
     }
     const Trial& trial = by_capture.front()[i];
-    points.push_back({trial.name, mean_of(errors), mean_of(times), trial.is_default});
+    points.push_back({trial.name, mean_of(errors), mean_of(times), trial.is_default, trial.memory_mb});
   }
   return points;
 }

@@ -12,6 +12,7 @@ namespace dualpixel::evaluation {
 struct Trial {
   std::string name;
   double error = 0, cpu_ms = 0;
+  double memory_mb = 0;
   bool is_default = false;
 };
 
@@ -27,7 +28,7 @@ std::vector<Trial> try_defocus(const Capture& capture);
 /// where the capture shows nobody: none.
 std::vector<Trial> try_masks(const Capture& capture, const Image& picture);
 
-/// The means over captures, each of which has the same settings.
+/// The means over captures, each of which has the same settings; the memory of the first.
 std::vector<ChartPoint> points_of(const std::vector<std::vector<Trial>>& by_capture);
 
 }  // namespace dualpixel::evaluation

@@ -324,6 +324,33 @@ class Viewer(unittest.TestCase):
             values = self.browser.run(column % total)
             self.assertEqual(values, sorted(values, reverse=order < 0))
 
+    def test_other_pictures_open_in_large(self):
+        page = str(self.out / "lens.html")
+        if not os.path.exists(page):
+            subprocess.run([PROGRAM, "lens", SCENES + "/../lens_models/phone_thin_4.4mm_f1.8.json", "-o", page],
+                           check=True, stdout=subprocess.DEVNULL)
+        self.browser.requests.clear()
+        self.browser.open(page)
+        large, title = "document.querySelector('.enlarged img')", "document.querySelector('.enlarged p').textContent"
+        captions = self.browser.run("[...document.querySelectorAll('figure:has(img) figcaption')].map(c => c.textContent)")
+        self.assertGreater(len(captions), 1)
+        self.browser.run("document.querySelector('img[role=button]').focus()")
+        self.browser.press("Enter")
+        self.assertTrue(self.browser.run("document.querySelector('.enlarged').open"))
+        self.assertEqual(self.browser.run(title), captions[0])
+        self.browser.press("ArrowLeft")  # from the first to the last
+        self.assertEqual(self.browser.run(title), captions[-1])
+        # twice as large, about the pointer
+        self.browser.mouse("mouseWheel", 300, 200, deltaX=0, deltaY=-240)
+        box = self.browser.run(f"(({{left, top, width}}) => [left, top, width / innerWidth])"
+                               f"({large}.getBoundingClientRect())")
+        for seen, expected in zip(box, (-300, -200, 2)):
+            self.assertAlmostEqual(seen, expected, delta=1e-3)
+        self.browser.press("f")
+        self.assertEqual(self.browser.run(f"{large}.getBoundingClientRect().left"), 0)
+        self.browser.run("document.querySelector('.enlarged button').click()")
+        self.assertFalse(self.browser.run("document.querySelector('.enlarged').open"))
+
     def test_fits_a_phone_and_names_what_it_shows(self):
         with Browser(width=390, height=844, dark=True, mobile=True) as phone:
             phone.open(self.page)

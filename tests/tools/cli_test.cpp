@@ -285,6 +285,17 @@ TEST(Cli, OutputsThatCannotBeWrittenAreRefusedBeforeTheWork) {
   EXPECT_NE(chart.err.find("exists and is not a regular file"), std::string::npos) << chart.err;
 }
 
+TEST(Cli, AChartOfLargerPicturesIsNoneToCompareAQuickOneWith) {
+  const TemporaryFolder folder;
+  const std::string older = folder / "older.json";
+  write_bytes(older, R"({"format": "dualpixel-chart", "version": 2, "program": "0.1", "machine": "m", "quick": false,
+                         "complete": true, "sections": [], "bars": [], "growths": [], "left_out": []})");
+  const Outcome chart =
+      run_program("--max-time 60 chart --quick -o '" + (folder / "new.html") + "' --compare '" + older + "'");
+  expect_one_line_refusal(chart);
+  EXPECT_NE(chart.err.find("older.json: was measured without --quick"), std::string::npos) << chart.err;
+}
+
 TEST(Cli, AFullDiskOnStandardOutputIsNoSuccess) {
   const TemporaryFolder folder;
   write_png8(folder / "a.png", Image(5, 3, 3, 0.5f));

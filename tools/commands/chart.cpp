@@ -50,9 +50,24 @@ evaluation::Chart interrupted(const std::string& file, const evaluation::Chart& 
   return same ? chart : fresh;
 }
 
+/// The chart to compare with; throws InputError where it was measured on pictures of another size.
+std::optional<evaluation::Chart> older_chart(const ChartOptions& options) {
+  if (options.older.empty()) return std::nullopt;
+  evaluation::Chart older = evaluation::read_chart(read_json_file(options.older), options.older);
+  if (older.quick != options.quick) {
+    throw InputError(fmt::format("--compare: {}: was measured {} --quick: must be measured as this one is",
+                                 printable(options.older), older.quick ? "with" : "without"));
+  }
+  if (older.machine != machine()) {
+    std::cerr << fmt::format(
+        "dualpixel: warning: {}: was measured on another machine ({}): times differ by that, too\n",
+        printable(options.older), printable(older.machine));
+  }
+  return older;
+}
+
 void run(const ChartOptions& options) {
-  std::optional<evaluation::Chart> older;
-  if (!options.older.empty()) older = evaluation::read_chart(read_json_file(options.older), options.older);
+  const std::optional<evaluation::Chart> older = older_chart(options);
   const std::string json_file = fs::path(options.page).replace_extension(".json").string();
   if (json_file == options.page) throw InputError(printable(options.page) + ": must not end in .json");
   for (const std::string& file : {options.page, json_file}) require_writable(file);  // before the work, not after it
@@ -60,6 +75,10 @@ void run(const ChartOptions& options) {
   chart.left_out = evaluation::chart_left_out(options.quick);
   const NewFolder scratch(options.page + ".captures", "capture");  // never made: it goes when the page is there
   const evaluation::ChartInput input{options.quick, options.scenes, options.lenses, scratch.path()};
+  const auto write = [&] {
+    replace_file(options.page, to_page(chart));
+    replace_file(json_file, to_json(chart).dump(2) + "\n");
+  };
   Progress progress("chart");
   std::size_t done = 0;
   for (const evaluation::ChartStage& stage : evaluation::chart_stages()) {
@@ -67,12 +86,11 @@ void run(const ChartOptions& options) {
     if (options.quick && !stage.in_quick) continue;
     if (has_stage(chart, stage.name)) continue;
     add(chart, stage.measure(input), stage.name);
-    replace_file(json_file, to_json(chart).dump(2) + "\n");
+    write();
   }
   progress(1);
   chart.complete = true;
-  replace_file(options.page, to_page(chart));
-  replace_file(json_file, to_json(chart).dump(2) + "\n");
+  write();
   if (older) std::cout << to_text(compare(*older, chart));
 }
 

@@ -263,17 +263,6 @@ std::optional<pipeline::Face> tap_in_sight(const PortraitOptions& options, const
       .tap;
 }
 
-/// Refusals name the input, which the pipeline knows as a capture in memory.
-PortraitResult portrait_of(const PortraitCommand& command, const Capture& capture, const PortraitOptions& options,
-                           const std::optional<Image>& mask) {
-  Progress bar("portrait");
-  try {
-    return pipeline::run_portrait(capture, options, mask, [&](const std::string&, double fraction) { bar(fraction); });
-  } catch (const InputError& error) {
-    throw InputError(printable(command.capture.empty() ? command.pair.left : command.capture) + ": " + error.what());
-  }
-}
-
 void run(const PortraitCommand& command) {
   PortraitOptions options = options_of(command);
   if (!command.calibration.empty()) options.calibration = evaluation::read_calibration_folder(command.calibration);
@@ -302,7 +291,9 @@ void run(const PortraitCommand& command) {
   }
   const std::optional<Image> mask = given_mask(command, capture);
 
-  const PortraitResult result = portrait_of(command, capture, options, mask);
+  Progress bar("portrait");
+  const PortraitResult result =
+      pipeline::run_portrait(capture, options, mask, [&](const std::string&, double fraction) { bar(fraction); });
   print_warnings(result.warnings);
   nlohmann::ordered_json provenance = provenance_of(command, capture, options, result);
   if (!assumed.empty()) {

@@ -1,4 +1,5 @@
-// The script of all our pages: sortable tables, and viewers that flip between pictures and maps in place.
+// The script of all our pages: sortable tables, viewers that flip between pictures and maps in place, and all other
+// pictures in large.
 // evaluation/report/page.cpp inlines it; evaluation/report/viewer.cpp writes what a viewer shows. docs/viewer.md is
 // the manual.
 'use strict';
@@ -769,6 +770,68 @@ class Viewer {
   }
 }
 
+// --------------------------------------------------------------------------------------------- pictures in large
+
+const kMostEnlarged = 64;  // times as large as the window shows it
+
+/// A click on one of the pictures opens it in the whole window, where the wheel zooms, a drag moves, and arrow keys show
+/// the others.
+function makeEnlargeable(pictures) {
+  let shown = 0, zoom = 1, x = 0, y = 0;  // where its top left corner lies, CSS pixels
+  const large = element('img', {draggable: 'false'}), title = element('p', {'aria-live': 'polite'});
+  const close = element('button', {type: 'button', onclick: () => dialog.close()}, 'Close (Esc)');
+  const dialog = element('dialog', {class: 'enlarged', 'aria-label': 'Picture in large'}, large, title, close);
+  document.body.append(dialog);
+
+  const place = () => { large.style.transform = `translate(${x}px, ${y}px) scale(${zoom})`; };
+  const zoomBy = (factor, at = {x: innerWidth / 2, y: innerHeight / 2}) => {
+    const to = clamp(zoom * factor, 1, kMostEnlarged);
+    x = to === 1 ? 0 : at.x - (at.x - x) * to / zoom;
+    y = to === 1 ? 0 : at.y - (at.y - y) * to / zoom;
+    zoom = to;
+    place();
+  };
+  const show = i => {
+    shown = (i + pictures.length) % pictures.length;
+    const picture = pictures[shown], caption = picture.closest('figure')?.querySelector('figcaption');
+    const row = picture.closest('tr')?.cells[0];
+    large.src = picture.src;
+    large.alt = title.textContent = caption?.textContent || [row?.textContent, picture.alt].filter(Boolean).join(': ');
+    zoomBy(0);
+    if (!dialog.open) dialog.showModal();
+  };
+
+  large.addEventListener('wheel', event => {
+    event.preventDefault();
+    zoomBy(2 ** (-event.deltaY / 240), {x: event.clientX, y: event.clientY});
+  }, {passive: false});
+  large.addEventListener('pointerdown', event => large.setPointerCapture(event.pointerId));
+  large.addEventListener('pointermove', event => {
+    if (!event.buttons || zoom === 1) return;
+    x += event.movementX;
+    y += event.movementY;
+    place();
+  });
+  const acts = {ArrowLeft: () => show(shown - 1), ArrowRight: () => show(shown + 1), '+': () => zoomBy(1.5),
+                '-': () => zoomBy(1 / 1.5), f: () => zoomBy(0)};
+  dialog.addEventListener('keydown', event => {
+    event.stopPropagation();  // a viewer behind it has keys of its own
+    acts[event.key]?.();
+  });
+
+  pictures.forEach((picture, i) => {
+    for (const [name, value] of [['role', 'button'], ['tabindex', '0'], ['title', 'Show in large']]) {
+      picture.setAttribute(name, value);
+    }
+    picture.addEventListener('click', () => show(i));
+    picture.addEventListener('keydown', event => {
+      if (event.key !== 'Enter' && event.key !== ' ') return;
+      event.preventDefault();
+      show(i);
+    });
+  });
+}
+
 document.addEventListener('keydown', event => {
   if (event.ctrlKey || event.metaKey || event.altKey || !Viewer.active) return;
   if (event.target.closest?.('input, select, textarea')) return;
@@ -776,6 +839,8 @@ document.addEventListener('keydown', event => {
 });
 
 for (const table of document.querySelectorAll('table')) makeSortable(table);
+const flat = [...document.querySelectorAll('img:not(.viewer img, .bar img, button img)')];
+if (flat.length) makeEnlargeable(flat);
 for (const figure of document.querySelectorAll('.viewer')) {
   const viewer = new Viewer(figure);
   Viewer.active ??= viewer;

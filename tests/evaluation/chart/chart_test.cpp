@@ -19,13 +19,16 @@ Chart small_chart() {
        "ms",
        {{"slow", {0.1, 0.01}, {100, 1.0}}, {"fast", {0.3, 0.01}, {10, 0.1}, true}, {"neither", {0.31, 0.01}, {101}}}}};
   chart.sections[0].points[0].memory_mb = 12;
+  chart.sections[0].points.push_back({"ideal", {0.01}, {1}, false, {}, true});
+  chart.sections[0].default_reason = "it is fast.";
   chart.bars = {{"Time", "of one run", "ms", {{"merge", 30}, {"blur", 10}, {"gain", -5}}}};
   chart.growths = {{"Growth", "of a wall", "triangles", "ns", {{"a ray", {{1e4, 100}, {1e6, 300}}}}}};
   return chart;
 }
 
 TEST(Chart, FrontHoldsWhatNothingBeatsInBoth) {
-  EXPECT_EQ(pareto_front(small_chart().sections[0].points), (std::vector{true, true, false}));
+  // the bound, which is better than all of them, is no setting
+  EXPECT_EQ(pareto_front(small_chart().sections[0].points), (std::vector{true, true, false, false}));
   // of two alike, neither beats the other; equal error at less time does
   EXPECT_EQ(pareto_front({{"a", {1}, {1}}, {"b", {1}, {1}}, {"c", {1}, {2}}}), (std::vector{true, true, false}));
 }
@@ -40,6 +43,8 @@ TEST(Chart, MeanHasTheStandardErrorOfTheMean) {
 TEST(Chart, IsReadAsItWasWritten) {
   const nlohmann::json json = to_json(small_chart());
   EXPECT_EQ(nlohmann::json(to_json(read_chart(json, "x"))), json);
+  EXPECT_EQ(json["sections"][0]["points"][3]["bound"], true);
+  EXPECT_EQ(json["sections"][0]["default_reason"], "it is fast.");
   EXPECT_THROW(read_chart({{"format", "other"}}, "x"), InputError);
   EXPECT_THROW(read_chart(nlohmann::json::array(), "x"), InputError);
 }
@@ -69,7 +74,15 @@ TEST(Chart, BarsShowTheirParts) {
   EXPECT_NE(page.find("merge 30 ms (86 %)"), std::string::npos);
   EXPECT_NE(page.find("gain -5 ms (-14 %)"), std::string::npos);
   EXPECT_NE(page.find("<td>12</td>"), std::string::npos);
-  EXPECT_NE(page.find("What more time buys"), std::string::npos);
+  EXPECT_NE(page.find("<h2>What more time buys: Matchers</h2>"), std::string::npos);
+  EXPECT_NE(page.find("Default: it is fast."), std::string::npos);
+}
+
+TEST(Chart, SaysWhereItIsNotComplete) {
+  Chart chart = small_chart();
+  EXPECT_EQ(to_page(chart).find("Not all of it is measured yet"), std::string::npos);
+  chart.complete = false;
+  EXPECT_NE(to_page(chart).find("Not all of it is measured yet"), std::string::npos);
 }
 
 TEST(Chart, GrowthHasItsPlot) {
@@ -81,6 +94,7 @@ TEST(Chart, GrowthHasItsPlot) {
 TEST(Chart, PointsTellNamesAndValues) {
   const std::string page = to_page(small_chart());
   EXPECT_NE(page.find("<title>neither: 101, 0.31</title>"), std::string::npos);
+  EXPECT_NE(page.find("<title>ideal: 1, 0.01</title>"), std::string::npos);
   EXPECT_EQ(page.find(">neither</text>"), std::string::npos);
   EXPECT_NE(page.find(">fast</text>"), std::string::npos);
 }

@@ -51,13 +51,14 @@ TEST(Trials, DefocusIsJudgedAtThePhotographsPupil) {
 
 TEST(Trials, PointsAreMeansOverCaptures) {
   const std::vector<ChartPoint> points =
-      points_of({{{"a", 1, 10, true}, {"b", 5, 2, false}}, {{"a", 3, 14, true}, {"b", 5, 4, false}}});
+      points_of({{{"a", 1, 10, 30, true}, {"b", 5, 2, 0}}, {{"a", 3, 14, 31, true}, {"b", 5, 4, 0}}});
   ASSERT_EQ(points.size(), 2u);
   EXPECT_EQ(points[0].name, "a");
   EXPECT_TRUE(points[0].is_default && !points[1].is_default);
   EXPECT_EQ(points[0].error.value, 2);
   EXPECT_EQ(*points[0].error.standard_error, 1);  // deviation sqrt(2) of one value, over sqrt(2)
   EXPECT_EQ(points[0].time.value, 12);
+  EXPECT_EQ(points[0].memory_mb, 30);
   EXPECT_EQ(points[1].error.value, 5);
   EXPECT_TRUE(points_of({}).empty());
 }

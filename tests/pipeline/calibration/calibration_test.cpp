@@ -239,6 +239,32 @@ TEST(Calibration, FewTargetsMustShowATiltMoreClearly) {
   EXPECT_EQ(significant_errors(0), std::numeric_limits<double>::infinity());
 }
 
+// A tilt about one axis that is certain, but too small to warn of, must not make the other's count, which is chance.
+TEST(Calibration, WarnsOfATiltByTheAxesThatAreMoreThanChance) {
+  constexpr int kSweeps = 20;
+  std::mt19937 random(7);
+  std::normal_distribution<float> normal(0, 0.1f);
+  int large = 0, warned = 0;
+  for (int k = 0; k < kSweeps; ++k) {
+    std::vector<TargetMeasurement> measurements = sweep({kInfinity, 0.8, 0.5}, 0.3);
+    for (TargetMeasurement& m : measurements) {  // noise that is the same in each row's columns leaves x as it is
+      for (int third = 0; third < 3; ++third) {
+        const float error = normal(random);
+        for (int j = third * kRows / 3; j < (third + 1) * kRows / 3; ++j) {
+          for (int i = 0; i < kColumns; ++i) m.disparity_dp_px.at(i, j) += error;
+        }
+      }
+    }
+    const TargetTilt found = estimate_tilt(test_camera(), measurements);
+    ASSERT_LT(std::abs(found.x_deg), 0.7);
+    ASSERT_GT(std::abs(found.x_deg), significant_errors(found.degrees_of_freedom) * found.x_error_deg);
+    large += std::abs(found.y_deg) > 0.7 ? 1 : 0;
+    warned += fit_calibration(test_camera(), measurements).warnings.empty() ? 0 : 1;
+  }
+  EXPECT_GT(large, kSweeps / 4);
+  EXPECT_LE(warned, 1);
+}
+
 // Noise that is one number over a third of the field, as large as a single frame's at ISO 1600: the errors stated must
 // be those seen, and a level target must not be called tilted.
 TEST(Calibration, StatesTheErrorOfATiltAndWarnsOfNoneThatChanceMakes) {

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# What goes wrong around the program: it is killed, the disk is full or cannot be written, memory ends, nobody reads what
-# it prints, two of it write to one place. No part of an output may be taken for a whole one, and every refusal is one
-# line.
+# What goes wrong around the program: it is killed or stopped, the disk is full or cannot be written, memory ends, nobody
+# reads what it prints, two of it write to one place. No part of an output may be taken for a whole one, and every refusal
+# is one line.
 #   tests/tools/faults/faults.sh PROGRAM SCENES_DIR [KILLS]        (KILLS: of each command, at random moments; default 4)
 set -uo pipefail
 # What is mounted goes with the namespace, however the script ends.
@@ -62,10 +62,12 @@ whole() {
 
 echo "killed at $kills moments each"
 simulate capture || fail "simulate: $(cat err)"
+declare -A half_s
 for command in simulate portrait calibrate people dataset; do
   started=$(date +%s%N)
   $command whole_$command || fail "$command: $(cat err)"
   took_ms=$((($(date +%s%N) - started) / 1000000))
+  half_s[$command]=$(printf '%d.%03d' $((took_ms / 2000)) $((took_ms / 2 % 1000)))
   whole whole_$command $command || fail "$command: its own output is not whole: $(cat err)"
   rm -f whole_$command/result.json
   for ((kill_nr = 0; kill_nr < kills; ++kill_nr)); do
@@ -90,9 +92,24 @@ for command in simulate portrait calibrate people dataset; do
   done
 done
 
+echo "stopped by a signal"
+for command in simulate portrait calibrate people dataset; do
+  $command stopped &
+  sleep "${half_s[$command]}"
+  pkill -TERM -P $!
+  wait $!
+  status=$?
+  [ $status -eq 143 ] || [ $status -eq 0 ] || fail "$command, stopped: status $status: $(cat err)"
+  left=$(find . -name '.dualpixel-*')
+  [ -z "$left" ] || fail "$command, stopped, leaves $left"
+  $command stopped || fail "$command: does not go on after it was stopped: $(cat err)"
+  whole stopped $command || fail "$command, gone on after it was stopped: $(cat err)"
+  rm -rf stopped stopped.resume
+done
+
 echo "disk full, read-only"
 if mkdir full && mount -t tmpfs -o size=16k none full 2>/dev/null; then
-  for command in simulate portrait calibrate people; do
+  for command in simulate portrait calibrate people dataset; do
     $command full/out
     expect_refusal $? full/out "$command on a full disk"
     rm -rf full/out full/out.resume
