@@ -11,6 +11,7 @@
 #include "evaluation/experiments/defocus_baselines.h"
 #include "evaluation/metrics/image_metrics.h"
 #include "evaluation/metrics/mask_metrics.h"
+#include "evaluation/metrics/photograph_disparity.h"
 #include "pipeline/defocus/defocused.h"
 #include "pipeline/defocus/mask_blur.h"
 #include "pipeline/defocus/match_lens.h"
@@ -38,7 +39,7 @@ double percent_of_white(double psnr_db) { return 100 * std::pow(10, -psnr_db / 2
 std::vector<Trial> try_defocus(const Capture& capture) {
   const Truth& truth = *capture.truth;
   const double pupil_mm = truth.photograph_aperture_scale * capture.camera.focal_length_mm / capture.camera.f_number;
-  const pipeline::DefocusInput input{truth.all_in_focus, truth.disparity_dp_px, truth.person_mask,
+  const pipeline::DefocusInput input{truth.all_in_focus, photograph_disparity(capture), truth.person_mask,
                                      pipeline::match_lens(capture.camera, pupil_mm, 0, true)};
   const Image photograph = displayed(clipped(truth.photograph));
   std::vector<Trial> trials;

@@ -16,6 +16,7 @@
 #include "evaluation/metrics/flip.h"
 #include "evaluation/metrics/image_metrics.h"
 #include "evaluation/metrics/mask_metrics.h"
+#include "evaluation/metrics/photograph_disparity.h"
 #include "pipeline/burst/merge.h"
 #include "pipeline/defocus/defocused.h"
 #include "pipeline/defocus/mask_blur.h"
@@ -103,7 +104,7 @@ Linear pictures_of(const Capture& capture, double pupil_mm, pipeline::PersonNetw
                      std::move(dp.portrait),
                      found ? shen(input, *people) : input,
                      barron(input, shot, pupil_mm),
-                     blurred_by(capture.truth->disparity_dp_px, input, shot.camera, pupil_mm),
+                     blurred_by(photograph_disparity(capture), input, shot.camera, pupil_mm),
                      input};
   if (found) linear.people = *people;
   return linear;

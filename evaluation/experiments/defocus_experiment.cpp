@@ -10,6 +10,7 @@
 #include "evaluation/baselines/bilateral_space_stereo.h"
 #include "evaluation/experiments/defocus_baselines.h"
 #include "evaluation/metrics/image_metrics.h"
+#include "evaluation/metrics/photograph_disparity.h"
 #include "evaluation/simulated_scene.h"
 #include "pipeline/burst/merge.h"
 #include "pipeline/defocus/mask_blur.h"
@@ -148,6 +149,7 @@ std::vector<RankedMethod> rank(const std::vector<std::pair<std::string, Image>>&
 SceneDefocus measure_defocus(const Capture& capture, const std::string& name) {
   const Truth& truth = *capture.truth;
   const Camera& camera = capture.camera;
+  const Image true_disparity = photograph_disparity(capture);
   const double pupil_mm = truth.photograph_aperture_scale * camera.focal_length_mm / camera.f_number;
   const pipeline::BlurMapping from_sharp = pipeline::match_lens(camera, pupil_mm, 0, true);
   const pipeline::BlurMapping from_picture = pipeline::match_lens(camera, pupil_mm, 0);
@@ -164,23 +166,22 @@ SceneDefocus measure_defocus(const Capture& capture, const std::string& name) {
 
   const std::array<double, 3>& gains = capture.exposure.white_balance;
   const double white = *std::min_element(gains.begin(), gains.end());
-  const Comparison compare(truth, blur_radii(truth.disparity_dp_px, from_sharp));
+  const Comparison compare(truth, blur_radii(true_disparity, from_sharp));
   SceneDefocus scene{name, truth.photograph, compare(dp.input), {}, {}, {}};
   pipeline::Bokeh recover;
   recover.recover_highlights = true;
   recover.white = white;
-  Image bright = render_defocus(dp.input, truth.disparity_dp_px, blur_radii(truth.disparity_dp_px, from_picture),
-                                from_picture, {}, recover)
-                     .rgb;
+  Image bright =
+      render_defocus(dp.input, true_disparity, blur_radii(true_disparity, from_picture), from_picture, {}, recover).rgb;
   scene.recovered = {"picture, highlights recovered", compare(bright), std::move(bright)};
   const auto add = [&](const std::string& step, Image picture) {
     scene.steps.push_back({step, compare(picture), std::move(picture)});
   };
   const Image& matched = dp.matched_disparity_dp_px;
   const Image& confidence = dp.matched_confidence;
-  const Image coarse_truth = resize_area(truth.disparity_dp_px, matched.width, matched.height);
-  add("renderer", render(truth.all_in_focus, truth.disparity_dp_px, from_sharp));
-  add("picture", render(dp.input, truth.disparity_dp_px, from_picture));
+  const Image coarse_truth = resize_area(true_disparity, matched.width, matched.height);
+  add("renderer", render(truth.all_in_focus, true_disparity, from_sharp));
+  add("picture", render(dp.input, true_disparity, from_picture));
   const Image certain(matched.width, matched.height, 1, 1.0f);
   add("smoothing", render(dp.input, pipeline::smooth_disparity({coarse_truth, certain}, dp.input), from_picture));
   add("matching",
