@@ -94,7 +94,7 @@ done
 
 echo "stopped by a signal"
 for command in simulate portrait calibrate people dataset; do
-  $command stopped &
+  $command stopped 2>/dev/null &
   sleep "${half_s[$command]}"
   pkill -TERM -P $!
   wait $!
@@ -109,12 +109,17 @@ done
 
 echo "disk full, read-only"
 if mkdir full && mount -t tmpfs -o size=16k none full 2>/dev/null; then
-  for command in simulate portrait calibrate people dataset; do
+  for command in simulate portrait calibrate people; do
     $command full/out
     expect_refusal $? full/out "$command on a full disk"
     rm -rf full/out full/out.resume
     [ -z "$(ls -A full)" ] || fail "$command on a full disk leaves $(ls -A full)"
   done
+  dataset full/out  # its samples fail one by one
+  status=$?
+  [ $status -eq 5 ] && [ "$(wc -l <err)" -eq 1 ] || fail "dataset on a full disk: status $status: $(cat err)"
+  whole full/out dataset && fail "dataset on a full disk: taken for whole"
+  rm -rf full/out
   mount -o remount,ro full
   for command in simulate portrait calibrate people dataset; do
     $command full/out
