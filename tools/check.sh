@@ -37,7 +37,7 @@ use_tbb_with_thread_sanitizer() {
     done
     local apt=(apt-get -q -o "Dir::Etc::SourceParts=$folder/apt/sources" -o Dir::Etc::SourceList=/dev/null
                -o "Dir::State::Lists=$folder/apt/lists")
-    (cd "$folder/unpacked" && "${apt[@]}" update && "${apt[@]}" source libtbb12)
+    (cd "$folder/unpacked" && "${apt[@]}" update && "${apt[@]}" source "$(dpkg-query -W -f='${source:Package}=${source:Version}' libtbb12)")
     mv "$folder"/unpacked/onetbb-*/ "$folder/source"
   fi
   cmake -S "$folder/source" -B "$folder/build" -G Ninja -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=RelWithDebInfo \
@@ -47,7 +47,7 @@ use_tbb_with_thread_sanitizer() {
   export LD_LIBRARY_PATH=$folder/build/tbb_relwithdebinfo
   ls "$LD_LIBRARY_PATH/libtbb.so.12" >/dev/null
   # Locks are taken in libraries that the sanitizer does not see release them; some tests fork.
-  export TSAN_OPTIONS="suppressions='$PWD/tests/tsan_suppressions.txt':detect_deadlocks=0:die_after_fork=0"
+  export TSAN_OPTIONS="${TSAN_OPTIONS:+$TSAN_OPTIONS:}suppressions='$PWD/tests/tsan_suppressions.txt':detect_deadlocks=0:die_after_fork=0"
 }
 if [ "$check" = tsan ]; then use_tbb_with_thread_sanitizer; fi
 

@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kFormat = "dualpixel-chart";
-constexpr int kVersion = 2;
+constexpr int kVersion = 3;
 constexpr double kLeastTimeChange = 0.10, kLeastErrorChange = 0.01;
 constexpr double kStandardErrors = 3;
 

@@ -21,7 +21,7 @@ struct ChartPoint {
   Measured error, time;
   bool is_default = false;
   std::optional<double> memory_mb = {};  ///< at most, besides what the program held before
-  bool is_bound = false;                 ///< no setting: what none of them can beat; never on the front
+  bool is_bound = false;                 ///< no setting: a part of the work done alone; never on the front
 };
 
 struct ChartSection {

@@ -107,13 +107,13 @@ std::string steps_of(const ChartSection& section) {
   return html_table(table);
 }
 
-/// Plot, reason of the default, table, and what more time buys.
-std::string html_section(const ChartSection& section) {
+/// Plot, reason of the default, table, and what more time buys, but where that stands on top.
+std::string html_section(const ChartSection& section, bool is_first) {
   std::string html = heading(section.title, section.note) + html_plots({plot_of(section)});
   if (!section.default_reason.empty()) html += paragraph("Default: " + section.default_reason);
   html += html_table(table_of(section));
   const std::string steps = steps_of(section);
-  if (!steps.empty()) {
+  if (!steps.empty() && !is_first) {
     html += "<details><summary>What more time buys, along the front</summary>" + steps + "</details>\n";
   }
   return html;
@@ -141,7 +141,7 @@ std::string to_page(const Chart& chart) {
     const std::string steps = steps_of(chart.sections.front());
     if (!steps.empty()) body += heading("What more time buys: " + chart.sections.front().title, "") + steps;
   }
-  for (const ChartSection& section : chart.sections) body += html_section(section);
+  for (const ChartSection& section : chart.sections) body += html_section(section, &section == &chart.sections.front());
   for (const ChartGrowth& growth : chart.growths) body += growth_section(growth);
   if (!chart.left_out.empty()) {
     body += "<h2>Not on this page</h2>\n<ul>";

@@ -130,7 +130,7 @@ ChartBar error_bar(const Capture& capture, const std::string& note) {
       note +
           " Mean square difference in sRGB of the first capture, as truth is replaced step by step: renderer "
           "(all else true), the phone's own picture, smoothing of true disparity, matched disparity, its scale "
-          "and offset, the mask.",
+          "and offset (with a lens's field curvature, which the photograph has not), the mask.",
       "10⁻⁴ of white²",
       {}};
   double before = 0;
@@ -179,8 +179,7 @@ ChartPart measure_pipeline(const ChartInput& input) {
        bursts + " The true all-in-focus picture, blurred with true disparity and mask; error: RMS difference from the "
                 "true photograph in sRGB, of white.",
        "%", "CPU ms", points_of(defocus)}};
-  const std::string mode_reason =
-      "what the paper does where a person is seen, with its matcher, the fastest (Matchers, below).";
+  const std::string mode_reason = "what the paper does where a person is seen, with its matcher (Matchers, below).";
   part.sections[0].default_reason = part.sections[1].default_reason = mode_reason;
   part.sections[2].default_reason = "as many frames as the scene shoots.";
   part.sections[3].default_reason = "five bands, as the paper has.";

@@ -43,7 +43,8 @@ ChartPart measure_renderer(const ChartInput& input) {
   }
   section.default_reason =
       "mirrored pairs and light at points of surfaces, which take the least time for an error on scenes that are lit "
-      "(docs/rendering.md); render.error asks for an error instead of a count. Bound: Embree alone, the same rays.";
+      "(docs/rendering.md); render.error asks for an error instead of a count. Bound: mirrored pairs' rays in Embree "
+      "alone.";
   return {{section}};
 }
 
@@ -119,9 +120,8 @@ ChartPart measure_matchers(const ChartInput& input) {
                               first.method == pipeline::matchers().front().name, first.memory_mb});
   }
   section.default_reason =
-      "the paper's, the fastest. The others know their error, and split errs less on strongly blurred real pairs, but "
-      "not "
-      "by as much as it was to (docs/disparity.md).";
+      "the paper's, the fastest. The others know their error, and split errs less on strongly blurred real pairs, "
+      "but not by as much as was required (docs/disparity.md).";
   return {{section}};
 }
 

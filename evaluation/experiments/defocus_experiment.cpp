@@ -67,14 +67,12 @@ MarkedPixels near_edges(int width, int height, const Differ& differ, const Reach
 /// Compares pictures with one photograph.
 class Comparison {
  public:
-  Comparison(const Truth& truth, const Image& true_radius_px)
+  Comparison(const Truth& truth, const Image& true_disparity, const Image& true_radius_px)
       : photograph_(displayed(clipped(truth.photograph))),
         all_(true_radius_px.pixel_count(), 1),
         edges_(near_edges(
             true_radius_px.width, true_radius_px.height,
-            [&](int i, int j) {
-              return std::abs(truth.disparity_dp_px.data[i] - truth.disparity_dp_px.data[j]) > kEdgeJumpDpPx;
-            },
+            [&](int i, int j) { return std::abs(true_disparity.data[i] - true_disparity.data[j]) > kEdgeJumpDpPx; },
             [&](int i, int j) { return std::max(true_radius_px.data[i], true_radius_px.data[j]) + 1; })),
         elsewhere_(all_) {
     for (std::size_t i = 0; i < edges_.size(); ++i) elsewhere_[i] = !edges_[i];
@@ -166,7 +164,7 @@ SceneDefocus measure_defocus(const Capture& capture, const std::string& name) {
 
   const std::array<double, 3>& gains = capture.exposure.white_balance;
   const double white = *std::min_element(gains.begin(), gains.end());
-  const Comparison compare(truth, blur_radii(true_disparity, from_sharp));
+  const Comparison compare(truth, true_disparity, blur_radii(true_disparity, from_sharp));
   SceneDefocus scene{name, truth.photograph, compare(dp.input), {}, {}, {}};
   pipeline::Bokeh recover;
   recover.recover_highlights = true;

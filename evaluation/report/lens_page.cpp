@@ -108,6 +108,7 @@ std::string kernels(const simulator::LensSampler& sampler, const FieldPoint& poi
   const float most = std::max(percentile(view[0], 0.998), percentile(view[1], 0.998));
   std::string html = "<figure class=\"kernel\"><div>";
   for (const Image& image : view) {
+    const char* side = &image == view ? "left view" : "right view";
     const Image large = [&] {
       Image result(4 * kSide, 4 * kSide);
       for (int y = 0; y < result.height; ++y) {
@@ -115,7 +116,8 @@ std::string kernels(const simulator::LensSampler& sampler, const FieldPoint& poi
       }
       return result;
     }();
-    html += fmt::format("<img src=\"{}\" alt=\"\">", jpeg_data_uri(gray_levels(large, std::max(most, 1e-6f)), 92));
+    html +=
+        fmt::format("<img src=\"{}\" alt=\"{}\">", jpeg_data_uri(gray_levels(large, std::max(most, 1e-6f)), 92), side);
   }
   return html +
          fmt::format(

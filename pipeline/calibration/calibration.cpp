@@ -181,8 +181,8 @@ void require_line(const FocusCalibration& fit, const Targets& targets, std::size
 
 void warn_of_tilt(const TargetTilt& tilt, std::vector<std::string>& warnings) {
   const double errors = significant_errors(tilt.degrees_of_freedom);
-  // Each axis counts by its own error: noise that repeats in every row leaves y rounding alone, with an error as small,
-  // and must not make a chance tilt in x count.
+  // Each axis is tested against its own error. Noise that repeats in every row leaves y nearly 0 with an error of
+  // nearly 0, so y can look significant; that must not make x's chance tilt count.
   const double x = std::abs(tilt.x_deg) > errors * tilt.x_error_deg ? tilt.x_deg : 0;
   const double y = std::abs(tilt.y_deg) > errors * tilt.y_error_deg ? tilt.y_deg : 0;
   if (std::hypot(x, y) < kTiltWarning_deg) return;

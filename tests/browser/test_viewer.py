@@ -324,7 +324,7 @@ class Viewer(unittest.TestCase):
             values = self.browser.run(column % total)
             self.assertEqual(values, sorted(values, reverse=order < 0))
 
-    def test_other_pictures_open_in_large(self):
+    def test_other_pictures_are_enlarged(self):
         page = str(self.out / "lens.html")
         if not os.path.exists(page):
             subprocess.run([PROGRAM, "lens", SCENES + "/../lens_models/phone_thin_4.4mm_f1.8.json", "-o", page],
@@ -337,15 +337,17 @@ class Viewer(unittest.TestCase):
         self.browser.run("document.querySelector('img[role=button]').focus()")
         self.browser.press("Enter")
         self.assertTrue(self.browser.run("document.querySelector('.enlarged').open"))
-        self.assertEqual(self.browser.run(title), captions[0])
+        self.assertEqual(self.browser.run(title), captions[0] + ": left view")
         self.browser.press("ArrowLeft")  # from the first to the last
-        self.assertEqual(self.browser.run(title), captions[-1])
+        self.assertEqual(self.browser.run(title), captions[-1] + ": right view")
         # twice as large, about the pointer
         self.browser.mouse("mouseWheel", 300, 200, deltaX=0, deltaY=-240)
         box = self.browser.run(f"(({{left, top, width}}) => [left, top, width / innerWidth])"
                                f"({large}.getBoundingClientRect())")
         for seen, expected in zip(box, (-300, -200, 2)):
             self.assertAlmostEqual(seen, expected, delta=1e-3)
+        for kind in ("mousePressed", "mouseReleased"):  # which leaves the dialog its keys
+            self.browser.mouse(kind, 300, 200, button="left", clickCount=1)
         self.browser.press("f")
         self.assertEqual(self.browser.run(f"{large}.getBoundingClientRect().left"), 0)
         self.browser.run("document.querySelector('.enlarged button').click()")

@@ -1,5 +1,5 @@
 // The script of all our pages: sortable tables, viewers that flip between pictures and maps in place, and all other
-// pictures in large.
+// pictures enlarged.
 // evaluation/report/page.cpp inlines it; evaluation/report/viewer.cpp writes what a viewer shows. docs/viewer.md is
 // the manual.
 'use strict';
@@ -770,7 +770,7 @@ class Viewer {
   }
 }
 
-// --------------------------------------------------------------------------------------------- pictures in large
+// ---------------------------------------------------------------------------------------------- enlarged pictures
 
 const kMostEnlarged = 64;  // times as large as the window shows it
 
@@ -780,7 +780,7 @@ function makeEnlargeable(pictures) {
   let shown = 0, zoom = 1, x = 0, y = 0;  // where its top left corner lies, CSS pixels
   const large = element('img', {draggable: 'false'}), title = element('p', {'aria-live': 'polite'});
   const close = element('button', {type: 'button', onclick: () => dialog.close()}, 'Close (Esc)');
-  const dialog = element('dialog', {class: 'enlarged', 'aria-label': 'Picture in large'}, large, title, close);
+  const dialog = element('dialog', {class: 'enlarged', 'aria-label': 'Enlarged picture'}, large, title, close);
   document.body.append(dialog);
 
   const place = () => { large.style.transform = `translate(${x}px, ${y}px) scale(${zoom})`; };
@@ -796,7 +796,7 @@ function makeEnlargeable(pictures) {
     const picture = pictures[shown], caption = picture.closest('figure')?.querySelector('figcaption');
     const row = picture.closest('tr')?.cells[0];
     large.src = picture.src;
-    large.alt = title.textContent = caption?.textContent || [row?.textContent, picture.alt].filter(Boolean).join(': ');
+    large.alt = title.textContent = [(caption ?? row)?.textContent, picture.alt].filter(Boolean).join(': ');
     zoomBy(0);
     if (!dialog.open) dialog.showModal();
   };
@@ -813,14 +813,14 @@ function makeEnlargeable(pictures) {
     place();
   });
   const acts = {ArrowLeft: () => show(shown - 1), ArrowRight: () => show(shown + 1), '+': () => zoomBy(1.5),
-                '-': () => zoomBy(1 / 1.5), f: () => zoomBy(0)};
+                '=': () => zoomBy(1.5), '-': () => zoomBy(1 / 1.5), f: () => zoomBy(0)};
+  dialog.addEventListener('mousedown', event => event.preventDefault());  // or a click on the picture takes its focus
   dialog.addEventListener('keydown', event => {
-    event.stopPropagation();  // a viewer behind it has keys of its own
-    acts[event.key]?.();
+    if (!event.ctrlKey && !event.metaKey && !event.altKey) acts[event.key]?.();
   });
 
   pictures.forEach((picture, i) => {
-    for (const [name, value] of [['role', 'button'], ['tabindex', '0'], ['title', 'Show in large']]) {
+    for (const [name, value] of [['role', 'button'], ['tabindex', '0'], ['title', 'Enlarge']]) {
       picture.setAttribute(name, value);
     }
     picture.addEventListener('click', () => show(i));
@@ -834,7 +834,7 @@ function makeEnlargeable(pictures) {
 
 document.addEventListener('keydown', event => {
   if (event.ctrlKey || event.metaKey || event.altKey || !Viewer.active) return;
-  if (event.target.closest?.('input, select, textarea')) return;
+  if (event.target.closest?.('input, select, textarea') || document.querySelector('dialog[open]')) return;
   if (Viewer.active.act(event.key)) event.preventDefault();
 });
 

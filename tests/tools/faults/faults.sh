@@ -93,12 +93,14 @@ for command in simulate portrait calibrate people dataset; do
 done
 
 echo "stopped by a signal"
+stopped=0
 for command in simulate portrait calibrate people dataset; do
   $command stopped 2>/dev/null &
   sleep "${half_s[$command]}"
   pkill -TERM -P $!
   wait $!
   status=$?
+  [ $status -eq 143 ] && stopped=$((stopped + 1))
   [ $status -eq 143 ] || [ $status -eq 0 ] || fail "$command, stopped: status $status: $(cat err)"
   left=$(find . -name '.dualpixel-*')
   [ -z "$left" ] || fail "$command, stopped, leaves $left"
@@ -106,6 +108,8 @@ for command in simulate portrait calibrate people dataset; do
   whole stopped $command || fail "$command, gone on after it was stopped: $(cat err)"
   rm -rf stopped stopped.resume
 done
+
+[ $stopped -gt 0 ] || fail "no command was stopped before its end"
 
 echo "disk full, read-only"
 if mkdir full && mount -t tmpfs -o size=16k none full 2>/dev/null; then
