@@ -342,7 +342,7 @@ class Viewer(unittest.TestCase):
         self.assertEqual(self.browser.run(title), captions[-1] + ": right view")
         # twice as large, about the pointer
         self.browser.mouse("mouseWheel", 300, 200, deltaX=0, deltaY=-240)
-        box = self.browser.run(f"(({{left, top, width}}) => [left, top, width / innerWidth])"
+        box = self.browser.run(f"(({{left, top, width}}) => [left, top, width / document.documentElement.clientWidth])"
                                f"({large}.getBoundingClientRect())")
         for seen, expected in zip(box, (-300, -200, 2)):
             self.assertAlmostEqual(seen, expected, delta=1e-3)
