@@ -125,14 +125,13 @@ ChartBar time_bar(const std::vector<Setting>& settings, const std::string& note)
 /// What each cause adds to the square error of mode dp+seg, by leaving truth out one by one.
 ChartBar error_bar(const Capture& capture, const std::string& note) {
   constexpr double kUnit = 1e4;
-  ChartBar bar{
-      "Where the error comes from: portrait against the true photograph",
-      note +
-          " Mean square difference in sRGB of the first capture, as truth is replaced step by step: renderer "
-          "(all else true), the phone's own picture, smoothing of true disparity, matched disparity, its scale "
-          "and offset (with a lens's field curvature, which the photograph has not), the mask.",
-      "10⁻⁴ of white²",
-      {}};
+  ChartBar bar{"Where the error comes from: portrait against the true photograph",
+               note +
+                   " Mean square difference in sRGB of the first capture, as truth is replaced step by step: renderer "
+                   "(all else true), the phone's own picture, smoothing of true disparity, matched disparity (with "
+                   "its lens's field curvature, which the photograph has not), its scale and offset, the mask.",
+               "10⁻⁴ of white²",
+               {}};
   double before = 0;
   for (const AblationStep& step : measure_defocus(capture, "").steps) {
     const double square = kUnit * std::pow(10, -step.psnr.all_db / 10);

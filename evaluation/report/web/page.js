@@ -814,9 +814,8 @@ function makeEnlargeable(pictures) {
   });
   const acts = {ArrowLeft: () => show(shown - 1), ArrowRight: () => show(shown + 1), '+': () => zoomBy(1.5),
                 '=': () => zoomBy(1.5), '-': () => zoomBy(1 / 1.5), f: () => zoomBy(0)};
-  dialog.addEventListener('mousedown', event => event.preventDefault());  // or a click on the picture takes its focus
-  dialog.addEventListener('keydown', event => {
-    if (!event.ctrlKey && !event.metaKey && !event.altKey) acts[event.key]?.();
+  document.addEventListener('keydown', event => {  // wherever a click has left the focus
+    if (dialog.open && !event.ctrlKey && !event.metaKey && !event.altKey) acts[event.key]?.();
   });
 
   pictures.forEach((picture, i) => {
