@@ -8,6 +8,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -115,6 +116,14 @@ std::string replaceable_file(const std::string& path) {
 }
 
 }  // namespace
+
+bool holds_nothing(const std::string& folder) {
+  std::error_code error;
+  const fs::directory_iterator entries(folder, error);
+  return !error && std::all_of(begin(entries), end(entries), [](const fs::directory_entry& entry) {
+    return entry.path().filename().string().starts_with(kTemporaryPrefix);
+  });
+}
 
 void require_regular_file(const std::string& path) {
   std::error_code error;

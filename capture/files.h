@@ -41,6 +41,9 @@ void sync_to_disk(const std::string& path);
 /// Prefix of the temporary siblings' names; a killed program may leave some.
 inline constexpr std::string_view kTemporaryPrefix = ".dualpixel-";
 
+/// Whether a folder can be read and has nothing in it, or only temporaries that killed programs have left.
+bool holds_nothing(const std::string& folder);
+
 /// A folder that is being written: a temporary sibling of its final path. commit() moves it there in one step; without
 /// commit() the destructor removes it. Missing parent folders are created, and stay. An existing folder is replaced
 /// where it is empty or holds the file `marker` ("capture.json"), which identifies it as this program's output;

@@ -64,7 +64,7 @@ std::optional<FailureSweep> kept_row(const std::string& path, const std::string&
 
 void require_own_folder(const std::string& folder) {
   std::error_code error;
-  if (!fs::exists(folder, error) || fs::is_empty(folder, error)) return;
+  if (!fs::exists(folder, error) || holds_nothing(folder)) return;
   if (fs::exists(folder + "/rows", error) || fs::exists(folder + "/" + kAtlasFile, error)) return;
   throw InputError(printable(folder) + ": exists, and is no failure atlas: name a new folder");
 }

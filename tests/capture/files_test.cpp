@@ -176,6 +176,17 @@ TEST(ReplaceFile, WhatAKilledProcessOfTheSameNumberLeftIsNotInTheWay) {
   EXPECT_EQ(read_bytes(folder / "a"), "one");
 }
 
+TEST(HoldsNothing, ButWhatKilledProgramsLeft) {
+  const TemporaryFolder folder;
+  EXPECT_TRUE(holds_nothing(folder.path.string()));
+  fs::create_directory(folder / ".dualpixel-1-0.tmp");
+  EXPECT_TRUE(holds_nothing(folder.path.string()));
+  write_bytes(folder / "a", "x");
+  EXPECT_FALSE(holds_nothing(folder.path.string()));
+  EXPECT_FALSE(holds_nothing(folder / "a"));
+  EXPECT_FALSE(holds_nothing(folder / "none"));
+}
+
 TEST(RequireWritable, RefusesWhatReplaceFileWouldAndLeavesNothing) {
   const TemporaryFolder folder;
   fs::create_directory(folder / "sub");

@@ -67,7 +67,7 @@ void open_sweep(const std::string& folder, const Json& description) {
     }
   } else if (fs::exists(folder + "/calibration.json", error)) {
     throw InputError(printable(folder) + ": is a calibration that was not made by a sweep; choose a new folder");
-  } else if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error))) {
+  } else if (fs::exists(folder, error) && !holds_nothing(folder)) {
     throw InputError(printable(folder) + ": exists and is not a calibration; choose a new folder");
   }
   fs::create_directories(folder, error);

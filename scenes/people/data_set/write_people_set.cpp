@@ -108,15 +108,13 @@ void refuse_another(const std::string& folder, nlohmann::json written, const nlo
 /// Refuses a folder that holds a set of other options, or something that is not a set.
 void refuse_other_contents(const std::string& folder, const PeopleOptions& options) {
   std::vector<std::string> shards;
-  bool other_files = false;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
     if (name.starts_with("shard_")) shards.push_back(entry.path().string());
-    other_files = other_files || !name.starts_with(kTemporaryPrefix);  // a killed run may have left one
   }
   const bool whole = fs::exists(folder + "/" + kSetFile);
   nlohmann::json set = object_in(folder + "/" + kSetFile);
-  if (whole ? set["format"] != "dualpixel people" : shards.empty() && other_files) {
+  if (whole ? set["format"] != "dualpixel people" : shards.empty() && !holds_nothing(folder)) {
     throw InputError(printable(folder) + ": holds something that is not a set of people: choose another folder");
   }
   if (whole) refuse_another(folder, set, set_recipe(options));

@@ -18,7 +18,8 @@ RANDOM=38
 fail() { echo "FAILED: $*"; failures=$((failures + 1)); }
 
 # The status of "$program" "$@", whose stdout and stderr go to the files `out` and `err`.
-run() { "$program" "$@" >out 2>err </dev/null; }
+run() { "${under[@]}" "$program" "$@" >out 2>err </dev/null; }
+under=()
 
 # expect_refusal STATUS WHAT: the last run ended with 2 (or STATUS) and one line on stderr that holds WHAT.
 expect_refusal() {
@@ -50,7 +51,7 @@ calibrate() {
     --set sensor.height_px=96 --set sensor.pixel_pitch_um=29.4 --set render.samples_per_pixel=16
 }
 people() { run people -o "$1" --count 3 --composites 2; }
-dataset() { run dataset plan recipe.json -o "$1" && run dataset render "$1"; }
+dataset() { run dataset plan "$work/recipe.json" -o "$1" && run dataset render "$1"; }
 
 # Whether folder $1 is what the program itself takes for a whole output.
 whole() {
@@ -137,16 +138,19 @@ fi
 # Where memory ends within a library, that may end the program; what the program finds itself is one line.
 echo "out of memory"
 by_signal=0
-for command in simulate portrait people; do
+for command in simulate portrait calibrate people dataset; do
   for limit_mb in 100 200 400 600 800 1200 2400; do
     rm -rf short
     (
       ulimit -v $((limit_mb * 1024))
+      under=(timeout 60)
       $command short
     ) 2>/dev/null
     status=$?
     if [ $status -eq 0 ]; then
       whole short $command || fail "$command in $limit_mb MB: not whole: $(head -c 300 err)"
+    elif [ $status -eq 124 ]; then
+      fail "$command in $limit_mb MB: not done after a minute"
     elif [ $status -ge 126 ]; then
       by_signal=$((by_signal + 1))
     else
@@ -156,7 +160,7 @@ for command in simulate portrait people; do
     [ $status -eq 0 ] || ! whole short $command || fail "$command in $limit_mb MB: status $status, and a whole output"
   done
 done
-echo "  $by_signal of 21 runs were ended by a library or before they began"
+echo "  $by_signal of 35 runs were ended by a library or before they began"
 
 echo "nobody reads"
 for command in 'info capture' 'info capture --json' '--help' 'portrait --options'; do
@@ -167,7 +171,7 @@ for command in 'info capture' 'info capture --json' '--help' 'portrait --options
 done
 
 echo "two at once"
-for command in simulate portrait people; do
+for command in simulate portrait calibrate people dataset; do
   rm -rf both
   for first_or_second in 1 2; do
     (

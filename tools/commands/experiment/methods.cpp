@@ -100,7 +100,7 @@ evaluation::ComparedPictures read_compared(const std::string& folder, const std:
 void claim(const std::string& folder) {
   const std::string marker = folder + "/methods.json";
   std::error_code error;
-  if (fs::exists(folder, error) && !fs::is_empty(folder, error) && !fs::exists(marker, error)) {
+  if (fs::exists(folder, error) && !holds_nothing(folder) && !fs::exists(marker, error)) {
     throw InputError(fmt::format("{}: holds other files: needs an empty folder, or one of this command to go on with",
                                  printable(folder)));
   }
