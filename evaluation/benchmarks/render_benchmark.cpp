@@ -41,7 +41,8 @@ struct Patches {
   simulator::RenderScene world;  ///< all light sampled, but while the light cache is measured
   std::vector<CameraView> cameras;
   ErrorTarget sensor;
-  int max_bounces;
+  int max_bounces = 0;
+  std::uint64_t first_seed = 0;  ///< what is rendered has seeds from here on
 };
 
 /// Both halves of the photosites of all patches, in their own filter's color, nits: left, then right of each.
@@ -61,7 +62,7 @@ CameraView patch_camera(const Simulation& s, const CameraView& whole, int index)
 Halves render(const Patches& patches, Sampling sampling, std::uint64_t seed, const std::vector<SampleMap>& maps) {
   Halves halves(std::size_t{kPatches} * kPatchSide * kPatchSide * 2);
   tbb::parallel_for(0, kPatches, [&](int p) {
-    const RenderOptions options{0, patches.max_bounces, simulator::hash(seed, p), {}, sampling};
+    const RenderOptions options{0, patches.max_bounces, simulator::hash(patches.first_seed + seed, p), {}, sampling};
     const simulator::Views views = simulator::render_views(patches.world, patches.cameras[p], options, maps[p]);
     double* out = &halves[static_cast<std::size_t>(p) * kPatchSide * kPatchSide * 2];
     for (int y = 0; y < kPatchSide; ++y) {
@@ -108,7 +109,8 @@ std::vector<SampleMap> adapt(const Patches& patches, double error, std::uint64_t
   for (int c = 0; c < 3; ++c) target.per_nit[c] *= error * error, target.constant[c] *= error * error;
   std::vector<Pilot> pilots(kPatches);
   tbb::parallel_for(0, kPatches, [&](int p) {
-    const RenderOptions options{0, patches.max_bounces, simulator::hash(seed, p), {}, Sampling::mirrored};
+    const std::uint64_t patch_seed = simulator::hash(patches.first_seed + seed, p);
+    const RenderOptions options{0, patches.max_bounces, patch_seed, {}, Sampling::mirrored};
     pilots[p] = simulator::probe_tiles(patches.world, patches.cameras[p], options, target);
   });
   Pilot all;
@@ -301,7 +303,7 @@ double fit_light_cache(Patches& patches, double error) {
   for (int p = 0; p < kPilotPatches; ++p) {
     const CameraView& camera = patches.cameras[p * (kPatches / kPilotPatches + 1)];
     patches.world.light_cache = std::make_unique<LightCache>(LightCacheOptions{.light_samples = kPilotSamples});
-    const RenderOptions options{kPilotSamples, patches.max_bounces, 6};
+    const RenderOptions options{kPilotSamples, patches.max_bounces, patches.first_seed + 6};
     light +=
         simulator::estimate_error(patches.world, camera, options, patches.sensor, kPilotSamples).light / kPilotPatches;
   }
@@ -352,15 +354,17 @@ nlohmann::ordered_json to_json(const RenderRun& run) {
 
 /// A loaded scene, and patches of it, which refer to it: not to be copied.
 struct PatchedScene {
-  explicit PatchedScene(const Simulation& s)
-      : scene(simulator::load_scene(s)), patches{simulator::RenderScene(scene, {.light_spacing_px = 0}), {}, {}, 0} {
+  PatchedScene(const Simulation& s, std::uint64_t seed)
+      : scene(simulator::load_scene(s)), patches{simulator::RenderScene(scene, {.light_spacing_px = 0}), {}, {}} {
+    constexpr std::uint64_t kSeedsOfOne = 16;
+    patches.first_seed = kSeedsOfOne * seed;
     const CameraView whole = simulator::place_camera(s, scene);
     patches.sensor = simulator::sensor_noise(s, whole.lens.lux_per_nit());
     patches.max_bounces = s.render.max_bounces;
     for (int p = 0; p < kPatches; ++p) patches.cameras.push_back(patch_camera(s, whole, p));
   }
-  explicit PatchedScene(const std::string& scene_file)
-      : PatchedScene(simulator::read_simulation(read_json_file(scene_file), scene_file)) {}
+  PatchedScene(const std::string& scene_file, std::uint64_t seed)
+      : PatchedScene(simulator::read_simulation(read_json_file(scene_file), scene_file), seed) {}
 
   PatchedScene(const PatchedScene&) = delete;
   PatchedScene& operator=(const PatchedScene&) = delete;
@@ -373,7 +377,7 @@ struct PatchedScene {
 
 std::vector<RenderCurve> measure_light_points(const std::string& scene_file, const RenderBenchmarkOptions& options,
                                               const std::vector<double>& spacings_px) {
-  PatchedScene made(scene_file);
+  PatchedScene made(scene_file, options.seed);
   const Reference reference = render_reference(made.patches, options.reference_samples, [](double) {});
   std::vector<RenderCurve> curves;
   for (const double spacing : spacings_px) {
@@ -388,7 +392,7 @@ std::vector<RenderCurve> measure_light_points(const std::string& scene_file, con
 
 SceneRenderBenchmark measure_rendering(const std::string& scene_file, const RenderBenchmarkOptions& options,
                                        const std::function<void(double)>& progress) {
-  PatchedScene made(scene_file);
+  PatchedScene made(scene_file, options.seed);
   Patches& patches = made.patches;
   SceneRenderBenchmark result;
   result.scene = scene_file;

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -56,6 +57,8 @@ struct SceneRenderBenchmark {
 struct RenderBenchmarkOptions {
   int reference_samples = 4096;  ///< of each of the reference's two renders
   int most_samples = 1024;
+  /// Of all camera samples, the reference's too. Points of light are the scene's own: no seed changes them.
+  std::uint64_t seed = 0;
 };
 
 SceneRenderBenchmark measure_rendering(const std::string& scene_file, const RenderBenchmarkOptions& options,

@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kFormat = "dualpixel-chart";
-constexpr int kVersion = 3;
+constexpr int kVersion = 4;
 constexpr double kLeastTimeChange = 0.10, kLeastErrorChange = 0.01;
 constexpr double kStandardErrors = 3;
 
@@ -51,13 +51,10 @@ Json json_of(const ChartSection& section) {
     if (point.memory_mb) points.back()["memory_mb"] = *point.memory_mb;
     if (point.is_bound) points.back()["bound"] = true;
   }
-  return {{"title", section.title},
-          {"stage", section.stage},
-          {"note", section.note},
-          {"default_reason", section.default_reason},
-          {"error_unit", section.error_unit},
-          {"time_unit", section.time_unit},
-          {"points", points}};
+  return {{"title", section.title},         {"stage", section.stage},
+          {"note", section.note},           {"default_reason", section.default_reason},
+          {"seeds", section.seeds},         {"error_unit", section.error_unit},
+          {"time_unit", section.time_unit}, {"points", points}};
 }
 
 Json json_of(const ChartBar& bar) {
@@ -74,13 +71,8 @@ Json json_of(const ChartGrowth& growth) {
 }
 
 ChartSection section_of(const nlohmann::json& json) {
-  ChartSection section{json.at("title"),
-                       json.at("note"),
-                       json.at("error_unit"),
-                       json.at("time_unit"),
-                       {},
-                       json.at("stage"),
-                       json.value("default_reason", "")};
+  ChartSection section{json.at("title"), json.at("note"),           json.at("error_unit"), json.at("time_unit"), {},
+                       json.at("stage"), json.at("default_reason"), json.at("seeds")};
   for (const nlohmann::json& point : json.at("points")) {
     ChartPoint& read =
         section.points.emplace_back(ChartPoint{point.at("name"), measured_of(point.at("error")),
@@ -111,6 +103,13 @@ const Entry* find_by(const std::vector<Entry>& entries, std::string Entry::*name
   const auto found =
       std::find_if(entries.begin(), entries.end(), [&](const Entry& entry) { return entry.*name == wanted; });
   return found != entries.end() ? &*found : nullptr;
+}
+
+/// A setting of a section of the same title and units; nullptr: there is none.
+const ChartPoint* find_point(const Chart& chart, const ChartSection& wanted, const std::string& name) {
+  const ChartSection* section = find_by(chart.sections, &ChartSection::title, wanted.title);
+  const bool comparable = section && section->error_unit == wanted.error_unit && section->time_unit == wanted.time_unit;
+  return comparable ? find_by(section->points, &ChartPoint::name, name) : nullptr;
 }
 
 }  // namespace
@@ -173,9 +172,11 @@ std::vector<FrontStep> front_steps(const std::vector<ChartPoint>& points) {
 }
 
 Json to_json(const Chart& chart) {
-  Json json = {{"format", kFormat},         {"version", kVersion},   {"program", chart.version},
-               {"machine", chart.machine},  {"quick", chart.quick},  {"complete", chart.complete},
-               {"sections", Json::array()}, {"bars", Json::array()}, {"growths", Json::array()},
+  Json json = {{"format", kFormat},          {"version", kVersion},
+               {"program", chart.version},   {"libraries", chart.libraries},
+               {"machine", chart.machine},   {"quick", chart.quick},
+               {"complete", chart.complete}, {"sections", Json::array()},
+               {"bars", Json::array()},      {"growths", Json::array()},
                {"left_out", chart.left_out}};
   for (const ChartSection& section : chart.sections) json["sections"].push_back(json_of(section));
   for (const ChartBar& bar : chart.bars) json["bars"].push_back(json_of(bar));
@@ -194,7 +195,8 @@ Chart read_chart(const nlohmann::json& json, const std::string& file) {
       throw InputError(fmt::format("{}: /format, /version: must be \"{}\" and {}; measure it anew by 'dualpixel chart'",
                                    printable(file), kFormat, kVersion));
     }
-    Chart chart{json.at("quick"), json.at("program"), json.at("machine"), {}, json.at("left_out"), json.at("complete")};
+    Chart chart{json.at("quick"),    json.at("program"), json.at("libraries"), json.at("machine"), {},
+                json.at("left_out"), json.at("complete")};
     for (const nlohmann::json& section : json.at("sections")) chart.sections.push_back(section_of(section));
     for (const nlohmann::json& bar : json.at("bars")) chart.bars.push_back(bar_of(bar));
     for (const nlohmann::json& growth : json.at("growths")) chart.growths.push_back(growth_of(growth));
@@ -204,39 +206,46 @@ Chart read_chart(const nlohmann::json& json, const std::string& file) {
   }
 }
 
-std::vector<ChartChange> compare(const Chart& before, const Chart& now) {
-  std::vector<ChartChange> changes;
-  for (const ChartSection& section : now.sections) {
-    const ChartSection* old_section = find_by(before.sections, &ChartSection::title, section.title);
-    if (!old_section || old_section->error_unit != section.error_unit || old_section->time_unit != section.time_unit) {
-      continue;
+ChartComparison compare(const Chart& before, const Chart& now) {
+  ChartComparison comparison;
+  const auto list_missing = [](const Chart& from, const Chart& other, std::vector<std::string>& list) {
+    for (const ChartSection& section : from.sections) {
+      for (const ChartPoint& point : section.points) {
+        if (!find_point(other, section, point.name)) list.push_back(section.title + ", " + point.name);
+      }
     }
+  };
+  list_missing(before, now, comparison.only_before);
+  list_missing(now, before, comparison.only_now);
+  for (const ChartSection& section : now.sections) {
     for (const ChartPoint& point : section.points) {
-      const ChartPoint* old = find_by(old_section->points, &ChartPoint::name, point.name);
+      const ChartPoint* old = find_point(before, section, point.name);
       if (!old) continue;
       const auto add = [&](const char* figure, Measured ChartPoint::*of, double least) {
         if (differs(old->*of, point.*of, least)) {
-          changes.push_back({section.title, point.name, figure, (old->*of).value, (point.*of).value});
+          comparison.changes.push_back({section.title, point.name, figure, (old->*of).value, (point.*of).value});
         }
       };
       add("error", &ChartPoint::error, kLeastErrorChange);
       add("time", &ChartPoint::time, kLeastTimeChange);
     }
   }
-  std::stable_partition(changes.begin(), changes.end(), [](const ChartChange& change) { return change.worse(); });
-  return changes;
+  std::stable_partition(comparison.changes.begin(), comparison.changes.end(),
+                        [](const ChartChange& change) { return change.worse(); });
+  return comparison;
 }
 
-std::string to_text(const std::vector<ChartChange>& changes) {
-  if (changes.empty()) return "nothing changed by more than noise\n";
-  std::string text;
-  for (const ChartChange& change : changes) {
+std::string to_text(const ChartComparison& comparison) {
+  std::string text = comparison.changes.empty() ? "nothing changed by more than noise\n" : "";
+  for (const ChartChange& change : comparison.changes) {
     const std::string share =
         change.before != 0 ? fmt::format(" ({:+.1f} %)", 100 * (change.now / change.before - 1)) : "";
     text += fmt::format("{:<6} {}, {}: {} {:.4g}, was {:.4g}{}\n", change.worse() ? "worse" : "better",
                         printable(change.section), printable(change.point), change.figure, change.now, change.before,
                         share);
   }
+  for (const std::string& setting : comparison.only_before) text += "gone   " + printable(setting) + "\n";
+  for (const std::string& setting : comparison.only_now) text += "new    " + printable(setting) + "\n";
   return text;
 }
 

@@ -31,6 +31,7 @@ struct ChartSection {
   std::vector<ChartPoint> points;
   std::string stage = {};           ///< of chart_stages() that measured it
   std::string default_reason = {};  ///< why the default is what it is
+  std::vector<int> seeds = {};      ///< of the repetitions; none where nothing was drawn, or all is the scenes' own
 };
 
 /// A whole by its parts, one bar. A part below 0 takes from the others.
@@ -60,10 +61,11 @@ struct ChartPart {
 
 struct Chart {
   bool quick = false;
-  std::string version;  ///< of the program
-  std::string machine;  ///< processor and threads
-  std::vector<ChartSection> sections;
-  std::vector<std::string> left_out;  ///< what a reader may miss, and why
+  std::string version;    ///< of the program
+  std::string libraries;  ///< names and versions, as they were compiled with
+  std::string machine;    ///< processor and threads
+  std::vector<ChartSection> sections = {};
+  std::vector<std::string> left_out = {};  ///< what a reader may miss, and why
   bool complete = false;
   std::vector<ChartBar> bars = {};
   std::vector<ChartGrowth> growths = {};
@@ -90,8 +92,6 @@ nlohmann::ordered_json to_json(const Chart& chart);
 bool is_of_other_version(const nlohmann::json& json);
 /// Throws InputError that names `file`.
 Chart read_chart(const nlohmann::json& json, const std::string& file);
-std::string to_page(const Chart& chart);
-
 /// A figure of one setting that differs from an older chart's by more than noise explains.
 struct ChartChange {
   std::string section, point, figure;  ///< figure: "error" or "time"
@@ -99,11 +99,19 @@ struct ChartChange {
   bool worse() const { return now > before; }
 };
 
-/// Noise: three standard errors of the difference, where both have them. Time counts from 10 % on, error from 1 %,
-/// since machines vary and rounding does. Settings that only one of the charts has are passed over.
-std::vector<ChartChange> compare(const Chart& before, const Chart& now);
+struct ChartComparison {
+  std::vector<ChartChange> changes;                ///< what got worse first
+  std::vector<std::string> only_before, only_now;  ///< settings, as "section, setting"
+};
 
-/// One line a change, what got worse first.
-std::string to_text(const std::vector<ChartChange>& changes);
+/// Noise: three standard errors of the difference, where both have them. Time counts from 10 % on, error from 1 %,
+/// since machines vary and rounding does. Of a section in other units, all settings are other ones.
+ChartComparison compare(const Chart& before, const Chart& now);
+
+/// One line a change, or a setting that only one of them has.
+std::string to_text(const ChartComparison& comparison);
+
+/// `since`: what has changed since an older chart, where one was given.
+std::string to_page(const Chart& chart, const std::optional<ChartComparison>& since = {});
 
 }  // namespace dualpixel::evaluation

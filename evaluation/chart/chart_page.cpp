@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "capture/error.h"
 #include "evaluation/chart/chart.h"
@@ -119,6 +120,23 @@ std::string html_section(const ChartSection& section, bool is_first) {
   return html;
 }
 
+std::string changes_section(const ChartComparison& since) {
+  std::string html = heading("Since the older chart", "");
+  Table table{{"setting", "figure", "was", "is", "change, %"}, {}};
+  for (const ChartChange& change : since.changes) {
+    const double percent = change.before != 0 ? 100 * (change.now / change.before - 1) : kGap;
+    table.rows.push_back({change.section + ", " + change.point,
+                          fmt::format("{}, {}", change.figure, change.worse() ? "worse" : "better"),
+                          fmt::format("{:.4g}", change.before), fmt::format("{:.4g}", change.now),
+                          cell_of(percent, 1)});
+  }
+  html += table.rows.empty() ? paragraph("Nothing changed by more than noise.") : html_table(table);
+  for (const auto& [what, settings] : {std::pair{"Gone", &since.only_before}, std::pair{"New", &since.only_now}}) {
+    if (!settings->empty()) html += paragraph(fmt::format("{}: {}.", what, fmt::join(*settings, "; ")));
+  }
+  return html;
+}
+
 std::string growth_section(const ChartGrowth& growth) {
   Plot plot{growth.title, growth.x_label, growth.y_label, {}, true, true, false, true};
   for (const auto& [name, points] : growth.lines) plot.series.push_back({name, points, false, points.size() == 1});
@@ -127,12 +145,15 @@ std::string growth_section(const ChartGrowth& growth) {
 
 }  // namespace
 
-std::string to_page(const Chart& chart) {
+std::string to_page(const Chart& chart, const std::optional<ChartComparison>& since) {
   std::string body = fmt::format(
-      "<h1>Speed against accuracy</h1>\n<p>{}{}; dualpixel {}. To the left and down is better; a setting on the Pareto "
+      "<h1>Speed against accuracy</h1>\n<p>{}{}; dualpixel {} ({}). To the left and down is better; a setting on the "
+      "Pareto "
       "front has no other that is both faster and more accurate.</p>\n",
-      escape_name(chart.machine), chart.quick ? ", in short" : "", escape_name(chart.version));
+      escape_name(chart.machine), chart.quick ? ", in short" : "", escape_name(chart.version),
+      escape_html(printable(chart.libraries, 1000)));
   if (!chart.complete) body += paragraph("Not all of it is measured yet: the same command goes on where it stopped.");
+  if (since) body += changes_section(*since);
   for (const ChartBar& bar : chart.bars) {
     body += heading(bar.title, bar.note) + "<div class=\"plots wide-plot\">" +
             svg_bar({bar.title, bar.unit, bar.parts}) + "</div>\n";

@@ -189,6 +189,9 @@ ChartPart measure_pipeline(const ChartInput& input) {
                              "%", "CPU ms", points_of(masks)});
     part.sections.back().default_reason = "unfiltered where disparity is known, as the paper has it; mode seg filters.";
   }
+  for (ChartSection& section : part.sections) {
+    for (int seed = 1; seed <= seeds; ++seed) section.seeds.push_back(seed);
+  }
   return part;
 }
 
@@ -227,9 +230,9 @@ ChartPart measure_pipeline_growth(const ChartInput& input) {
   return {.growths = {growth}};
 }
 
-std::string write_chart_capture(const ChartInput& input) {
-  std::string folder = input.scratch + "/capture";
-  write_capture(chart_capture(input, 1), folder);
+std::string write_chart_capture(const ChartInput& input, int seed) {
+  std::string folder = fmt::format("{}/capture_{}", input.scratch, seed);
+  write_capture(chart_capture(input, seed), folder);
   return folder;
 }
 

@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "capture/json_fields.h"
 #include "evaluation/benchmarks/disparity_benchmark.h"
 #include "evaluation/benchmarks/lens_benchmark.h"
 #include "evaluation/benchmarks/render_benchmark.h"
 #include "evaluation/benchmarks/smoothing_benchmark.h"
 #include "evaluation/chart/pipeline_stage.h"
+#include "evaluation/chart/trials.h"
 #include "evaluation/experiments/calibration_cost.h"
 #include "pipeline/disparity/matchers.h"
 #include "pipeline/edge_aware/smooth_disparity.h"
@@ -18,29 +21,55 @@
 namespace dualpixel::evaluation {
 namespace {
 
+/// Of the repetitions of what draws numbers. In short there is one, and no standard error.
+std::vector<int> seeds_from(int first, const ChartInput& input) {
+  return input.quick ? std::vector{first} : std::vector{first, first + 1, first + 2};
+}
+
+/// A run's samples; of adaptive sampling, whose samples are another number with each seed, the uniform count whose
+/// error it was asked for.
+std::string name_of(const RenderCurve& curve, const RenderRun& run, const std::vector<RenderRun>& uniform) {
+  if (!run.target_error) return fmt::format("{}, {:.3g} spp", curve.name, run.samples);
+  const auto asked = std::find_if(uniform.begin(), uniform.end(),
+                                  [&](const RenderRun& other) { return other.error == run.target_error; });
+  return fmt::format("{}, error of {:.3g} spp", curve.name, asked->samples);
+}
+
+/// Every run of a benchmark. Adaptive sampling is asked for the errors of the curve "mirrored pairs".
+std::vector<Trial> trials_of(const SceneRenderBenchmark& benchmark) {
+  const auto uniform = std::find_if(benchmark.curves.begin(), benchmark.curves.end(),
+                                    [](const RenderCurve& curve) { return curve.name == "mirrored pairs"; });
+  std::vector<Trial> trials;
+  for (const RenderCurve& curve : benchmark.curves) {
+    for (const RenderRun& run : curve.runs) {
+      Trial& trial = trials.emplace_back(Trial{name_of(curve, run, uniform->runs), run.error, run.time_s});
+      trial.is_default = curve.name == "light cache" && run.samples == simulator::RenderOptions().samples_per_pixel;
+      trial.is_bound = curve.name == "Embree alone";
+    }
+  }
+  return trials;
+}
+
 ChartPart measure_renderer(const ChartInput& input) {
   RenderBenchmarkOptions options;
   if (input.quick) options = {.reference_samples = 256, .most_samples = 32};
-  const SceneRenderBenchmark benchmark =
-      measure_rendering(input.scenes_folder + "/slanted_planes.json", options, [](double) {});
+  const std::vector<int> seeds = seeds_from(0, input);
+  std::vector<std::vector<Trial>> by_seed;
+  for (const int seed : seeds) {
+    options.seed = static_cast<std::uint64_t>(seed);
+    by_seed.push_back(
+        trials_of(measure_rendering(input.scenes_folder + "/slanted_planes.json", options, [](double) {})));
+  }
   ChartSection section{"Renderer",
-                       "24 patches of slanted_planes.json, each way of sampling at growing counts; one run each, "
-                       "against a reference of many more, whose own error is subtracted.",
+                       "24 patches of slanted_planes.json, each way of sampling at growing counts, against a reference "
+                       "of many more, whose own error is subtracted; means over three seeds of all camera samples (in "
+                       "short, one). Points of light are the scene's own, and the same with each.",
                        "of the sensor's noise",
                        "CPU s",
-                       {}};
-  for (const RenderCurve& curve : benchmark.curves) {
-    const bool is_bound = curve.name == "Embree alone", is_default_way = curve.name == "light cache";
-    for (const RenderRun& run : curve.runs) {
-      const bool is_default = is_default_way && run.samples == simulator::RenderOptions().samples_per_pixel;
-      section.points.push_back({fmt::format("{}, {:.3g} spp", curve.name, run.samples),
-                                {run.error},
-                                {run.time_s},
-                                is_default,
-                                {},
-                                is_bound});
-    }
-  }
+                       points_of(by_seed),
+                       {},
+                       {},
+                       seeds};
   section.default_reason =
       "mirrored pairs and light at points of surfaces, which take the least time for an error on scenes that are lit "
       "(docs/rendering.md); render.error asks for an error instead of a count. Bound: mirrored pairs' rays in Embree "
@@ -48,25 +77,38 @@ ChartPart measure_renderer(const ChartInput& input) {
   return {{section}};
 }
 
+std::vector<Trial> trials_of(const std::vector<RenderCurve>& light_points) {
+  std::vector<Trial> trials;
+  for (const RenderCurve& curve : light_points) {
+    for (const RenderRun& run : curve.runs) {
+      const bool is_default = &curve == &light_points.back() && run.samples == 16;  // as portrait.json has it
+      trials.push_back({name_of(curve, run, {}), run.error, run.time_s, {}, is_default});
+    }
+  }
+  return trials;
+}
+
 ChartPart measure_light(const ChartInput& input) {
   RenderBenchmarkOptions options{.reference_samples = 1024, .most_samples = 128};
   if (input.quick) options = {.reference_samples = 128, .most_samples = 32};
+  const std::vector<int> seeds = seeds_from(0, input);
+  std::vector<std::vector<Trial>> by_seed;
+  for (const int seed : seeds) {
+    options.seed = static_cast<std::uint64_t>(seed);
+    by_seed.push_back(
+        trials_of(measure_light_points(input.scenes_folder + "/portrait.json", options, {0, 16, 8, 4, 2})));
+  }
   ChartSection section{"Light",
                        "24 patches of portrait.json: where the light of a surface is known, at points so many "
-                       "photosites apart or by every sample; making the points is in the time. One run each, against a "
-                       "reference of many more samples, whose own error is subtracted.",
+                       "photosites apart or by every sample; making the points is in the time. Against a reference of "
+                       "many more samples, whose own error is subtracted; means over three seeds of all camera samples "
+                       "(in short, one), the points being the same with each.",
                        "of the sensor's noise",
                        "CPU s",
-                       {}};
-  const std::vector<RenderCurve> curves =
-      measure_light_points(input.scenes_folder + "/portrait.json", options, {0, 16, 8, 4, 2});
-  for (const RenderCurve& curve : curves) {
-    for (const RenderRun& run : curve.runs) {
-      const bool is_default = &curve == &curves.back() && run.samples == 16;  // as portrait.json has it
-      section.points.push_back(
-          {fmt::format("{}, {:.3g} spp", curve.name, run.samples), {run.error}, {run.time_s}, is_default});
-    }
-  }
+                       points_of(by_seed),
+                       {},
+                       {},
+                       seeds};
   section.default_reason =
       "points so near that interpolating between them adds at most a tenth of the sensor's noise (docs/rendering.md).";
   return {{section}};
@@ -83,7 +125,8 @@ ChartPart measure_lens_models(const ChartInput& input) {
     ChartSection& section = sections.emplace_back(
         ChartSection{"Lens models: " + lens.lens,
                      "Disparity over the field and over depths against the exact trace, whose own error is none and "
-                     "is left out; time of a sample of slanted_planes.json on one core, once.",
+                     "is left out; no samples, so no standard error. Time of a sample of slanted_planes.json on one "
+                     "core, the best of three.",
                      "DP px",
                      "ns a sample",
                      {}});
@@ -126,19 +169,26 @@ ChartPart measure_matchers(const ChartInput& input) {
 }
 
 ChartPart measure_solver(const ChartInput& input) {
-  const SmoothingBenchmark benchmark = measure_smoothing(write_chart_capture(input));
+  const std::string default_name = fmt::format("resolution: 1/{}", pipeline::SmoothOptions().divisor);
+  const std::vector<int> seeds = seeds_from(1, input);
+  std::vector<std::vector<Trial>> by_seed;
+  for (const int seed : seeds) {
+    std::vector<Trial>& trials = by_seed.emplace_back();
+    for (const SmoothingComparison& method : measure_smoothing(write_chart_capture(input, seed)).methods) {
+      const std::string name = method.family + ": " + method.name;
+      const SmoothingRun& run = method.matched;
+      trials.push_back({name, run.errors.rmse_dp_px, run.cpu_ms, run.memory_mb, name == default_name});
+    }
+  }
   ChartSection section{"Solver and upsampling",
-                       "Smoothing of the paper matcher's disparity of one small portrait.json, fitted to the truth; "
-                       "one run each.",
+                       "Smoothing of the paper matcher's disparity of bursts of portrait.json, fitted to the truth; "
+                       "means over three seeds of all noise (in short, one), memory of the first.",
                        "DP px",
                        "CPU ms",
-                       {}};
-  const std::string default_name = fmt::format("resolution: 1/{}", pipeline::SmoothOptions().divisor);
-  for (const SmoothingComparison& method : benchmark.methods) {
-    const std::string name = method.family + ": " + method.name;
-    const SmoothingRun& run = method.matched;
-    section.points.push_back({name, {run.errors.rmse_dp_px}, {run.cpu_ms}, name == default_name, run.memory_mb});
-  }
+                       points_of(by_seed),
+                       {},
+                       {},
+                       seeds};
   section.default_reason =
       "the paper's quarter of the size, and its other constants; no other filter has less error near edges on matches "
       "(docs/edges.md).";

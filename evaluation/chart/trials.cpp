@@ -87,17 +87,17 @@ std::vector<Trial> try_masks(const Capture& capture, const Image& picture) {
   return trials;
 }
 
-std::vector<ChartPoint> points_of(const std::vector<std::vector<Trial>>& by_capture) {
+std::vector<ChartPoint> points_of(const std::vector<std::vector<Trial>>& repetitions) {
   std::vector<ChartPoint> points;
-  if (by_capture.empty()) return points;
-  for (std::size_t i = 0; i < by_capture.front().size(); ++i) {
+  if (repetitions.empty()) return points;
+  for (std::size_t i = 0; i < repetitions.front().size(); ++i) {
     std::vector<double> errors, times;
-    for (const std::vector<Trial>& trials : by_capture) {
+    for (const std::vector<Trial>& trials : repetitions) {
       errors.push_back(trials[i].error);
-      times.push_back(trials[i].cpu_ms);
+      times.push_back(trials[i].time);
     }
-    const Trial& trial = by_capture.front()[i];
-    points.push_back({trial.name, mean_of(errors), mean_of(times), trial.is_default, trial.memory_mb});
+    const Trial& trial = repetitions.front()[i];
+    points.push_back({trial.name, mean_of(errors), mean_of(times), trial.is_default, trial.memory_mb, trial.is_bound});
   }
   return points;
 }

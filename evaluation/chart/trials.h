@@ -1,19 +1,21 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "capture/capture.h"
 #include "evaluation/chart/chart.h"
 
-/// Settings of single stages of the pipeline, tried on one capture after another.
+/// Settings of single stages, tried on one capture, or with one seed, after another.
 namespace dualpixel::evaluation {
 
-/// One setting on one capture.
+/// One setting, tried once; in the units of its section.
 struct Trial {
   std::string name;
-  double error = 0, cpu_ms = 0;
-  double memory_mb = 0;
+  double error = 0, time = 0;
+  std::optional<double> memory_mb = {};
   bool is_default = false;
+  bool is_bound = false;  ///< ChartPoint's
 };
 
 /// The RMS difference that a PSNR stands for, percent of white.
@@ -28,7 +30,7 @@ std::vector<Trial> try_defocus(const Capture& capture);
 /// where the capture shows nobody: none.
 std::vector<Trial> try_masks(const Capture& capture, const Image& picture);
 
-/// The means over captures, each of which has the same settings; the memory of the first.
-std::vector<ChartPoint> points_of(const std::vector<std::vector<Trial>>& by_capture);
+/// The means over captures or seeds, each of which has the same settings; the memory of the first.
+std::vector<ChartPoint> points_of(const std::vector<std::vector<Trial>>& repetitions);
 
 }  // namespace dualpixel::evaluation

@@ -288,7 +288,9 @@ TEST(Cli, OutputsThatCannotBeWrittenAreRefusedBeforeTheWork) {
 TEST(Cli, AChartOfLargerPicturesIsNoneToCompareAQuickOneWith) {
   const TemporaryFolder folder;
   const std::string older = folder / "older.json";
-  write_bytes(older, R"({"format": "dualpixel-chart", "version": 3, "program": "0.1", "machine": "m", "quick": false,
+  write_bytes(
+      older,
+      R"({"format": "dualpixel-chart", "version": 4, "program": "0.1", "libraries": "", "machine": "m", "quick": false,
                          "complete": true, "sections": [], "bars": [], "growths": [], "left_out": []})");
   const Outcome chart =
       run_program("--max-time 60 chart --quick -o '" + (folder / "new.html") + "' --compare '" + older + "'");

@@ -45,8 +45,8 @@ evaluation::Chart interrupted(const std::string& file, const evaluation::Chart& 
   const nlohmann::json json = read_json_file(file);
   if (evaluation::is_of_other_version(json)) return fresh;
   evaluation::Chart chart = evaluation::read_chart(json, file);
-  const bool same =
-      !chart.complete && chart.quick == fresh.quick && chart.version == fresh.version && chart.machine == fresh.machine;
+  const bool same = !chart.complete && chart.quick == fresh.quick && chart.version == fresh.version &&
+                    chart.libraries == fresh.libraries && chart.machine == fresh.machine;
   return same ? chart : fresh;
 }
 
@@ -71,12 +71,12 @@ void run(const ChartOptions& options) {
   const std::string json_file = fs::path(options.page).replace_extension(".json").string();
   if (json_file == options.page) throw InputError(printable(options.page) + ": must not end in .json");
   for (const std::string& file : {options.page, json_file}) require_writable(file);  // before the work, not after it
-  evaluation::Chart chart = interrupted(json_file, {options.quick, DUALPIXEL_VERSION, machine(), {}, {}, false});
+  evaluation::Chart chart = interrupted(json_file, {options.quick, DUALPIXEL_VERSION, DUALPIXEL_LIBRARIES, machine()});
   chart.left_out = evaluation::chart_left_out(options.quick);
   const NewFolder scratch(options.page + ".captures", "capture");  // never made: it goes when the page is there
   const evaluation::ChartInput input{options.quick, options.scenes, options.lenses, scratch.path()};
-  const auto write = [&] {
-    replace_file(options.page, to_page(chart));
+  const auto write = [&](const std::optional<evaluation::ChartComparison>& since = {}) {
+    replace_file(options.page, to_page(chart, since));
     replace_file(json_file, to_json(chart).dump(2) + "\n");
   };
   Progress progress("chart");
@@ -90,8 +90,10 @@ void run(const ChartOptions& options) {
   }
   progress(1);
   chart.complete = true;
-  write();
-  if (older) std::cout << to_text(compare(*older, chart));
+  if (!older) return write();
+  const evaluation::ChartComparison since = compare(*older, chart);
+  write(since);
+  std::cout << to_text(since);
 }
 
 }  // namespace

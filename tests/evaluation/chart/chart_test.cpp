@@ -11,7 +11,7 @@ namespace dualpixel::evaluation {
 namespace {
 
 Chart small_chart() {
-  Chart chart{true, "0.1", "a machine", {}, {"nothing"}, true};
+  Chart chart{true, "0.1", "Embree 0", "a machine", {}, {"nothing"}, true};
   chart.sections = {
       {"Matchers",
        "on a pair",
@@ -21,6 +21,7 @@ Chart small_chart() {
   chart.sections[0].points[0].memory_mb = 12;
   chart.sections[0].points.push_back({"ideal", {0.01}, {1}, false, {}, true});
   chart.sections[0].default_reason = "it is fast.";
+  chart.sections[0].seeds = {1, 2};
   chart.bars = {{"Time", "of one run", "ms", {{"merge", 30}, {"blur", 10}, {"gain", -5}}}};
   chart.growths = {{"Growth", "of a wall", "triangles", "ns", {{"a ray", {{1e4, 100}, {1e6, 300}}}}}};
   return chart;
@@ -117,17 +118,26 @@ TEST(Chart, ComparisonPassesOverNoise) {
   std::vector<ChartPoint>& points = now.sections[0].points;
   points[0].error.value += 0.04;  // under three of the difference's sqrt(2) * 0.01
   points[1].time.value += 0.9;    // over three standard errors, but under 10 %
-  EXPECT_TRUE(compare(before, now).empty());
+  EXPECT_TRUE(compare(before, now).changes.empty());
   points[0].error.value = 0.15;
   points[1].time.value = 12;
   points[2].time.value = 50;
   points.push_back({"new", {1}, {1}});
-  const std::vector<ChartChange> changes = compare(before, now);
-  ASSERT_EQ(changes.size(), 3u);
-  EXPECT_EQ(to_text(changes),
+  const ChartComparison since = compare(before, now);
+  EXPECT_EQ(to_text(since),
             "worse  Matchers, slow: error 0.15, was 0.1 (+50.0 %)\n"
             "worse  Matchers, fast: time 12, was 10 (+20.0 %)\n"
-            "better Matchers, neither: time 50, was 101 (-50.5 %)\n");
+            "better Matchers, neither: time 50, was 101 (-50.5 %)\n"
+            "new    Matchers, new\n");
+  const std::string page = to_page(now, since);
+  EXPECT_NE(page.find("<td>Matchers, fast</td><td>time, worse</td><td>10</td><td>12</td><td>20.0</td>"),
+            std::string::npos);
+  EXPECT_NE(page.find("New: Matchers, new."), std::string::npos);
+  now.sections[0].time_unit = "s";
+  EXPECT_EQ(to_text(compare({}, before)),
+            "nothing changed by more than noise\nnew    Matchers, slow\nnew    Matchers, fast\n"
+            "new    Matchers, neither\nnew    Matchers, ideal\n");
+  EXPECT_EQ(compare(before, now).only_before.size(), 4u);  // nothing of it can be compared
 }
 
 TEST(Chart, PageNamesEverySettingEscaped) {
