@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <memory>
 #include <vector>
 
 #include "capture/error.h"
 #include "capture/files.h"
+#include "capture/image/quiet_tiff.h"
 
 namespace dualpixel {
 namespace {
@@ -26,24 +26,11 @@ const TIFFFieldInfo kDngFields[] = {
     {kNoiseProfile, TIFF_VARIABLE, TIFF_VARIABLE, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1, const_cast<char*>("NoiseProfile")},
 };
 
-int keep_error(TIFF*, void* message, const char*, const char* format, va_list arguments) {
-  char text[256];
-  std::vsnprintf(text, sizeof text, format, arguments);
-  *static_cast<std::string*>(message) = text;
-  return 1;  // handled: libtiff prints nothing
-}
-
-int ignore_warning(TIFF*, void*, const char*, const char*, va_list) { return 1; }
-
 /// A TIFF file that is being written; every failure throws InputError.
 class TiffFile {
  public:
   explicit TiffFile(const std::string& path) : path_(path) {
-    const std::unique_ptr<TIFFOpenOptions, void (*)(TIFFOpenOptions*)> options(TIFFOpenOptionsAlloc(),
-                                                                               TIFFOpenOptionsFree);
-    TIFFOpenOptionsSetErrorHandlerExtR(options.get(), keep_error, &error_);
-    TIFFOpenOptionsSetWarningHandlerExtR(options.get(), ignore_warning, nullptr);
-    file_.reset(TIFFOpenExt(path.c_str(), "wl", options.get()));
+    file_.reset(TIFFOpenExt(path.c_str(), "wl", quiet_tiff(error_).get()));
     require(file_ != nullptr);
   }
 

@@ -15,6 +15,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <map>
 #include <mutex>
 #include <string_view>
@@ -90,7 +91,7 @@ std::string resolve(const std::string& path) {
   std::error_code error;
   fs::path resolved = fs::weakly_canonical(fs::absolute(path, error), error);
   if (path.empty()) throw InputError("the name of an output is empty");
-  if (error) fail(path, "cannot be written: no such path");
+  if (error) fail(path, "cannot be written: " + error.message());
   if (!resolved.has_filename()) resolved = resolved.parent_path();
   return resolved.string();
 }
@@ -104,6 +105,15 @@ void require_replaceable(const std::string& path, const std::string& marker) {
   const bool empty = fs::is_empty(path, error);
   if (error) fail(path, "cannot be read: " + error.message());
   if (!empty) fail(path, "exists, and is neither empty nor holds " + marker + ": it will not be overwritten");
+}
+
+/// Whether a replaced folder has anything by a name that the new one lacks, but for what `score` writes into results.
+bool holds_what_is_not_in(const std::string& replaced, const std::string& replacing) {
+  const fs::directory_iterator entries(replaced);
+  return std::any_of(begin(entries), end(entries), [&](const fs::directory_entry& entry) {
+    const fs::path name = entry.path().filename();
+    return name != "score.json" && !fs::exists(fs::symlink_status(replacing / name));
+  });
 }
 
 /// Where replace_file is to write `path`: there is a folder for it, and no folder or device in its place.
@@ -212,10 +222,11 @@ NewFolder::NewFolder(const std::string& final_path, const std::string& marker)
   do {
     temporary_ = temporary_sibling(final_);
     const std::lock_guard lock(unfinished_mutex);
-    if (mkdir(temporary_.c_str(), 0777) == 0) {
-      unfinished.emplace(temporary_, final_path);
-      return;
-    }
+    const auto entry = unfinished.emplace(temporary_, final_path).first;  // before the folder: memory may end here
+    if (mkdir(temporary_.c_str(), 0777) == 0) return;
+    const int error = errno;
+    unfinished.erase(entry);
+    errno = error;
   } while (errno == EEXIST);
   fail_errno(final_path, "cannot be written");
 }
@@ -243,7 +254,22 @@ void NewFolder::commit() {
   }
   whole_ = true;
   // After an exchange the old folder stands under the temporary name, and the destructor removes it.
+  if (!temporary_.empty() && holds_what_is_not_in(temporary_, final_)) keep_replaced();
   sync_to_disk(fs::path(final_).parent_path().string());
+}
+
+void NewFolder::keep_replaced() {
+  std::string kept = final_ + ".old";
+  const std::lock_guard lock(unfinished_mutex);
+  for (int number = 2; renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, kept.c_str(), RENAME_NOREPLACE) != 0;
+       ++number) {
+    if (errno != EEXIST) fail_errno(kept, "what was replaced cannot be kept");
+    kept = fmt::format("{}.old{}", final_, number);
+  }
+  unfinished.erase(temporary_);
+  temporary_.clear();
+  std::cerr << fmt::format("dualpixel: warning: {}: held files that are not replaced: they are kept in {}\n",
+                           printable(final_), printable(kept));
 }
 
 void stop_outputs() { unfinished_mutex.lock(); }

@@ -46,8 +46,9 @@ bool holds_nothing(const std::string& folder);
 
 /// A folder that is being written: a temporary sibling of its final path. commit() moves it there in one step; without
 /// commit() the destructor removes it. Missing parent folders are created, and stay. An existing folder is replaced
-/// where it is empty or holds the file `marker` ("capture.json"), which identifies it as this program's output;
-/// anything else is refused at construction.
+/// where it is empty or holds the file `marker` ("capture.json"), which identifies it as this program's output, and
+/// kept as its name and ".old", with a warning, where it has anything by a name that the new one lacks. Anything else
+/// is refused at construction.
 class NewFolder {
  public:
   NewFolder(const std::string& final_path, const std::string& marker);
@@ -60,6 +61,8 @@ class NewFolder {
   void commit();
 
  private:
+  void keep_replaced();
+
   std::string final_;
   std::string marker_;
   std::string temporary_;

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Writes the manual pages of PROGRAM and of its commands, from their --help, into FOLDER, unless it holds those of this
 # very program: manual_pages.sh PROGRAM FOLDER
+# They have no date, so that a package is the same bytes whenever it is made.
 set -euo pipefail
 program=$1 folder=$2
 exec 9>"$folder.lock" && flock 9  # two installs at once take turns
@@ -19,7 +20,7 @@ write_page() {
   # help2man runs its argument by a shell
   help2man --no-info --no-discard-stderr --version-string="$version" --name="${summary%.}" \
     "$(printf %q "$program")${*:+ $*}" |
-    sed -e "s/^\.TH DUALPIXEL /.TH ${name^^} /" -e "s/^dualpixel \\\\- /$name \\\\- /" \
+    sed -e "s/^\.TH DUALPIXEL \([^ ]*\) \"[^\"]*\"/.TH ${name^^} \1 \"\"/" -e "s/^dualpixel \\\\- /$name \\\\- /" \
         -e '/^\.SS "Example:"/,$s/^\.IP$/.IP\n.nf/' >"$folder/$name.1"  # an example's lines stay lines
   for command in $(sed -n '/^Subcommands:/,/^$/s/^  \([a-z][a-z-]*\) .*/\1/p' <<<"$help"); do
     write_page "$@" "$command"

@@ -14,6 +14,17 @@ file(RELATIVE_PATH pc_prefix /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 configure_file(cmake/dualpixel.pc.in ${PROJECT_BINARY_DIR}/dualpixel.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/dualpixel.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
+# The notices of what is compiled in, as the packages of this system have them.
+file(READ ${PROJECT_SOURCE_DIR}/THIRD_PARTY.md notices)
+foreach(package libcli11-dev libxxhash-dev nlohmann-json3-dev libglm-dev libeigen3-dev libtinygltf-dev)
+  if(EXISTS /usr/share/doc/${package}/copyright)
+    file(READ /usr/share/doc/${package}/copyright notice)
+    string(APPEND notices "\n\n---- ${package} ----\n\n${notice}")
+  endif()
+endforeach()
+file(WRITE ${PROJECT_BINARY_DIR}/copyright "${notices}")
+install(FILES ${PROJECT_BINARY_DIR}/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/dualpixel)
+
 install(FILES tools/completion/dualpixel DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 
 # One page for the program and one for each of its commands, made of their --help at the first install.

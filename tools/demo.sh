@@ -1,6 +1,10 @@
 #!/usr/bin/env bash
 # The main job from end to end: simulate a burst, run the portrait, score it, write the report.
 #   tools/demo.sh [OUTPUT_DIR]        (default: demo-output)
+if [[ ${1:-} == -* ]] || [ $# -gt 1 ]; then
+  sed -n '2,3s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
+  exit 2
+fi
 out=$(realpath -m "${1:-$(dirname "${BASH_SOURCE[0]}")/../demo-output}")
 set --  # setup.sh would take them for packages
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"

@@ -2,7 +2,7 @@
 # Tries the README's two commands on a bare system: makes one with debootstrap, clones this commit into it, runs both there.
 #   sudo tools/fresh.sh SUITE [FOLDER] [MIRROR]
 #     SUITE   Debian's name of a release: bookworm or trixie
-#     FOLDER  where the system goes (default: /var/tmp/dualpixel-SUITE); one that is there is used again
+#     FOLDER  where the system goes (default: /var/tmp/dualpixel-SUITE); one that is there is used again, with the packages it has
 #     MIRROR  where its packages come from (default: debootstrap's own)
 # Takes some 5 GB and, on two cores, about an hour. Example: sudo tools/fresh.sh trixie
 set -euo pipefail
@@ -16,8 +16,9 @@ command -v debootstrap >/dev/null || { echo "fresh.sh: needs debootstrap: apt-ge
 # mounts of the new system are this process's own: they go with it
 [ "${FRESH_NAMESPACE:-}" = 1 ] || FRESH_NAMESPACE=1 exec unshare --mount --pid --fork "${BASH_SOURCE[0]}" "$@"
 
-if [ ! -x "$root/usr/bin/apt-get" ]; then
+if [ ! -e "$root/debootstrapped" ]; then  # a run that broke off begins anew
   debootstrap --variant=minbase --include=git,ca-certificates "$suite" "$root" ${mirror:+"$mirror"}
+  touch "$root/debootstrapped"
 fi
 cp -L /etc/resolv.conf "$root/etc/resolv.conf"
 mount -t proc proc "$root/proc"

@@ -4,6 +4,10 @@
 # What they learn stays in build/fuzz/corpus; an input that breaks a reader is kept in build/fuzz/found, and ends the
 # script with status 1.
 seconds=${1:-600}
+if ! [[ $seconds =~ ^[1-9][0-9]*$ ]]; then
+  sed -n '2,5s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
+  exit 2
+fi
 names=("${@:2}")
 set --
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" clang

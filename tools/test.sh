@@ -2,7 +2,12 @@
 # Installs, builds with warnings as errors, and runs everything that must hold: format, lint, unit tests, end to end.
 #   tools/test.sh [--fast]            (--fast: the tests labeled fast only, no lint)
 fast=false
-if [ "${1:-}" = --fast ]; then fast=true; fi
+if [ "${1:-}" = --fast ]; then
+  fast=true
+elif [ $# -gt 0 ]; then
+  sed -n '2,3s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
+  exit 2
+fi
 set --
 browser=()  # Ubuntu has Chromium as a snap alone
 if grep -qx 'ID=debian' /etc/os-release; then browser=(chromium); fi

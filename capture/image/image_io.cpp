@@ -20,7 +20,9 @@
 #include "capture/image/faults/exr_fault.h"
 #include "capture/image/faults/jpeg_fault.h"
 #include "capture/image/faults/png_fault.h"
+#include "capture/image/faults/tiff_fault.h"
 #include "capture/image/picture_encoding.h"
+#include "capture/image/picture_limits.h"
 
 namespace dualpixel {
 namespace {
@@ -29,10 +31,6 @@ using OIIO::ImageInput;
 using OIIO::ImageOutput;
 using OIIO::ImageSpec;
 using OIIO::TypeDesc;
-
-constexpr int kLongestSide = 65536;
-constexpr std::int64_t kMostValues = 500'000'000;
-constexpr int kMostChannels = 1024;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& why) {
   throw InputError(printable(path) + ": " + why);
@@ -56,17 +54,21 @@ std::string format_of(const std::string& path) {
 }
 
 void check_size(const std::string& path, std::int64_t width, std::int64_t height, std::int64_t channels) {
-  if (width < 1 || height < 1 || width > kLongestSide || height > kLongestSide || channels < 1 ||
-      channels > kMostChannels || width * height > kMostValues / channels) {
+  if (width < 1 || height < 1 || width > kLongestPictureSide || height > kLongestPictureSide || channels < 1 ||
+      channels > kMostPictureChannels || width * height > kMostPictureValues / channels) {
     // OpenImageIO has it signed.
     const auto stated = [](std::int64_t side) { return static_cast<std::uint32_t>(side); };
     refuse(path, fmt::format("{} x {} pixels of {} channels: at most {} a side and {} values in all are allowed",
-                             stated(width), stated(height), channels, kLongestSide, kMostValues));
+                             stated(width), stated(height), channels, kLongestPictureSide, kMostPictureValues));
   }
 }
 
 std::string one_line(const std::string& library_message) {
   return library_message.empty() ? "unknown error" : printable(library_message.substr(0, library_message.find('\n')));
+}
+
+void refuse_broken_tiff(const std::string& path) {
+  if (const auto fault = fault_of_tiff(path)) refuse(path, "cannot be read: " + *fault);
 }
 
 std::unique_ptr<ImageInput> open_picture(const std::string& path) {
@@ -82,6 +84,7 @@ std::unique_ptr<ImageInput> open_picture(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     if (const auto fault = fault_of(file)) refuse(path, "cannot be read: " + *fault);
   }
+  if (format == "tiff") refuse_broken_tiff(path);
   ImageSpec as_stored, spec;
   as_stored["oiio:UnassociatedAlpha"] = 1;
   if (!input->open(path, spec, as_stored)) refuse(path, "cannot be read: " + one_line(input->geterror()));
@@ -262,6 +265,7 @@ PictureEncoding picture_encoding(const std::string& path) {
 Image read_dng(const std::string& path) {
   return reading(path, [&] {
     require_regular_file(path);
+    refuse_broken_tiff(path);
     const std::unique_ptr<ImageInput> input = ImageInput::create("raw");
     if (!input) refuse(path, "this build of OpenImageIO cannot read DNG");
     ImageSpec wanted, spec;

@@ -227,6 +227,7 @@ RenderedSample render_line(const SampleLine& line, const std::string& dataset,
 
 RenderCounts render_shard(const RenderTask& task) {
   std::vector<SampleLine> lines = lines_of(read_plan(task.dataset), task.shard);
+  for (const char* part : {"scenes", kSamplesFolder}) require_no_link(task.dataset + "/" + part);
   require_writable(task.dataset + "/" + kSamplesFolder + "/" + kSampleFile);
   RenderCounts counts{.planned = static_cast<int>(lines.size())};
   counts.there =

@@ -32,6 +32,10 @@ struct RenderedSample {
 /// Whether the sample is there. Its folder appears in one step, so that it is whole.
 bool is_there(const std::string& dataset, const SampleLine& line);
 
+/// Throws InputError where `path` is a link: what it leads to may be anybody's: nothing is to be written or removed
+/// there.
+void require_no_link(const std::string& path);
+
 /// Writes the line's pictures of the capture and sample.json: the line, the scene file that the capture was made of,
 /// camera, exposure and a manifest of sizes and hashes. Throws InputError where it cannot be written, or a
 /// picture, or the views' light, is not finite.

@@ -97,11 +97,6 @@ std::vector<std::string> faults_of(const std::string& folder) {
   return faults;
 }
 
-void require_no_link(const std::string& path) {
-  std::error_code error;
-  if (fs::is_symlink(path, error)) throw InputError(printable(path) + ": is a link: must be a folder");
-}
-
 Cleared clear(const std::string& folder) {
   const std::vector<SampleLine> lines = read_plan(folder);
   for (const char* part : {"scenes", kSamplesFolder}) require_no_link(folder + "/" + part);

@@ -32,9 +32,6 @@ struct Cleared {
   int scenes = 0;     ///< drawn scenes, where no sample is missing any more
 };
 
-/// Throws InputError where `path` is a link: what it leads to may be anybody's, and nothing is to be removed there.
-void require_no_link(const std::string& path);
-
 /// Removes what a data set does not need. Not while it is being rendered. Throws InputError, and removes nothing, where
 /// the folder of samples or of scenes is a link.
 Cleared clear(const std::string& folder);

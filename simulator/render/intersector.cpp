@@ -261,7 +261,8 @@ void commit(RTCDevice device, RTCScene scene) {
   // spatial splits: hair and leaves are long, thin and aslant, and rendering is far longer than building
   rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
   rtcCommitScene(scene);
-  check(device, "building the acceleration structure failed");
+  // What goes in has been checked. A thread that cannot start for lack of memory has no error code of its own.
+  if (rtcGetDeviceError(device) != RTC_ERROR_NONE) throw std::bad_alloc();
 }
 
 void attach(RTCScene scene, RTCGeometry geometry, unsigned id) {

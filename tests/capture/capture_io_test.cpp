@@ -257,12 +257,13 @@ TEST(CaptureIo, OverwritesACaptureButNothingElse) {
   write_capture(small_capture(true), folder / "out");
   write_capture(small_capture(false), folder / "out");
   EXPECT_FALSE(fs::exists(folder / "out/truth"));
+  EXPECT_TRUE(fs::exists(folder / "out.old/truth"));  // which the new one lacks
   fs::create_directory(folder / "precious");
   write_bytes(folder / "precious/thesis", "text");
   EXPECT_THROW(write_capture(small_capture(false), folder / "precious"), InputError);
   EXPECT_THROW(write_capture(small_capture(false), folder / "precious/thesis/out"), InputError);
   EXPECT_THROW(write_capture(small_capture(false), "/proc/dualpixel_out"), InputError);
-  EXPECT_EQ(folder.names(), (std::set<std::string>{"out", "precious"}));
+  EXPECT_EQ(folder.names(), (std::set<std::string>{"out", "out.old", "precious"}));
 }
 
 TEST(CaptureIo, RefusesToWriteWhatIsInconsistent) {

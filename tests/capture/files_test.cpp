@@ -52,9 +52,10 @@ TEST(NewFolder, ReplacesItsOwnKindAndEmptyFoldersOnly) {
     write_file(output.path() + "/new", "new");
     output.commit();
   }
-  EXPECT_EQ(folder.names(), (std::set<std::string>{"empty", "ours"}));
+  EXPECT_EQ(folder.names(), (std::set<std::string>{"empty", "ours", "ours.old"}));
   EXPECT_TRUE(fs::exists(folder / "ours/new"));
   EXPECT_FALSE(fs::exists(folder / "ours/old"));
+  EXPECT_TRUE(fs::exists(folder / "ours.old/old"));
 
   fs::create_directory(folder / "precious");
   write_bytes(folder / "precious/thesis", "text");

@@ -4,8 +4,10 @@
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <zlib.h>
 
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <limits>
 
@@ -147,15 +149,54 @@ TEST(ImageIo, RefusesWhatIsNoRegularFile) {
   EXPECT_NE(image_refusal(folder / "empty.png"), "");
 }
 
+void write_tiff(const std::string& path, const Image& image, const std::string& compression) {
+  OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeDesc::UINT8);
+  spec["compression"] = compression;
+  const auto output = OIIO::ImageOutput::create(path);
+  ASSERT_TRUE(output && output->open(path, spec));
+  ASSERT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, image.data.data()));
+  ASSERT_TRUE(output->close());
+}
+
+// OpenImageIO takes what cannot be read of a TIFF for black.
+TEST(ImageIo, RefusesTiffsWithoutAllOfTheirPicture) {
+  const TemporaryFolder folder;
+  write_tiff(folder / "a.tif", ramp(33, 17, 3, 1e-3f), "none");
+  const std::string whole = read_bytes(folder / "a.tif");
+  const auto refusal_with = [&](std::uint16_t tag, std::uint32_t value) {  // an entry's value, in its directory
+    std::string bytes = whole;
+    std::uint32_t directory = 0;
+    std::uint16_t entries = 0;
+    std::memcpy(&directory, &bytes[4], 4);
+    std::memcpy(&entries, &bytes[directory], 2);
+    for (std::size_t at = directory + 2; at < directory + 2 + 12u * entries; at += 12) {
+      if (std::memcmp(&bytes[at], &tag, 2) == 0) std::memcpy(&bytes[at + 8], &value, 4);
+    }
+    write_bytes(folder / "b.tif", bytes);
+    return image_refusal(folder / "b.tif");
+  };
+  const std::string begin = folder / "b.tif" + ": cannot be read: ";
+  constexpr std::uint16_t kCompression = 259, kStripOffsets = 273, kWidth = 256;
+  EXPECT_EQ(refusal_with(0, 0), "");
+  EXPECT_EQ(refusal_with(kStripOffsets, 1 << 20), begin + "the file ends before its picture does");
+  EXPECT_EQ(refusal_with(kCompression, 34712), begin + "its compression, 34712, is not supported");
+  EXPECT_TRUE(refusal_with(kCompression, 8).starts_with(begin + "its picture is broken: "))
+      << refusal_with(kCompression, 8);
+  EXPECT_EQ(refusal_with(kWidth, 1000), begin + "the file ends before its picture does");
+}
+
 TEST(ImageIo, RefusesEveryTruncation) {
   const TemporaryFolder folder;
   const Image image = ramp(33, 17, 3);
   write_png8(folder / "a.png", ramp(33, 17, 3, 1e-3f));
   write_exr(folder / "a.exr", {{"R", &image, 0}, {"G", &image, 1}, {"B", &image, 2}}, false);
-  for (const std::string name : {"a.png", "a.exr"}) {
+  write_tiff(folder / "none.tif", image, "none");
+  write_tiff(folder / "zip.tif", image, "zip");
+  for (const std::string name : {"a.png", "a.exr", "none.tif", "zip.tif"}) {
     const std::string bytes = read_bytes(folder / name);
-    // What is cut off at the very end of an EXR may be padding that no decoder needs; a PNG ends with IEND's checksum.
-    const std::size_t needed = name == "a.png" ? bytes.size() : bytes.size() - 32;
+    // What is cut off at the very end of an EXR may be padding that no decoder needs; a PNG ends with IEND's checksum,
+    // and a TIFF with its directory.
+    const std::size_t needed = name == "a.exr" ? bytes.size() - 32 : bytes.size();
     for (std::size_t size = 0; size<needed; size += size + 16> needed ? 1 : 1 + size / 8) {
       write_bytes(folder / "cut", bytes.substr(0, size));
       const std::string message = image_refusal(folder / "cut");
@@ -239,6 +280,38 @@ TEST(ImageIo, RefusesPngsThatNoProgramWritesInOneLine) {
     expect(begin + png_chunk("IDAT", not_zlib) + end, "its chunk IDAT holds no compressed data");
   }
   expect(begin + end, "it has no chunk IDAT");
+  // One pixel is a filter type and three colors; "\1", its length and the length's complement: as they are (RFC 1951).
+  const auto stored = [&](const std::string& pixels) {
+    const char count = static_cast<char>(pixels.size());
+    const std::string length{count, 0, static_cast<char>(~count), '\xff'};
+    return begin + png_chunk("IDAT", "\x78\x01\1" + length + pixels) + end;
+  };
+  expect(stored(std::string("\0ab", 3)), "its picture ends early");
+  expect(stored("\5abc"), "a scanline of it has a filter type that no PNG may have");
+  expect(begin + png_chunk("IDAT", "\x78\x01\7") + end, "its compressed picture is broken: invalid block type");
+  std::string palette = header;
+  palette[9] = 3;
+  expect(kPngBegin + png_chunk("IHDR", palette) + data + end, "it has no palette PLTE before its picture");
+}
+
+// By the seven passes of interlacing, of which small pictures lack some.
+TEST(ImageIo, KnowsTheScanlinesOfInterlacedPngs) {
+  const TemporaryFolder folder;
+  for (const auto& [side, scanline_bytes] : {std::pair{1, 2}, {2, 7}, {3, 15}, {5, 36}}) {
+    std::string header("\0\0\0\0\0\0\0\0\10\0\0\0\1", 13);  // 8 bits of gray
+    header[3] = header[7] = static_cast<char>(side);
+    for (const int missing : {0, 1}) {
+      std::string pixels(scanline_bytes - missing, '\0');
+      std::vector<Bytef> packed(compressBound(pixels.size()));
+      uLongf size = packed.size();
+      compress(packed.data(), &size, reinterpret_cast<const Bytef*>(pixels.data()), pixels.size());
+      const std::string data(packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(size));
+      write_bytes(folder / "a.png",
+                  kPngBegin + png_chunk("IHDR", header) + png_chunk("IDAT", data) + png_chunk("IEND", ""));
+      EXPECT_EQ(image_refusal(folder / "a.png"),
+                missing ? folder / "a.png" + ": cannot be read: its picture ends early" : "");
+    }
+  }
 }
 
 // OpenEXR would take two gigabytes for a name of the file's.

@@ -36,7 +36,8 @@ endforeach()
 run(output ${DPKG_DEB} --extract ${package} ${folder}/root)
 set(usr ${folder}/root/usr)
 run(output ${usr}/bin/dualpixel simulate ${usr}/share/dualpixel/scenes/slanted_planes.json -o ${folder}/capture --dry-run)
-set(expected share/bash-completion/completions/dualpixel share/dualpixel/lens_models/phone_6p_4.2mm_f1.8.json)
+set(expected share/bash-completion/completions/dualpixel share/dualpixel/lens_models/phone_6p_4.2mm_f1.8.json
+    share/doc/dualpixel/copyright)
 find_program(HELP2MAN help2man)
 if(HELP2MAN)
   list(APPEND expected share/man/man1/dualpixel.1 share/man/man1/dualpixel-dataset-render.1)
@@ -46,6 +47,13 @@ foreach(file ${expected})
     message(FATAL_ERROR "the package holds no ${file}")
   endif()
 endforeach()
+
+if(HELP2MAN)  # no date, or the package would differ from month to month
+  file(STRINGS ${usr}/share/man/man1/dualpixel-dataset-render.1 title REGEX "^\\.TH")
+  if(NOT title MATCHES "^\\.TH DUALPIXEL-DATASET-RENDER [^ ]*1[^ ]* \"\" ")
+    message(FATAL_ERROR "a manual page's title is '${title}'")
+  endif()
+endif()
 
 # What the completion offers after these words, one a line.
 function(complete out)

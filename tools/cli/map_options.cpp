@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "capture/error.h"
+#include "tools/cli/number_range.h"
 
 namespace dualpixel::tools {
 
@@ -17,8 +18,10 @@ CLI::Option* add_map_options(CLI::App& command, MapFiles& files, const std::stri
               "Its confidence, 0 to 1, in the same formats; integers are shares of their type's largest");
   file_option("--sigma", files.sigma, "Its predicted standard deviation, DP px, in the same formats");
   const auto scale_option = [&](const std::string& name, double& value, const std::string& meaning) {
-    return command.add_option_function<double>(
-        name, [&files, &value](double given) { value = given, files.scaled = true; }, meaning);
+    return command
+        .add_option_function<double>(
+            name, [&files, &value](double given) { value = given, files.scaled = true; }, meaning)
+        ->check(number_range(-1e9, 1e9));
   };
   CLI::Option* scale = scale_option("--scale", files.integers.scale,
                                     "Value of one step of a disparity and sigma that are integers, e.g. 0.001");

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <exception>
+#include <fstream>
 #include <iostream>
 #include <new>
 #include <optional>
@@ -96,6 +98,23 @@ std::optional<std::string> unknown_option(const CLI::App& program, int argc, cha
   return {};
 }
 
+/// Throws where memory is limited (--max-memory, ulimit -v) to less than what the program and its libraries take, which
+/// is the first number of statm, in pages, and a little to work with: libraries would end it without a word.
+void require_room() {
+  constexpr std::uint64_t kLeastMore_mb = 64;
+  rlimit limit{};
+  std::uint64_t pages = 0;
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
+  if (!(std::ifstream("/proc/self/statm") >> pages)) return;
+  const std::uint64_t least_mb = (pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) >> 20) + kLeastMore_mb;
+  const std::uint64_t limit_mb = limit.rlim_cur >> 20;
+  if (limit_mb >= least_mb) return;
+  throw InputError(
+      fmt::format("memory is limited to {} MB (--max-memory or ulimit -v): must be at least {} MB, which the "
+                  "program itself takes",
+                  limit_mb, least_mb));
+}
+
 /// Before the command or among its options, as they hold for all of it.
 void add_limits(CLI::App& program) {
   program
@@ -107,6 +126,7 @@ void add_limits(CLI::App& program) {
             limit.rlim_cur = std::min<rlim_t>(megabytes << 20, limit.rlim_cur);
             done = done && setrlimit(RLIMIT_AS, &limit) == 0;
             if (!done) throw InputError("--max-memory: this system does not let memory be limited");
+            require_room();
           },
           "Refuse what needs more memory than MB: that of addresses, as with ulimit -v")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40))
@@ -149,6 +169,7 @@ int program_main(int argc, char** argv) {
   add_dataset(program);
 
   try {
+    require_room();
     end_cleanly_on_signals();
     program.parse(argc, argv);
     return printed(0);

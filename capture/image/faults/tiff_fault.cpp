@@ -1,0 +1,92 @@
+#include "capture/image/faults/tiff_fault.h"
+
+#include <fmt/format.h>
+#include <tiffio.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "capture/error.h"
+#include "capture/image/picture_limits.h"
+#include "capture/image/quiet_tiff.h"
+
+namespace dualpixel {
+namespace {
+
+/// Decodes every strip or tile of the directory that the file stands at. An error has its text from libtiff.
+bool decodes(TIFF* file) {
+  const bool tiled = TIFFIsTiled(file) != 0;
+  const tmsize_t bytes = tiled ? TIFFTileSize(file) : TIFFStripSize(file);
+  if (bytes <= 0) return false;
+  std::vector<char> part(static_cast<std::size_t>(bytes));
+  const std::uint32_t parts = tiled ? TIFFNumberOfTiles(file) : TIFFNumberOfStrips(file);
+  for (std::uint32_t i = 0; i < parts; ++i) {
+    const tmsize_t got =
+        tiled ? TIFFReadEncodedTile(file, i, part.data(), bytes) : TIFFReadEncodedStrip(file, i, part.data(), bytes);
+    if (got < 0) return false;
+  }
+  return true;
+}
+
+/// Whether the file is long enough for what the directory says of its strips or tiles.
+bool holds_its_parts(TIFF* file, std::uint64_t file_bytes) {
+  const std::uint32_t parts = TIFFIsTiled(file) != 0 ? TIFFNumberOfTiles(file) : TIFFNumberOfStrips(file);
+  for (std::uint32_t i = 0; i < parts; ++i) {
+    const std::uint64_t begin = TIFFGetStrileOffset(file, i), bytes = TIFFGetStrileByteCount(file, i);
+    if (begin > file_bytes || bytes > file_bytes - begin) return false;
+  }
+  return true;
+}
+
+/// Where a DNG keeps the pictures that its first directory has not.
+std::vector<std::uint64_t> directories_within(TIFF* file) {
+  std::uint16_t count = 0;
+  const std::uint64_t* offsets = nullptr;
+  if (TIFFGetField(file, TIFFTAG_SUBIFD, &count, &offsets) == 0) return {};
+  return {offsets, offsets + count};
+}
+
+/// Of the directory that the file stands at.
+std::optional<std::string> fault_of_directory(TIFF* file, std::uint64_t file_bytes, bool is_dng) {
+  std::uint32_t width = 0, height = 0;
+  std::uint16_t channels = 1, compression = COMPRESSION_NONE;
+  if (TIFFGetField(file, TIFFTAG_IMAGEWIDTH, &width) == 0 || TIFFGetField(file, TIFFTAG_IMAGELENGTH, &height) == 0) {
+    return "a picture of it has no width or height";
+  }
+  TIFFGetFieldDefaulted(file, TIFFTAG_SAMPLESPERPIXEL, &channels);
+  TIFFGetFieldDefaulted(file, TIFFTAG_COMPRESSION, &compression);
+  if (channels == 0 || std::uint64_t{width} * height > static_cast<std::uint64_t>(kMostPictureValues) / channels)
+    return {};
+  if (!holds_its_parts(file, file_bytes)) return "the file ends before its picture does";
+  if (is_dng && compression != COMPRESSION_NONE) return {};
+  if (TIFFIsCODECConfigured(compression) == 0) return fmt::format("its compression, {}, is not supported", compression);
+  if (!decodes(file)) return "its picture is broken";
+  return {};
+}
+
+}  // namespace
+
+std::optional<std::string> fault_of_tiff(const std::string& path) {
+  std::string error;
+  const std::unique_ptr<TIFF, void (*)(TIFF*)> file(TIFFOpenExt(path.c_str(), "r", quiet_tiff(error).get()), TIFFClose);
+  std::optional<std::string> fault;
+  if (!file) {
+    fault = "it is no TIFF";
+  } else {
+    const std::uint64_t file_bytes = std::filesystem::file_size(path);
+    const std::uint8_t* dng_version = nullptr;
+    const bool is_dng = TIFFGetField(file.get(), TIFFTAG_DNGVERSION, &dng_version) != 0;
+    fault = fault_of_directory(file.get(), file_bytes, is_dng);
+    for (const std::uint64_t offset : is_dng ? directories_within(file.get()) : std::vector<std::uint64_t>()) {
+      if (fault) break;
+      fault = TIFFSetSubDirectory(file.get(), offset) != 0 ? fault_of_directory(file.get(), file_bytes, true)
+                                                           : std::optional<std::string>("a picture of it is missing");
+    }
+  }
+  if (fault && !error.empty()) *fault += ": " + printable(error);
+  return fault;
+}
+
+}  // namespace dualpixel
