@@ -29,8 +29,8 @@ if ! $fast && [[ $(clang-tidy --version) != *" 14."* ]]; then
   echo "lint: skipped, needs clang-tidy 14" >&2  # later ones have further checks
 elif ! $fast; then
   # Lint what changed since the main branch last landed; the last commit where that is unknown. The consumer is a project of
-  # its own; training and the ONNX exporter are not built here, and clang 14 cannot read LibTorch's headers as C++20.
-  linted=('*.cpp' ':!tools/train_segmentation' ':!tools/export_onnx' ':!tests/training' ':!tests/onnx' ':!tests/consumer')
+  # its own; fuzzers, training and the ONNX exporter are not built here, and clang 14 cannot read LibTorch's headers as C++20.
+  linted=('*.cpp' ':!tools/train_segmentation' ':!tools/export_onnx' ':!tests/training' ':!tests/onnx' ':!tests/consumer' ':!tests/fuzz')
   base=$(git merge-base HEAD origin/main 2>/dev/null || true)
   if [ -n "$base" ] && [ "$base" != "$(git rev-parse HEAD)" ]; then
     changed=$(git diff --name-only --diff-filter=d "$base" -- "${linted[@]}")
@@ -41,7 +41,7 @@ elif ! $fast; then
     # clang-tidy reads one file at a time, without GCC's precompiled headers.
     cmake --preset release -B build/lint -DDUALPIXEL_TESTS=ON -DDUALPIXEL_TRAINER=OFF -DDUALPIXEL_ONNX=OFF \
       -DCMAKE_UNITY_BUILD=OFF -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >/dev/null
-    echo "$changed" | xargs -P "$(nproc)" -n 4 clang-tidy -p build/lint --quiet --warnings-as-errors='*'
+    echo "$changed" | xargs -P "$(nproc)" -n 1 clang-tidy -p build/lint --quiet --warnings-as-errors='*'
   fi
 fi
 

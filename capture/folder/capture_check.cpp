@@ -132,7 +132,8 @@ void check_capture(const Capture& capture, const CaptureCheck& check) {
   }
   check.require(std::all_of(exposure.white_balance.begin(), exposure.white_balance.end(),
                             [](double gain) { return gain > 0 && std::isfinite(gain); }),
-                "/exposure/white_balance", "gains must be positive");
+                "/exposure/white_balance",
+                fmt::format("gains {} must be positive", fmt::join(exposure.white_balance, ", ")));
   check.require(!exposure.color_matrix || std::abs(determinant(*exposure.color_matrix)) > 1e-6,
                 "/exposure/color_matrix", "must have an inverse");
   check.require(!capture.frames.empty() && capture.frames.size() <= kMostFrames, "/frames",

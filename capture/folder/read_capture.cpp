@@ -49,7 +49,8 @@ void read_frame(Fields fields, const std::string& pointer, Input& input, Frame& 
 
 void read_frames(const nlohmann::json& frames, Input& input, Capture& capture) {
   input.check.require(frames.is_array() && !frames.empty() && frames.size() <= kMostFrames, "/frames",
-                      fmt::format("must be an array of 1 to {} frames", kMostFrames));
+                      fmt::format("{} of {} entries; must be an array of 1 to {} frames", frames.type_name(),
+                                  frames.size(), kMostFrames));
   capture.frames.resize(frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const std::string pointer = fmt::format("/frames/{}", i);

@@ -118,7 +118,7 @@ std::string fault_of_sample(const std::string& dataset, const SampleLine& line) 
 
 void require_no_link(const std::string& path) {
   std::error_code error;
-  if (fs::is_symlink(path, error)) throw InputError(printable(path) + ": is a link: must be a folder");
+  if (std::filesystem::is_symlink(path, error)) throw InputError(printable(path) + ": is a link: must be a folder");
 }
 
 }  // namespace dualpixel::datasets

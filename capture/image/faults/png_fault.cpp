@@ -53,12 +53,15 @@ std::vector<Pass> passes_of(std::string_view header) {
                                      {0, 2, 2, 4}, {1, 0, 2, 2}, {0, 1, 1, 2}};  // first x and y, steps
   constexpr int kWhole[4] = {0, 0, 1, 1};
   const std::uint64_t width = big_endian(&header[0]), height = big_endian(&header[4]);
-  const int color = header[9], channels = color == 2 ? 3 : color == 4 ? 2 : color == 6 ? 4 : 1;
+  const int color = static_cast<unsigned char>(header[9]), channels = color == 2   ? 3
+                                                                      : color == 4 ? 2
+                                                                      : color == 6 ? 4
+                                                                                   : 1;
   std::vector<Pass> passes;
   const auto add = [&](const int(&pass)[4]) {
     const std::uint64_t columns = (width + pass[2] - 1 - pass[0]) / pass[2];
     const std::uint64_t rows = (height + pass[3] - 1 - pass[1]) / pass[3];
-    const auto bits = static_cast<std::uint64_t>(header[8] * channels);
+    const std::uint64_t bits = std::uint64_t{static_cast<unsigned char>(header[8])} * channels;
     if (columns > 0 && rows > 0) passes.push_back({1 + (columns * bits + 7) / 8, rows});
   };
   if (width * height > static_cast<std::uint64_t>(kMostPictureValues)) return passes;  // refused by who asks for it
