@@ -107,13 +107,27 @@ void require_replaceable(const std::string& path, const std::string& marker) {
   if (!empty) fail(path, "exists, and is neither empty nor holds " + marker + ": it will not be overwritten");
 }
 
-/// Whether a replaced folder has anything by a name that the new one lacks, but for what `score` writes into results.
+/// Whether a folder has anything by a name that the one lacks that is to replace it, but for what `score` writes into
+/// results.
 bool holds_what_is_not_in(const std::string& replaced, const std::string& replacing) {
-  const fs::directory_iterator entries(replaced);
-  return std::any_of(begin(entries), end(entries), [&](const fs::directory_entry& entry) {
+  std::error_code error;
+  const fs::directory_iterator entries(replaced, error);
+  return !error && std::any_of(begin(entries), end(entries), [&](const fs::directory_entry& entry) {
     const fs::path name = entry.path().filename();
-    return name != "score.json" && !fs::exists(fs::symlink_status(replacing / name));
+    return name != "score.json" && !fs::exists(fs::symlink_status(replacing / name, error));
   });
+}
+
+/// Gives a folder the name PATH.old, or PATH.old2 and so on where there is one.
+void move_aside(const std::string& path) {
+  std::string aside = path + ".old";
+  for (int number = 2; renameat2(AT_FDCWD, path.c_str(), AT_FDCWD, aside.c_str(), RENAME_NOREPLACE) != 0; ++number) {
+    if (errno == ENOENT) return;  // another process has moved it
+    if (errno != EEXIST) fail_errno(path, "has files that would be lost, and cannot be renamed " + printable(aside));
+    aside = fmt::format("{}.old{}", path, number);
+  }
+  std::cerr << fmt::format("dualpixel: warning: {}: held files that are not replaced: they are kept in {}\n",
+                           printable(path), printable(aside));
 }
 
 /// Where replace_file is to write `path`: there is a folder for it, and no folder or device in its place.
@@ -247,6 +261,7 @@ NewFolder::~NewFolder() {
 void NewFolder::commit() {
   sync_to_disk(temporary_);
   require_replaceable(final_, marker_);
+  if (holds_what_is_not_in(final_, temporary_)) move_aside(final_);
   if (finish(temporary_, final_, 0) == 0) {
     temporary_.clear();
   } else if ((errno != ENOTEMPTY && errno != EEXIST) || finish(temporary_, final_, RENAME_EXCHANGE) != 0) {
@@ -254,22 +269,7 @@ void NewFolder::commit() {
   }
   whole_ = true;
   // After an exchange the old folder stands under the temporary name, and the destructor removes it.
-  if (!temporary_.empty() && holds_what_is_not_in(temporary_, final_)) keep_replaced();
   sync_to_disk(fs::path(final_).parent_path().string());
-}
-
-void NewFolder::keep_replaced() {
-  std::string kept = final_ + ".old";
-  const std::lock_guard lock(unfinished_mutex);
-  for (int number = 2; renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, kept.c_str(), RENAME_NOREPLACE) != 0;
-       ++number) {
-    if (errno != EEXIST) fail_errno(kept, "what was replaced cannot be kept");
-    kept = fmt::format("{}.old{}", final_, number);
-  }
-  unfinished.erase(temporary_);
-  temporary_.clear();
-  std::cerr << fmt::format("dualpixel: warning: {}: held files that are not replaced: they are kept in {}\n",
-                           printable(final_), printable(kept));
 }
 
 void stop_outputs() { unfinished_mutex.lock(); }

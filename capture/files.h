@@ -61,8 +61,6 @@ class NewFolder {
   void commit();
 
  private:
-  void keep_replaced();
-
   std::string final_;
   std::string marker_;
   std::string temporary_;

@@ -2,7 +2,7 @@
 # Tries the README's two commands on a bare system: makes one with debootstrap, clones this commit into it, runs both there.
 #   sudo tools/fresh.sh SUITE [FOLDER] [MIRROR]
 #     SUITE   Debian's name of a release: bookworm or trixie
-#     FOLDER  where the system goes (default: /var/tmp/dualpixel-SUITE); one that is there is used again, with the packages it has
+#     FOLDER  where the system goes (default: /var/tmp/dualpixel-SUITE); one that is there is used again
 #     MIRROR  where its packages come from (default: debootstrap's own)
 # Takes some 5 GB and, on two cores, about an hour. Example: sudo tools/fresh.sh trixie
 set -euo pipefail

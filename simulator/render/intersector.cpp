@@ -261,8 +261,10 @@ void commit(RTCDevice device, RTCScene scene) {
   // spatial splits: hair and leaves are long, thin and aslant, and rendering is far longer than building
   rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
   rtcCommitScene(scene);
-  // What goes in has been checked. A thread that cannot start for lack of memory has no error code of its own.
-  if (rtcGetDeviceError(device) != RTC_ERROR_NONE) throw std::bad_alloc();
+  const RTCError error = rtcGetDeviceError(device);
+  // A thread that cannot start for lack of memory has no error code of its own; what goes in has been checked.
+  if (error == RTC_ERROR_OUT_OF_MEMORY || error == RTC_ERROR_UNKNOWN) throw std::bad_alloc();
+  if (error != RTC_ERROR_NONE) throw std::runtime_error("Embree: building the acceleration structure failed");
 }
 
 void attach(RTCScene scene, RTCGeometry geometry, unsigned id) {

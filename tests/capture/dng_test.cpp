@@ -11,6 +11,7 @@
 
 #include "capture/error.h"
 #include "capture/files.h"
+#include "capture/image/picture_encoding.h"
 #include "tests/temporary_folder.h"
 
 namespace dualpixel {
@@ -177,6 +178,30 @@ TEST(Dng, AMosaicIsWhiteWhereItClips) {
   const Directory file(folder / "a.dng");
   EXPECT_EQ(file[kWhiteLevel], std::vector<double>{544});
   EXPECT_DOUBLE_EQ(file[kNoiseProfile].at(0), 0.5 / (544 - 64));
+}
+
+// LibRaw reads black where its data end, and prints a line.
+TEST(Dng, ReadsNoneThatEndsBeforeItsPicture) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "a.dng";
+  write_dng(path, ramp(64, 64), capture_of("RGGB"), DngImage::mosaic);
+  const std::string whole = read_bytes(path);
+  std::string beyond = whole;
+  const std::uint16_t kStripOffsets = 273;
+  for (std::size_t at = 0; at + 12 <= beyond.size(); at += 2) {  // the entry: tag, long or short, one of them
+    const std::uint32_t far = 1 << 20;
+    const bool is_entry =
+        std::memcmp(&beyond[at], &kStripOffsets, 2) == 0 && (beyond[at + 2] == 4 || beyond[at + 2] == 3);
+    if (is_entry && beyond[at + 4] == 1) std::memcpy(&beyond[at + 8], &far, 4), beyond[at + 2] = 4;
+  }
+  ASSERT_NE(beyond, whole);
+  for (const std::string& broken : {whole.substr(0, 5000), beyond}) {
+    write_bytes(path, broken);
+    ::testing::internal::CaptureStderr();
+    const std::string refusal = message_of<InputError>([&] { read_dng(path); });
+    EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+    EXPECT_TRUE(refusal.starts_with(path + ": cannot be read: ")) << refusal;
+  }
 }
 
 TEST(Dng, RefusesPlacesThatCannotBeWritten) {

@@ -66,6 +66,25 @@ TEST(NewFolder, ReplacesItsOwnKindAndEmptyFoldersOnly) {
   EXPECT_EQ(read_bytes(folder / "file"), "text");
 }
 
+TEST(NewFolder, WhatWouldBeLostIsKeptEachTimeOrNothingIsReplaced) {
+  const TemporaryFolder folder;
+  const auto write = [&](const std::string& name, const std::string& extra) {
+    NewFolder output(name, "capture.json");
+    write_file(output.path() + "/capture.json", extra);
+    output.commit();
+    write_bytes(name + "/notes", extra);
+  };
+  for (const char* extra : {"1", "2", "3"}) write(folder / "out", extra);
+  EXPECT_EQ(folder.names(), (std::set<std::string>{"out", "out.old", "out.old2"}));
+  EXPECT_EQ(read_bytes(folder / "out.old/notes"), "1");
+  EXPECT_EQ(read_bytes(folder / "out.old2/notes"), "2");
+  const std::string longest = folder / std::string(255, 'a');  // there is no longer name
+  write(longest, "4");
+  EXPECT_THROW(write(longest, "5"), InputError);
+  EXPECT_EQ(read_bytes(longest + "/notes"), "4");
+  EXPECT_EQ(read_bytes(longest + "/capture.json"), "4");
+}
+
 TEST(NewFolder, ChecksAgainBeforeItReplaces) {
   const TemporaryFolder folder;
   NewFolder output(folder / "out", "capture.json");

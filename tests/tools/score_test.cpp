@@ -43,6 +43,15 @@ std::array<std::string, 2> commands_on(const TemporaryFolder& folder) {
           fmt::format("report '{}' --capture '{}' -o '{}'", folder / "r", folder / "c", folder / "page.html")};
 }
 
+TEST(ScoreCommand, TakesNoScaleThatIsNoNumber) {
+  for (const char* value : {"nan", "inf", "1e308", "x"}) {
+    const Outcome outcome = run_command(std::string("score c --disparity d.png --scale ") + value);
+    expect_one_line_refusal(outcome);
+    EXPECT_NE(outcome.err.find("--scale"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("-1e+09 to 1e+09"), std::string::npos) << outcome.err;
+  }
+}
+
 TEST(ScoreCommand, RefusesAResultOfAnotherCapture) {
   const TemporaryFolder folder;
   const Capture capture = pipeline::synthetic_capture();

@@ -1,10 +1,13 @@
 #include "tools/cli/signals.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <iostream>
+#include <system_error>
 #include <thread>
 
 #include "capture/files.h"
@@ -16,6 +19,24 @@ namespace {
 
 std::atomic<bool> first_is_noted = false;
 std::atomic<int> noted_signal = 0;
+
+int signal_pipe[2];
+
+/// Any thread may be the one that a signal interrupts: OpenBLAS, which OpenCV and LAPACK may bring, starts some before
+/// main() that block no signal.
+void pass_signal_on(int signal_number) {
+  const int error = errno;
+  const auto byte = static_cast<unsigned char>(signal_number);
+  [[maybe_unused]] const ssize_t written = write(signal_pipe[1], &byte, 1);
+  errno = error;
+}
+
+int next_signal() {
+  unsigned char byte = 0;
+  while (read(signal_pipe[0], &byte, 1) != 1) {
+  }
+  return byte;
+}
 
 /// Writes a line to stderr, over a progress bar. Where nobody reads it, this thread goes on all the same.
 void say(const std::string& line) {
@@ -35,21 +56,23 @@ void claim_the_end() {
 }  // namespace
 
 void end_cleanly_on_signals() {
+  if (pipe2(signal_pipe, O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
   signal(SIGXFSZ, SIG_IGN);
-  sigset_t signals;
-  sigemptyset(&signals);
-  for (const int each : {SIGINT, SIGTERM, SIGQUIT, SIGXCPU, SIGUSR1}) sigaddset(&signals, each);
-  struct sigaction hangup {};
-  sigaction(SIGHUP, nullptr, &hangup);
-  if (hangup.sa_handler != SIG_IGN) sigaddset(&signals, SIGHUP);  // nohup has it ignored
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  std::thread([signals] {
-    int signal_number = 0;
-    sigwait(&signals, &signal_number);
+  struct sigaction pass_on {};
+  pass_on.sa_handler = pass_signal_on;
+  pass_on.sa_flags = SA_RESTART;
+  for (const int each : {SIGINT, SIGTERM, SIGQUIT, SIGXCPU, SIGUSR1, SIGHUP}) {
+    struct sigaction before {};
+    sigaction(each, nullptr, &before);
+    const bool under_nohup = each == SIGHUP && before.sa_handler == SIG_IGN;
+    if (!under_nohup) sigaction(each, &pass_on, nullptr);
+  }
+  std::thread([] {
+    int signal_number = next_signal();
     if (first_is_noted) {
       noted_signal = signal_number;
       say("dualpixel: stopping when what is being made is whole; a second signal ends it at once");
-      sigwait(&signals, &signal_number);
+      signal_number = next_signal();
     }
     claim_the_end();
     evaluation::end_child_processes();

@@ -6,8 +6,7 @@ namespace dualpixel::tools {
 
 /// A thread waits for SIGINT, SIGTERM, SIGQUIT, SIGXCPU, SIGUSR1 and, unless it is ignored, SIGHUP; it kills the
 /// programs that we run, removes unfinished output and ends the process with 128 + signal. A file that exceeds the
-/// shell's size limit is a failed write (EFBIG) like any other, instead of SIGXFSZ. Call before any other thread
-/// starts: threads inherit the signal mask.
+/// shell's size limit is a failed write (EFBIG) like any other, instead of SIGXFSZ.
 void end_cleanly_on_signals();
 
 /// From now on the first signal is only noted in what is returned (0: none), with a line on stderr, for work that ends

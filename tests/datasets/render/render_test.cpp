@@ -256,7 +256,7 @@ TEST(SlowRender, VerifyFindsWhatIsKeptAndNotThere) {
 }
 
 // A linked folder of samples may be another data set's, whose samples are not this plan's.
-TEST(SlowRender, ClearsNothingBehindALinkedFolder) {
+TEST(SlowRender, WritesAndClearsNothingBehindALinkedFolder) {
   const TemporaryFolder folder;
   const std::string set = folder / "set", other = folder / "other";
   plan_into(set, small_recipe(1));
@@ -268,7 +268,9 @@ TEST(SlowRender, ClearsNothingBehindALinkedFolder) {
     std::filesystem::create_directories(other + "/" + part);
     std::filesystem::create_directory_symlink("../other/" + std::string(part), set + "/" + part);
     const auto before = bytes_under(folder.path);
-    EXPECT_EQ(message_of<InputError>([&] { clear(set); }), set + "/" + part + ": is a link: must be a folder");
+    const std::string refusal = set + "/" + part + ": is a link: must be a folder";
+    EXPECT_EQ(message_of<InputError>([&] { clear(set); }), refusal);
+    EXPECT_EQ(message_of<InputError>([&] { render_shard({.dataset = set}); }), refusal);
     EXPECT_TRUE(bytes_under(folder.path) == before);
     std::filesystem::remove(set + "/" + part);
   }
