@@ -18,6 +18,7 @@
 #include <iostream>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string_view>
 #include <thread>
 
@@ -107,27 +108,43 @@ void require_replaceable(const std::string& path, const std::string& marker) {
   if (!empty) fail(path, "exists, and is neither empty nor holds " + marker + ": it will not be overwritten");
 }
 
-/// Whether a folder has anything by a name that the one lacks that is to replace it, but for what `score` writes into
-/// results.
-bool holds_what_is_not_in(const std::string& replaced, const std::string& replacing) {
-  std::error_code error;
-  const fs::directory_iterator entries(replaced, error);
-  return !error && std::any_of(begin(entries), end(entries), [&](const fs::directory_entry& entry) {
-    const fs::path name = entry.path().filename();
-    return name != "score.json" && !fs::exists(fs::symlink_status(replacing / name, error));
-  });
+/// Whether a folder, or one within it, has anything by a name that the one lacks that is to replace it, but for what
+/// `score` writes into results.
+bool holds_what_is_not_in(const fs::path& replaced, const fs::path& replacing) {
+  std::error_code error, ignored;
+  fs::directory_iterator entry(replaced, error);
+  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    const fs::path name = entry->path().filename();
+    if (name == "score.json") continue;
+    const fs::file_type type = entry->symlink_status(ignored).type();
+    if (fs::symlink_status(replacing / name, ignored).type() != type) return true;
+    if (type == fs::file_type::directory && holds_what_is_not_in(entry->path(), replacing / name)) return true;
+  }
+  if (error && error != std::errc::no_such_file_or_directory) fail(replaced, "cannot be read: " + error.message());
+  return false;
 }
 
-/// Gives a folder the name PATH.old, or PATH.old2 and so on where there is one.
-void move_aside(const std::string& path) {
-  std::string aside = path + ".old";
-  for (int number = 2; renameat2(AT_FDCWD, path.c_str(), AT_FDCWD, aside.c_str(), RENAME_NOREPLACE) != 0; ++number) {
-    if (errno == ENOENT) return;  // another process has moved it
-    if (errno != EEXIST) fail_errno(path, "has files that would be lost, and cannot be renamed " + printable(aside));
-    aside = fmt::format("{}.old{}", path, number);
+/// Gives what is whole its final name, and the folder that had it the name FINAL.old, or FINAL.old2 and so on where
+/// there is one, which is returned; nothing, with errno, where that fails. What is whole takes that name first, then
+/// the two are exchanged, so that neither is without a name at any moment. Not after stop_outputs().
+std::optional<std::string> finish_and_keep(const std::string& temporary, const std::string& final) {
+  const std::lock_guard lock(unfinished_mutex);
+  const auto move = [](const std::string& from, const std::string& to, unsigned flags) {
+    return renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), flags) == 0;
+  };
+  std::string kept = final + ".old";
+  for (int number = 2; !move(temporary, kept, RENAME_NOREPLACE); ++number) {
+    if (errno != EEXIST) return {};
+    kept = fmt::format("{}.old{}", final, number);
   }
-  std::cerr << fmt::format("dualpixel: warning: {}: held files that are not replaced: they are kept in {}\n",
-                           printable(path), printable(aside));
+  if (!move(kept, final, RENAME_EXCHANGE)) {
+    const int error = errno;
+    move(kept, temporary, RENAME_NOREPLACE);
+    errno = error;
+    return {};
+  }
+  unfinished.erase(temporary);
+  return kept;
 }
 
 /// Where replace_file is to write `path`: there is a folder for it, and no folder or device in its place.
@@ -261,8 +278,12 @@ NewFolder::~NewFolder() {
 void NewFolder::commit() {
   sync_to_disk(temporary_);
   require_replaceable(final_, marker_);
-  if (holds_what_is_not_in(final_, temporary_)) move_aside(final_);
-  if (finish(temporary_, final_, 0) == 0) {
+  std::optional<std::string> kept;
+  if (holds_what_is_not_in(final_, temporary_)) {
+    kept = finish_and_keep(temporary_, final_);
+    if (!kept) fail_errno(final_, "has files that would be lost, and cannot be replaced");
+    temporary_.clear();
+  } else if (finish(temporary_, final_, 0) == 0) {
     temporary_.clear();
   } else if ((errno != ENOTEMPTY && errno != EEXIST) || finish(temporary_, final_, RENAME_EXCHANGE) != 0) {
     fail_errno(final_, "cannot be replaced");
@@ -270,6 +291,9 @@ void NewFolder::commit() {
   whole_ = true;
   // After an exchange the old folder stands under the temporary name, and the destructor removes it.
   sync_to_disk(fs::path(final_).parent_path().string());
+  if (!kept) return;
+  std::cerr << fmt::format("dualpixel: warning: {}: held files that are not replaced: they are kept in {}\n",
+                           printable(final_), printable(*kept));
 }
 
 void stop_outputs() { unfinished_mutex.lock(); }

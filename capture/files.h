@@ -47,8 +47,8 @@ bool holds_nothing(const std::string& folder);
 /// A folder that is being written: a temporary sibling of its final path. commit() moves it there in one step; without
 /// commit() the destructor removes it. Missing parent folders are created, and stay. An existing folder is replaced
 /// where it is empty or holds the file `marker` ("capture.json"), which identifies it as this program's output, and
-/// kept as its name and ".old", with a warning, where it has anything by a name that the new one lacks. Anything else
-/// is refused at construction.
+/// kept as its name and ".old" (".old2" and so on), with a warning, where it, or a folder within it, has anything by a
+/// name that the new one lacks. Anything else is refused at construction.
 class NewFolder {
  public:
   NewFolder(const std::string& final_path, const std::string& marker);

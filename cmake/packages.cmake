@@ -16,6 +16,7 @@ install(FILES ${PROJECT_BINARY_DIR}/dualpixel.pc DESTINATION ${CMAKE_INSTALL_LIB
 
 # The notices of what is compiled in, as the packages of this system have them.
 file(READ ${PROJECT_SOURCE_DIR}/THIRD_PARTY.md notices)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS THIRD_PARTY.md)
 foreach(package libcli11-dev libxxhash-dev nlohmann-json3-dev libglm-dev libeigen3-dev libtinygltf-dev)
   if(EXISTS /usr/share/doc/${package}/copyright)
     file(READ /usr/share/doc/${package}/copyright notice)

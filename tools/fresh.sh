@@ -16,9 +16,16 @@ command -v debootstrap >/dev/null || { echo "fresh.sh: needs debootstrap: apt-ge
 # mounts of the new system are this process's own: they go with it
 [ "${FRESH_NAMESPACE:-}" = 1 ] || FRESH_NAMESPACE=1 exec unshare --mount --pid --fork "${BASH_SOURCE[0]}" "$@"
 
-if [ ! -e "$root/debootstrapped" ]; then  # a run that broke off begins anew
+if [ ! -e "$root/debootstrapped" ]; then
+  if [ -e "$root" ] && [ -n "$(ls -A "$root")" ] && [ ! -e "$root/debootstrapping" ]; then
+    echo "fresh.sh: $root: is not empty, and not a system that this script made" >&2
+    exit 2
+  fi
+  rm -rf --one-file-system "$root"  # a run that broke off begins anew
+  mkdir -p "$root"
+  touch "$root/debootstrapping"
   debootstrap --variant=minbase --include=git,ca-certificates "$suite" "$root" ${mirror:+"$mirror"}
-  touch "$root/debootstrapped"
+  mv "$root/debootstrapping" "$root/debootstrapped"
 fi
 cp -L /etc/resolv.conf "$root/etc/resolv.conf"
 mount -t proc proc "$root/proc"

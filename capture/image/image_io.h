@@ -6,7 +6,8 @@
 #include "capture/image/image.h"
 
 /// Reading and writing images through OpenImageIO, with checks: the format is recognized by its magic bytes (EXR, PNG,
-/// TIFF, JPEG, HDR), sizes are checked before pixels are read (65536 a side, 500 million values), only regular files.
+/// TIFF, JPEG, HDR), a picture has at most 65536 pixels a side and 500 million values, only regular files are read.
+/// PNG and TIFF are decoded once more before that, to find what their libraries would pass over (capture/image/faults).
 /// All throw InputError with one line that names the file.
 namespace dualpixel {
 
@@ -21,7 +22,7 @@ struct PictureSize {
   int height = 0;
   std::vector<std::string> channels;  ///< their names
 };
-/// What an image's header says; no pixel is read.
+/// What an image's header says. A PNG or TIFF whose pixels are broken is refused here, too.
 PictureSize picture_size(const std::string& path);
 
 struct NamedPlane {

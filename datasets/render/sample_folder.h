@@ -32,8 +32,8 @@ struct RenderedSample {
 /// Whether the sample is there. Its folder appears in one step, so that it is whole.
 bool is_there(const std::string& dataset, const SampleLine& line);
 
-/// Throws InputError where `path` is a link: what it leads to may be anybody's: nothing is to be written or removed
-/// there.
+/// Throws InputError where `path` is a link: nothing is to be written or removed in what it leads to, which may be
+/// anybody's.
 void require_no_link(const std::string& path);
 
 /// Writes the line's pictures of the capture and sample.json: the line, the scene file that the capture was made of,

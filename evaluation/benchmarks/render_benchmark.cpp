@@ -289,7 +289,7 @@ RenderCurve measure_adaptive(const Patches& patches, const Reference& reference,
     for (const SampleMap& map : maps) samples += map.total_samples();
     curve.runs.push_back(run_of(samples / (double{kPatches} * kPatchSide * kPatchSide), time_s,
                                 error_of(patches, halves, reference.mean, reference.apart)));
-    curve.runs.back().target_error = uniform_runs[i].error;
+    curve.runs.back().target = {uniform_runs[i].error, uniform_runs[i].samples};
     progress(0.9 + 0.1 * static_cast<double>(i + 1) / static_cast<double>(uniform_runs.size()));
   }
   return curve;
@@ -328,7 +328,7 @@ RenderCurve measure_adaptive_with_cache(Patches& patches, const Reference& refer
     for (const SampleMap& map : maps) samples += map.total_samples();
     curve.runs.push_back(run_of(samples / (double{kPatches} * kPatchSide * kPatchSide), time_s,
                                 error_of(patches, halves, reference.mean, reference.apart)));
-    curve.runs.back().target_error = run.error;
+    curve.runs.back().target = {run.error, run.samples};
   }
   patches.world.light_cache.reset();
   return curve;
@@ -348,7 +348,7 @@ nlohmann::ordered_json to_json(const RenderRun& run) {
   nlohmann::ordered_json json = {{"samples", run.samples}, {"time_s", run.time_s},
                                  {"error", run.error},     {"left", run.left},
                                  {"right", run.right},     {"left_minus_right", run.left_minus_right}};
-  if (run.target_error) json["requested_error"] = *run.target_error;
+  if (run.target) json["requested_error"] = run.target->error;
   return json;
 }
 

@@ -12,6 +12,11 @@
 /// 32 x 32 photosites spread over the frame represent the picture.
 namespace dualpixel::evaluation {
 
+/// What adaptive sampling was asked for: the error that mirrored pairs have at so many samples a photosite.
+struct RenderTarget {
+  double error = 0, samples = 0;
+};
+
 /// One render of all patches. Errors are RMS over the photosites, each over the noise that the scene's sensor adds to
 /// it, against a converged reference whose own error is subtracted.
 struct RenderRun {
@@ -19,7 +24,7 @@ struct RenderRun {
   double time_s = 0;   ///< CPU time of all cores
   double error = 0;    ///< of both views
   double left = 0, right = 0, left_minus_right = 0;
-  std::optional<double> target_error;  ///< what adaptive sampling was asked for
+  std::optional<RenderTarget> target;  ///< of adaptive sampling
 };
 
 /// One way of sampling, over growing sample counts.

@@ -92,6 +92,7 @@ nlohmann::ordered_json to_json(const Chart& chart);
 bool is_of_other_version(const nlohmann::json& json);
 /// Throws InputError that names `file`.
 Chart read_chart(const nlohmann::json& json, const std::string& file);
+
 /// A figure of one setting that differs from an older chart's by more than noise explains.
 struct ChartChange {
   std::string section, point, figure;  ///< figure: "error" or "time"

@@ -132,7 +132,10 @@ std::string changes_section(const ChartComparison& since) {
   }
   html += table.rows.empty() ? paragraph("Nothing changed by more than noise.") : html_table(table);
   for (const auto& [what, settings] : {std::pair{"Gone", &since.only_before}, std::pair{"New", &since.only_now}}) {
-    if (!settings->empty()) html += paragraph(fmt::format("{}: {}.", what, fmt::join(*settings, "; ")));
+    if (settings->empty()) continue;
+    html += paragraph(fmt::format("{}:", what)) + "<ul>";
+    for (const std::string& setting : *settings) html += "<li>" + escape_name(setting) + "</li>";
+    html += "</ul>\n";
   }
   return html;
 }

@@ -26,23 +26,17 @@ std::vector<int> seeds_from(int first, const ChartInput& input) {
   return input.quick ? std::vector{first} : std::vector{first, first + 1, first + 2};
 }
 
-/// A run's samples; of adaptive sampling, whose samples are another number with each seed, the uniform count whose
-/// error it was asked for.
-std::string name_of(const RenderCurve& curve, const RenderRun& run, const std::vector<RenderRun>& uniform) {
-  if (!run.target_error) return fmt::format("{}, {:.3g} spp", curve.name, run.samples);
-  const auto asked = std::find_if(uniform.begin(), uniform.end(),
-                                  [&](const RenderRun& other) { return other.error == run.target_error; });
-  return fmt::format("{}, error of {:.3g} spp", curve.name, asked->samples);
+/// Of adaptive sampling not its own samples, which are another number with each seed.
+std::string name_of(const RenderCurve& curve, const RenderRun& run) {
+  if (!run.target) return fmt::format("{}, {:.3g} spp", curve.name, run.samples);
+  return fmt::format("{}, error of {:.3g} spp", curve.name, run.target->samples);
 }
 
-/// Every run of a benchmark. Adaptive sampling is asked for the errors of the curve "mirrored pairs".
 std::vector<Trial> trials_of(const SceneRenderBenchmark& benchmark) {
-  const auto uniform = std::find_if(benchmark.curves.begin(), benchmark.curves.end(),
-                                    [](const RenderCurve& curve) { return curve.name == "mirrored pairs"; });
   std::vector<Trial> trials;
   for (const RenderCurve& curve : benchmark.curves) {
     for (const RenderRun& run : curve.runs) {
-      Trial& trial = trials.emplace_back(Trial{name_of(curve, run, uniform->runs), run.error, run.time_s});
+      Trial& trial = trials.emplace_back(Trial{name_of(curve, run), run.error, run.time_s});
       trial.is_default = curve.name == "light cache" && run.samples == simulator::RenderOptions().samples_per_pixel;
       trial.is_bound = curve.name == "Embree alone";
     }
@@ -82,7 +76,7 @@ std::vector<Trial> trials_of(const std::vector<RenderCurve>& light_points) {
   for (const RenderCurve& curve : light_points) {
     for (const RenderRun& run : curve.runs) {
       const bool is_default = &curve == &light_points.back() && run.samples == 16;  // as portrait.json has it
-      trials.push_back({name_of(curve, run, {}), run.error, run.time_s, {}, is_default});
+      trials.push_back({name_of(curve, run), run.error, run.time_s, {}, is_default});
     }
   }
   return trials;

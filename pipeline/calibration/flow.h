@@ -36,8 +36,8 @@ struct Flow {
 ///
 /// This is done once, and then `refinements` times more. Each repetition first moves the right view by the flow so far,
 /// so that normalization windows that the border cuts short show the same part of the target in both views. It also
-/// scales the right view to the left view's light by a smooth fit of their ratio; where the views match, that ratio
-/// holds shading but no texture.
+/// scales the right view to the left view's light by a smooth fit of their ratio, a polynomial of degree 8 or less;
+/// where the views match, that ratio holds shading but no texture.
 ///
 /// The same bytes for any number of threads. Throws InputError where the views differ in size, are empty or have more
 /// than one channel, and where an option is not positive.

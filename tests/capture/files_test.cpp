@@ -78,6 +78,18 @@ TEST(NewFolder, WhatWouldBeLostIsKeptEachTimeOrNothingIsReplaced) {
   EXPECT_EQ(folder.names(), (std::set<std::string>{"out", "out.old", "out.old2"}));
   EXPECT_EQ(read_bytes(folder / "out.old/notes"), "1");
   EXPECT_EQ(read_bytes(folder / "out.old2/notes"), "2");
+  // within its folders, too
+  fs::create_directories(folder / "out/truth");
+  fs::remove(folder / "out/notes");
+  {
+    NewFolder output(folder / "out", "capture.json");
+    write_file(output.path() + "/capture.json", "4");
+    fs::create_directory(output.path() + "/truth");
+    write_bytes(folder / "out/truth/notes", "3");
+    output.commit();
+  }
+  EXPECT_EQ(read_bytes(folder / "out.old3/truth/notes"), "3");
+  EXPECT_EQ(read_bytes(folder / "out/capture.json"), "4");
   const std::string longest = folder / std::string(255, 'a');  // there is no longer name
   write(longest, "4");
   EXPECT_THROW(write(longest, "5"), InputError);

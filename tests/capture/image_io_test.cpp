@@ -149,9 +149,10 @@ TEST(ImageIo, RefusesWhatIsNoRegularFile) {
   EXPECT_NE(image_refusal(folder / "empty.png"), "");
 }
 
-void write_tiff(const std::string& path, const Image& image, const std::string& compression) {
+void write_tiff(const std::string& path, const Image& image, const std::string& compression, int tile_side = 0) {
   OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeDesc::UINT8);
   spec["compression"] = compression;
+  spec.tile_width = spec.tile_height = tile_side;
   const auto output = OIIO::ImageOutput::create(path);
   ASSERT_TRUE(output && output->open(path, spec));
   ASSERT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, image.data.data()));
@@ -162,27 +163,35 @@ void write_tiff(const std::string& path, const Image& image, const std::string& 
 TEST(ImageIo, RefusesTiffsWithoutAllOfTheirPicture) {
   const TemporaryFolder folder;
   write_tiff(folder / "a.tif", ramp(33, 17, 3, 1e-3f), "none");
-  const std::string whole = read_bytes(folder / "a.tif");
-  const auto refusal_with = [&](std::uint16_t tag, std::uint32_t value) {  // an entry's value, in its directory
+  std::string whole = read_bytes(folder / "a.tif");
+  const auto refusal_with = [&](std::vector<std::uint16_t> tags, std::uint32_t value) {  // of the only directory
     std::string bytes = whole;
     std::uint32_t directory = 0;
     std::uint16_t entries = 0;
     std::memcpy(&directory, &bytes[4], 4);
     std::memcpy(&entries, &bytes[directory], 2);
     for (std::size_t at = directory + 2; at < directory + 2 + 12u * entries; at += 12) {
-      if (std::memcmp(&bytes[at], &tag, 2) == 0) std::memcpy(&bytes[at + 8], &value, 4);
+      for (const std::uint16_t tag : tags) {
+        if (std::memcmp(&bytes[at], &tag, 2) == 0) std::memcpy(&bytes[at + 8], &value, 4);
+      }
     }
     write_bytes(folder / "b.tif", bytes);
     return image_refusal(folder / "b.tif");
   };
   const std::string begin = folder / "b.tif" + ": cannot be read: ";
-  constexpr std::uint16_t kCompression = 259, kStripOffsets = 273, kWidth = 256;
-  EXPECT_EQ(refusal_with(0, 0), "");
-  EXPECT_EQ(refusal_with(kStripOffsets, 1 << 20), begin + "the file ends before its picture does");
-  EXPECT_EQ(refusal_with(kCompression, 34712), begin + "its compression, 34712, is not supported");
-  EXPECT_TRUE(refusal_with(kCompression, 8).starts_with(begin + "its picture is broken: "))
-      << refusal_with(kCompression, 8);
-  EXPECT_EQ(refusal_with(kWidth, 1000), begin + "the file ends before its picture does");
+  constexpr std::uint16_t kCompression = 259, kStripOffsets = 273, kWidth = 256, kTileWidth = 322, kTileLength = 323;
+  EXPECT_EQ(refusal_with({}, 0), "");
+  EXPECT_EQ(refusal_with({kStripOffsets}, 1 << 20), begin + "the file ends before its picture does");
+  EXPECT_EQ(refusal_with({kCompression}, 34712), begin + "its compression, 34712, is not supported");
+  EXPECT_TRUE(refusal_with({kCompression}, 8).starts_with(begin + "its picture is broken: "))
+      << refusal_with({kCompression}, 8);
+  EXPECT_EQ(refusal_with({kWidth}, 1000), begin + "the file ends before its picture does");
+  // 13 GB would be taken for a file of a few kB
+  write_tiff(folder / "a.tif", ramp(33, 17, 3, 1e-3f), "none", 16);
+  whole = read_bytes(folder / "a.tif");
+  EXPECT_EQ(refusal_with({}, 0), "");
+  EXPECT_EQ(refusal_with({kTileWidth, kTileLength}, 65520),
+            begin + "a strip or tile of it takes 12878611200 bytes: at most 2000000000 are allowed");
 }
 
 TEST(ImageIo, RefusesEveryTruncation) {

@@ -296,10 +296,21 @@ TEST(SlowCli, SignalsThatEndATerminalOrASessionLeaveNothing) {
     const TemporaryFolder folder;
     const Outcome outcome = run_program(fmt::format(
         "--version >/dev/null; '" DUALPIXEL_PROGRAM
-        "' experiment scenes chart --count 1000 --width 64 --samples 4 -o '{}' & sleep 1; kill -{} $!; wait $!",
-        folder / "out", signal));
+        "' experiment scenes chart --count 1000 --width 64 --samples 4 -o '{}' & for i in $(seq 600); do ls -A '{}' | "
+        "grep -q dualpixel && break; sleep 0.05; done; kill -{} $!; wait $!",
+        folder / "out", folder.path.string(), signal));
     EXPECT_EQ(outcome.status, status) << signal;
     EXPECT_EQ(folder.names(), std::set<std::string>()) << signal;
+  }
+}
+
+// What is opened first must not take the numbers of streams that are closed.
+TEST(Cli, WithoutStandardStreamsTheStatusTellsThatNothingWasPrinted) {
+  for (const char* closed : {">&-", ">&- 2>&-", "<&- >&-", "<&- >&- 2>&-"}) {
+    const Outcome outcome = run_program(fmt::format("--version >/dev/null; '" DUALPIXEL_PROGRAM
+                                                    "' info '" DUALPIXEL_SCENES_DIR "/portrait.json' {}; exit $?; :",
+                                                    closed));
+    EXPECT_EQ(outcome.status, 1) << closed;
   }
 }
 

@@ -1,5 +1,6 @@
 #include "tools/cli/program.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -115,6 +116,15 @@ void require_room() {
                   limit_mb, least_mb));
 }
 
+/// Where standard streams are closed, what is opened first would take their numbers, and be written to as they are.
+/// What is written to these fails, as it does where they are closed.
+void occupy_closed_streams() {
+  int descriptor = 0;
+  do descriptor = open("/dev/null", O_RDONLY);
+  while (descriptor >= 0 && descriptor <= STDERR_FILENO);
+  if (descriptor >= 0) close(descriptor);
+}
+
 /// Before the command or among its options, as they hold for all of it.
 void add_limits(CLI::App& program) {
   program
@@ -142,6 +152,7 @@ void add_limits(CLI::App& program) {
 }  // namespace
 
 int program_main(int argc, char** argv) {
+  occupy_closed_streams();
   CLI::App program("Dual-pixel camera simulator and portrait pipeline.", "dualpixel");
   program.set_version_flag("--version", "dualpixel " DUALPIXEL_VERSION);
   program.require_subcommand(1);

@@ -56,23 +56,29 @@ void claim_the_end() {
 }  // namespace
 
 void end_cleanly_on_signals() {
+  constexpr int kSignals[] = {SIGINT, SIGTERM, SIGQUIT, SIGXCPU, SIGUSR1, SIGHUP};
   if (pipe2(signal_pipe, O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
   signal(SIGXFSZ, SIG_IGN);
   struct sigaction pass_on {};
   pass_on.sa_handler = pass_signal_on;
   pass_on.sa_flags = SA_RESTART;
-  for (const int each : {SIGINT, SIGTERM, SIGQUIT, SIGXCPU, SIGUSR1, SIGHUP}) {
+  sigset_t handled;
+  sigemptyset(&handled);
+  for (const int each : kSignals) {
     struct sigaction before {};
     sigaction(each, nullptr, &before);
     const bool under_nohup = each == SIGHUP && before.sa_handler == SIG_IGN;
     if (!under_nohup) sigaction(each, &pass_on, nullptr);
+    sigaddset(&handled, each);
   }
+  pthread_sigmask(SIG_UNBLOCK, &handled, nullptr);  // who started the program may have blocked them
   std::thread([] {
     int signal_number = next_signal();
     if (first_is_noted) {
       noted_signal = signal_number;
       say("dualpixel: stopping when what is being made is whole; a second signal ends it at once");
-      signal_number = next_signal();
+      do signal_number = next_signal();
+      while (signal_number == noted_signal && (signal_number == SIGXCPU || signal_number == SIGHUP));  // system's own
     }
     claim_the_end();
     evaluation::end_child_processes();

@@ -64,7 +64,7 @@ std::vector<Pass> passes_of(std::string_view header) {
     const std::uint64_t bits = std::uint64_t{static_cast<unsigned char>(header[8])} * channels;
     if (columns > 0 && rows > 0) passes.push_back({1 + (columns * bits + 7) / 8, rows});
   };
-  if (width * height > static_cast<std::uint64_t>(kMostPictureValues)) return passes;  // refused by who asks for it
+  if (width * height * channels > std::uint64_t{kMostPictureValues}) return passes;  // refused by who asks for it
   if (header[12] == 0) {
     add(kWhole);
   } else {

@@ -15,10 +15,15 @@
 namespace dualpixel {
 namespace {
 
+constexpr std::int64_t kLargestPartBytes = std::int64_t{4} * kMostPictureValues;  // what a picture takes as float
+
+/// Of a strip or tile of the directory that the file stands at, decoded; 0 where libtiff cannot tell.
+tmsize_t part_bytes(TIFF* file) { return TIFFIsTiled(file) != 0 ? TIFFTileSize(file) : TIFFStripSize(file); }
+
 /// Decodes every strip or tile of the directory that the file stands at. An error has its text from libtiff.
 bool decodes(TIFF* file) {
   const bool tiled = TIFFIsTiled(file) != 0;
-  const tmsize_t bytes = tiled ? TIFFTileSize(file) : TIFFStripSize(file);
+  const tmsize_t bytes = part_bytes(file);
   if (bytes <= 0) return false;
   std::vector<char> part(static_cast<std::size_t>(bytes));
   const std::uint32_t parts = tiled ? TIFFNumberOfTiles(file) : TIFFNumberOfStrips(file);
@@ -62,6 +67,10 @@ std::optional<std::string> fault_of_directory(TIFF* file, std::uint64_t file_byt
   if (!holds_its_parts(file, file_bytes)) return "the file ends before its picture does";
   if (is_dng && compression != COMPRESSION_NONE) return {};
   if (TIFFIsCODECConfigured(compression) == 0) return fmt::format("its compression, {}, is not supported", compression);
+  if (part_bytes(file) > kLargestPartBytes) {
+    return fmt::format("a strip or tile of it takes {} bytes: at most {} are allowed", part_bytes(file),
+                       kLargestPartBytes);
+  }
   if (!decodes(file)) return "its picture is broken";
   return {};
 }

@@ -132,7 +132,7 @@ TEST(Chart, ComparisonPassesOverNoise) {
   const std::string page = to_page(now, since);
   EXPECT_NE(page.find("<td>Matchers, fast</td><td>time, worse</td><td>10</td><td>12</td><td>20.0</td>"),
             std::string::npos);
-  EXPECT_NE(page.find("New: Matchers, new."), std::string::npos);
+  EXPECT_NE(page.find("New:</p>\n<ul><li>Matchers, new</li></ul>"), std::string::npos);
   now.sections[0].time_unit = "s";
   EXPECT_EQ(to_text(compare({}, before)),
             "nothing changed by more than noise\nnew    Matchers, slow\nnew    Matchers, fast\n"

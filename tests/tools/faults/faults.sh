@@ -95,7 +95,7 @@ for command in simulate portrait calibrate people dataset; do
 done
 
 echo "stopped by a signal"
-stopped=0 which=0 signals=(TERM HUP QUIT)  # a shell's background jobs do not get INT
+stopped=0 which=0 signals=(TERM HUP QUIT INT XCPU)
 for command in simulate portrait calibrate people dataset; do
   signal=${signals[$((which++ % ${#signals[@]}))]}
   $command stopped 2>/dev/null &
@@ -143,20 +143,20 @@ fi
 echo "out of memory"
 by_signal=0
 least_mb=$("$program" --max-memory 1 info capture 2>&1 | sed -n 's/.*must be at least \([0-9]*\) MB.*/\1/p')
-[ -n "$least_mb" ] || fail "--max-memory 1 does not name the least that is allowed"
+[ -n "$least_mb" ] || { fail "--max-memory 1 does not name the least that is allowed"; exit 1; }
 for command in simulate portrait calibrate people dataset; do
   for more_mb in -30 0 30 130 330 730 1830; do
     limit_mb=$((least_mb + more_mb))
     rm -rf short
     (
       ulimit -v $((limit_mb * 1024))
-      under=(timeout 60)
+      under=(timeout -k 5 60)
       $command short
     ) 2>/dev/null
     status=$?
     if [ $status -eq 0 ]; then
       whole short $command || fail "$command in $limit_mb MB: not whole: $(head -c 300 err)"
-    elif [ $status -eq 124 ]; then
+    elif [ $status -eq 124 ] || [ $status -eq 137 ]; then
       fail "$command in $limit_mb MB: not done after a minute"
     elif [ $status -ge 126 ]; then
       by_signal=$((by_signal + 1))
@@ -176,6 +176,8 @@ for command in 'info capture' 'info capture --json' '--help' 'portrait --options
   [ $? -eq 1 ] && [ "$(wc -l <err)" -eq 1 ] || fail "$command to a full disk: $(cat err)"
   "$program" $command >&- 2>err
   [ $? -eq 1 ] && [ "$(wc -l <err)" -eq 1 ] || fail "$command without stdout: $(cat err)"
+  "$program" $command >&- 2>&- <&-
+  [ $? -eq 1 ] || fail "$command without any stream: status $?"
 done
 
 echo "two at once"
