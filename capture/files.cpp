@@ -97,6 +97,8 @@ std::string resolve(const std::string& path) {
   return resolved.string();
 }
 
+}  // namespace
+
 void require_replaceable(const std::string& path, const std::string& marker) {
   std::error_code error;
   const fs::file_status status = fs::symlink_status(path, error);
@@ -107,6 +109,8 @@ void require_replaceable(const std::string& path, const std::string& marker) {
   if (error) fail(path, "cannot be read: " + error.message());
   if (!empty) fail(path, "exists, and is neither empty nor holds " + marker + ": it will not be overwritten");
 }
+
+namespace {
 
 /// Whether a folder, or one within it, has anything by a name that the one lacks that is to replace it, but for what
 /// `score` writes into results.

@@ -67,6 +67,9 @@ class NewFolder {
   bool whole_ = false;  ///< under its final name
 };
 
+/// Throws where NewFolder would for what is there already; makes nothing.
+void require_replaceable(const std::string& path, const std::string& marker);
+
 /// The path to name in a message about `path`: the final one of a temporary, or of what lies in one.
 std::string final_path(std::string path);
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -148,6 +149,9 @@ std::string try_sample(const SampleLine& line, const std::string& dataset,
   try {
     write_sample(line, render_line(line, dataset, ready), dataset);
     return "";
+  } catch (const std::bad_alloc&) {
+    ready.reset();
+    return "there was not enough memory";
   } catch (const std::exception& error) {
     ready.reset();
     return error.what();

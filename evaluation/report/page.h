@@ -20,6 +20,13 @@ std::string escape_name(const std::string& name);
 std::string html_page(const std::string& title, const std::string& body_html, const std::string& style = "",
                       const std::string& script = "");
 
+/// Throws InputError where a page cannot be written to `path`, or something is there that is not an HTML page: it is
+/// not overwritten. To be asked before the work, too.
+void require_page_path(const std::string& path);
+
+/// require_page_path, then the whole page in one step.
+void write_page(const std::string& path, const std::string& html);
+
 struct Picture {
   std::string title;  ///< in bold; may be empty, as the caption
   std::string caption;

@@ -1,8 +1,12 @@
 #include "pipeline/disparity/matchers.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <iterator>
 #include <string>
 
+#include "capture/error.h"
 #include "capture/image/rows.h"
 #include "capture/names.h"
 #include "pipeline/disparity/likelihood/likelihood_match.h"
@@ -57,12 +61,15 @@ TileDisparity match_knowing_split(const Image& left, const Image& right, const V
   return match_by_split(left, right, split, of_sensor(options.likelihood_match, sensor));
 }
 
+constexpr std::string_view kPaperGroups[] = {"normalize", "match"}, kLikelihoodGroups[] = {"likelihood_match"},
+                           kSplitGroups[] = {"split_match", "likelihood_match"};
+
 constexpr Matcher kMatchers[] = {
-    {"paper", "normalized views, sums of squared differences, a parabola, as in Wadhwa et al. 2018",
+    {"paper", "normalized views, sums of squared differences, a parabola, as in Wadhwa et al. 2018", kPaperGroups,
      [](const MatcherOptions& options) { return options.match.range_px; }, match_as_in_paper, false},
-    {"likelihood", "linear views and their noise, maximum likelihood, a predicted error",
+    {"likelihood", "linear views and their noise, maximum likelihood, a predicted error", kLikelihoodGroups,
      [](const MatcherOptions& options) { return options.likelihood_match.range_px; }, match_likeliest, false},
-    {"split", "low frequencies through the kernels of a soft split, maximum likelihood near the focus",
+    {"split", "low frequencies through the kernels of a soft split, maximum likelihood near the focus", kSplitGroups,
      [](const MatcherOptions& options) { return options.split_match.range_px; }, match_knowing_split, true},
 };
 
@@ -83,6 +90,16 @@ std::span<const Matcher> matchers() { return kMatchers; }
 const Matcher& matcher_named(std::string_view name) {
   if (const Matcher* matcher = find_named(kMatchers, name)) return *matcher;
   refuse_name("matcher", std::string(name), names_of(kMatchers));
+}
+
+void require_read_by(const Matcher& matcher, std::string_view field) {
+  const std::string_view group = field.substr(0, field.find('.'));
+  const auto reads = [&](const Matcher& each) {
+    return std::ranges::find(each.option_groups, group) != each.option_groups.end();
+  };
+  if (reads(matcher) || !std::any_of(std::begin(kMatchers), std::end(kMatchers), reads)) return;
+  throw InputError(fmt::format("--set {}: matcher {} does not use it; its options begin with {}.", field, matcher.name,
+                               fmt::join(matcher.option_groups, "., ")));
 }
 
 }  // namespace dualpixel::pipeline

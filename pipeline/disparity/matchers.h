@@ -33,6 +33,8 @@ OptionFields fields(MatcherOptions& options);
 struct Matcher {
   std::string_view name;         ///< on the command line and in a result's provenance
   std::string_view description;  ///< one phrase, for help and tables
+  /// Groups of MatcherOptions that it reads.
+  std::span<const std::string_view> option_groups;
   /// Largest |disparity| that can be found, DP px.
   int (*range_dp_px)(const MatcherOptions& options);
   /// `left` and `right` are linear views of one size, one channel, normalized signal, of `sensor`; matchers that need
@@ -49,5 +51,8 @@ std::span<const Matcher> matchers();
 
 /// Throws InputError for a name that the table lacks, with the nearest one that it has.
 const Matcher& matcher_named(std::string_view name);
+
+/// Throws InputError where `field` ("match.range_px") is an option of other matchers alone.
+void require_read_by(const Matcher& matcher, std::string_view field);
 
 }  // namespace dualpixel::pipeline

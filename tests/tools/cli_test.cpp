@@ -304,6 +304,20 @@ TEST(SlowCli, SignalsThatEndATerminalOrASessionLeaveNothing) {
   }
 }
 
+TEST(Cli, OptionsOfAnotherMatcherAreRefused) {
+  const Outcome other = run_program("portrait x -o y --matcher likelihood --set match.range_px=5");
+  expect_one_line_refusal(other);
+  EXPECT_NE(other.err.find("match.range_px: matcher likelihood does not use it; its options begin with "
+                           "likelihood_match."),
+            std::string::npos)
+      << other.err;
+  for (const char* fits :
+       {"split --set likelihood_match.range_px=5", "paper --set match.range_px=5", "split --set smooth.strength=1"}) {
+    const Outcome taken = run_program(fmt::format("portrait x -o y --matcher {}", fits));
+    EXPECT_EQ(taken.err.find("does not use it"), std::string::npos) << taken.err;
+  }
+}
+
 // What is opened first must not take the numbers of streams that are closed.
 TEST(Cli, WithoutStandardStreamsTheStatusTellsThatNothingWasPrinted) {
   for (const char* closed : {">&-", ">&- 2>&-", "<&- >&-", "<&- >&- 2>&-"}) {

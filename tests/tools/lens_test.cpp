@@ -96,6 +96,13 @@ TEST(LensCommand, RefusesWhatItCannotDo) {
   const std::string thin = DUALPIXEL_SOURCE_DIR "/lens_models/phone_thin_4.4mm_f1.8.json";
   expect(thin + " --twin " + ::testing::TempDir() + "/no.json", "--twin needs a prescription");
   EXPECT_FALSE(std::filesystem::exists(::testing::TempDir() + "/no.json"));
+  const TemporaryFolder folder;
+  const std::string lens = folder / "lens.json",
+                    text = read_bytes(DUALPIXEL_SOURCE_DIR "/lens_models/phone_6p_4.2mm_f1.8.json");
+  write_bytes(lens, text);
+  expect(lens + " --twin " + lens, "is the lens itself: it will not be overwritten");
+  expect(lens + " -o " + lens, "is not a page of this program's");
+  EXPECT_EQ(read_bytes(lens), text);
 }
 
 TEST(SvgPlot, RoundingIsDrawnAsAFlatLineBetweenTicksThatDiffer) {

@@ -167,5 +167,24 @@ TEST(Report, NamesWhatIsMissing) {
   EXPECT_EQ(folder.names(), (std::set<std::string>{"c", "r"}));
 }
 
+TEST(Report, IsWrittenOverNothingButAPage) {
+  const TemporaryFolder folder;
+  const Capture capture = pipeline::synthetic_capture();
+  write_capture(capture, folder / "c");
+  pipeline::write_result(pipeline::synthetic_result(capture), {{"mode", "dp"}, {"capture", folder / "c"}},
+                         folder / "r");
+  folder.write("notes", "<!DOCTYPE");
+  const auto refusal = [&](const std::string& page) {
+    return message_of<InputError>([&] { run_report({folder / "r", "-o", page}); });
+  };
+  const std::string why = " exists and is not a page of this program's: it will not be overwritten";
+  EXPECT_EQ(refusal(folder / "notes"), folder / "notes" + ":" + why);
+  EXPECT_EQ(refusal(folder / "r/result.json"), folder / "r/result.json" + ":" + why);
+  EXPECT_EQ(refusal(""), "the name of an output is empty");
+  EXPECT_EQ(read_bytes(folder / "notes"), "<!DOCTYPE");
+  folder.write("empty.html", "");
+  for (const std::string page : {"new.html", "empty.html", "new.html"}) EXPECT_EQ(refusal(folder / page), "") << page;
+}
+
 }  // namespace
 }  // namespace dualpixel::tools

@@ -13,6 +13,7 @@
 #include "capture/files.h"
 #include "capture/json_fields.h"
 #include "evaluation/chart/stages.h"
+#include "evaluation/report/page.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
@@ -70,13 +71,14 @@ void run(const ChartOptions& options) {
   const std::optional<evaluation::Chart> older = older_chart(options);
   const std::string json_file = fs::path(options.page).replace_extension(".json").string();
   if (json_file == options.page) throw InputError(printable(options.page) + ": must not end in .json");
-  for (const std::string& file : {options.page, json_file}) require_writable(file);  // before the work, not after it
+  evaluation::require_page_path(options.page);  // before the work, not after it
+  require_writable(json_file);
   evaluation::Chart chart = interrupted(json_file, {options.quick, DUALPIXEL_VERSION, DUALPIXEL_LIBRARIES, machine()});
   chart.left_out = evaluation::chart_left_out(options.quick);
   const NewFolder scratch(options.page + ".captures", "capture");  // never made: it goes when the page is there
   const evaluation::ChartInput input{options.quick, options.scenes, options.lenses, scratch.path()};
   const auto write = [&](const std::optional<evaluation::ChartComparison>& since = {}) {
-    replace_file(options.page, to_page(chart, since));
+    evaluation::write_page(options.page, to_page(chart, since));
     replace_file(json_file, to_json(chart).dump(2) + "\n");
   };
   Progress progress("chart");

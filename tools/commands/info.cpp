@@ -19,6 +19,7 @@
 #include "datasets/plan/plan.h"
 #include "evaluation/metrics/statistics.h"
 #include "evaluation/report/calibration_page.h"
+#include "evaluation/report/page.h"
 #include "pipeline/portrait/result_io.h"
 #include "scenes/people/data_set/read_people_set.h"
 #include "simulator/lens/lens_file.h"
@@ -294,8 +295,8 @@ void add_info(CLI::App& program) {
       if (description["kind"] != "calibration") {
         throw InputError(printable(options->path) + ": -o: pages are made of calibrations only");
       }
-      replace_file(options->page, evaluation::to_page(evaluation::read_calibration_folder(options->path),
-                                                      evaluation::read_measurements(options->path)));
+      evaluation::write_page(options->page, evaluation::to_page(evaluation::read_calibration_folder(options->path),
+                                                                evaluation::read_measurements(options->path)));
     }
     if (options->as_json) {
       std::cout << description.dump(2) << '\n';

@@ -69,7 +69,10 @@ void add_people(CLI::App& program) {
                    "Folder for the set; an unfinished set of the same options is resumed. The first SIGINT or SIGTERM "
                    "ends the run after the shard that is being made, the second at once")
       ->type_name("DIR");
-  command->add_option("--count", arguments->options.count, "How many samples")->capture_default_str()->type_name("N");
+  command->add_option("--count", arguments->options.count, "How many samples")
+      ->check(CLI::Range(1, scenes::kMostSamples))
+      ->capture_default_str()
+      ->type_name("N");
   command->add_option("--seed", arguments->options.seed, "Which set: the same seed gives the same bytes")
       ->check(any_seed())
       ->capture_default_str()
@@ -79,6 +82,7 @@ void add_people(CLI::App& program) {
   command
       ->add_option("--composites", arguments->options.composites,
                    "How many copies of each rendered picture to cut out and place in front of other backgrounds")
+      ->check(CLI::Range(0, scenes::kMostComposites))
       ->capture_default_str()
       ->type_name("K");
   command->add_flag("--faces", arguments->options.faces,

@@ -108,7 +108,10 @@ void require_usable_by_a_photograph(const PortraitCommand& command) {
 /// What the command line says by itself, before any file is read.
 PortraitOptions options_of(const PortraitCommand& command) {
   PortraitOptions options = pipeline::default_options(command.matcher);
-  for (const std::string& assignment : command.assignments) set_field(pipeline::fields(options), assignment);
+  for (const std::string& assignment : command.assignments) {
+    set_field(pipeline::fields(options), assignment);
+    pipeline::require_read_by(pipeline::matcher_named(command.matcher), assignment.substr(0, assignment.find('=')));
+  }
   options.mode = value_named(pipeline::kModes, command.mode, "--mode");
   options.seed = command.seed;
   options.synthetic_noise = !command.no_noise;

@@ -10,6 +10,7 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/folder/capture_json.h"
+#include "evaluation/report/page.h"
 #include "evaluation/report/report_sections.h"
 #include "pipeline/portrait/photograph.h"
 #include "pipeline/portrait/plain_pair.h"
@@ -98,6 +99,7 @@ Capture read_source(const Source& source, const std::string& result_path) {
 }
 
 void run(const ReportOptions& options) {
+  evaluation::require_page_path(options.output);
   const std::string page_folder = std::filesystem::absolute(options.output).parent_path().string();
   std::vector<evaluation::CaptureSection> sections;
   std::string latest;
@@ -120,7 +122,7 @@ void run(const ReportOptions& options) {
     }
     evaluation::add_result(sections.back(), capture, source.name, stored, path, page_folder);
   }
-  replace_file(options.output, evaluation::report_page(sections));
+  evaluation::write_page(options.output, evaluation::report_page(sections));
 }
 
 }  // namespace

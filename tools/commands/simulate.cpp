@@ -48,11 +48,11 @@ std::string journal_beside(std::string folder) {
 void warn_of_render_noise(const std::string& scene, const std::string& job, std::optional<double> noise_fraction) {
   constexpr double kHardToSee = 0.25, kFall = 0.55;  // error falls as samples^-kFall (docs/rendering.md)
   if (noise_fraction.value_or(0) <= kHardToSee) return;
+  const double times = std::pow(*noise_fraction / kHardToSee, 1 / kFall);
   std::cerr << fmt::format(
-      "{}: {}rendering noise is {:.2f} of the sensor's noise; --noise-fraction {} would take about {:.2g} times as "
+      "{}: {}rendering noise is {:.2f} of the sensor's noise; --noise-fraction {} would take about {:.{}f} times as "
       "long\n",
-      printable(scene), job.empty() ? "" : job + ": ", *noise_fraction, kHardToSee,
-      std::pow(*noise_fraction / kHardToSee, 1 / kFall));
+      printable(scene), job.empty() ? "" : job + ": ", *noise_fraction, kHardToSee, times, times < 10 ? 1 : 0);
 }
 
 /// The jobs of the file, or a single one without a name. What the program chose for a glTF file goes to stdout.
@@ -183,7 +183,11 @@ void run(const SimulateOptions& options) {
   std::vector<Job> jobs;
   for (std::size_t scene = 0; scene < options.scenes.size(); ++scene) add_jobs(options, scene, jobs, ready);
   for (const Job& job : jobs) {
-    if (!options.dry_run) const NewFolder writable(job.output, "capture.json");
+    if (options.dry_run) {
+      require_replaceable(job.output, "capture.json");
+    } else {
+      const NewFolder writable(job.output, "capture.json");
+    }
   }
   for (Job& job : jobs) run_job(options, std::move(job), ready);
 }

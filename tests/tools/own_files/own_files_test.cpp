@@ -73,6 +73,11 @@ TEST(SlowOwnScenes, AModelAloneIsFramedAndItsSceneFilePrinted) {
   const Outcome dry = run_command("simulate " + in + "model.glb' -o " + in + "dry' --dry-run --seed 3" + kTinyPictures);
   EXPECT_EQ(dry.out, outcome.out);
   EXPECT_FALSE(std::filesystem::exists(folder / "dry"));
+  std::filesystem::create_directory(folder / "mine");
+  write_bytes(folder / "mine/notes", "1");
+  const Outcome mine = run_command("simulate " + in + "model.glb' -o " + in + "mine' --dry-run" + kTinyPictures);
+  EXPECT_EQ(mine.status, 2);
+  EXPECT_NE(mine.err.find("will not be overwritten"), std::string::npos) << mine.err;
 }
 
 TEST(SlowOwnScenes, InfoSaysWhatAModelHolds) {

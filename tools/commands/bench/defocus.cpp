@@ -5,8 +5,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "capture/files.h"
 #include "evaluation/benchmarks/defocus_benchmark.h"
+#include "evaluation/report/page.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
@@ -40,7 +40,7 @@ std::string to_text(const evaluation::DefocusBenchmark& benchmark) {
 
 void run(const BenchDefocusOptions& options) {
   const evaluation::DefocusBenchmark benchmark = evaluation::measure_defocus_time(options.scene);
-  if (!options.page.empty()) replace_file(options.page, evaluation::to_page(benchmark));
+  if (!options.page.empty()) evaluation::write_page(options.page, evaluation::to_page(benchmark));
   std::cout << (options.json ? evaluation::to_json(benchmark).dump(2) + "\n" : to_text(benchmark));
 }
 

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/error.h"
-#include "capture/files.h"
 #include "evaluation/benchmarks/disparity_benchmark.h"
+#include "evaluation/report/page.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
@@ -20,7 +20,7 @@ struct BenchDisparityOptions {
 
 void run(const BenchDisparityOptions& options) {
   const evaluation::DisparityBenchmark benchmark = evaluation::measure_disparity(options.scenes);
-  if (!options.page.empty()) replace_file(options.page, evaluation::to_page(benchmark));
+  if (!options.page.empty()) evaluation::write_page(options.page, evaluation::to_page(benchmark));
   if (options.json) {
     std::cout << evaluation::to_json(benchmark).dump(2) << '\n';
     return;

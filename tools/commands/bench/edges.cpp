@@ -4,8 +4,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "capture/files.h"
 #include "evaluation/benchmarks/smoothing_benchmark.h"
+#include "evaluation/report/page.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
@@ -59,7 +59,7 @@ void run(const BenchEdgesOptions& options) {
   Progress progress("smoothing");
   const evaluation::SmoothingBenchmark benchmark =
       evaluation::measure_smoothing(options.capture, [&](double fraction) { progress(fraction); });
-  if (!options.page.empty()) replace_file(options.page, evaluation::to_page(benchmark));
+  if (!options.page.empty()) evaluation::write_page(options.page, evaluation::to_page(benchmark));
   if (options.json) {
     std::cout << evaluation::to_json(benchmark).dump(2) << '\n';
   } else {

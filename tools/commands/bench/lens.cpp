@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/error.h"
-#include "capture/files.h"
 #include "evaluation/benchmarks/lens_benchmark.h"
+#include "evaluation/report/page.h"
 #include "tools/commands/commands.h"
 
 namespace dualpixel::tools {
@@ -22,7 +22,7 @@ struct BenchLensOptions {
 
 void run(const BenchLensOptions& options) {
   const std::vector<evaluation::LensBenchmark> lenses = evaluation::measure_lenses(options.lenses, options.scene);
-  if (!options.page.empty()) replace_file(options.page, evaluation::to_page(lenses, options.scene));
+  if (!options.page.empty()) evaluation::write_page(options.page, evaluation::to_page(lenses, options.scene));
   if (options.json) {
     std::cout << evaluation::to_json(lenses, options.scene).dump(2) << '\n';
     return;

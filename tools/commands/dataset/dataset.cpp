@@ -168,7 +168,9 @@ void add_dataset(CLI::App& program) {
   plan->add_option("-o,--output", arguments->folder, "Data set to begin, or to add samples to")
       ->required()
       ->type_name("DIR");
-  plan->add_option("--count", arguments->count, "How many samples, instead of the recipe's count")->type_name("N");
+  plan->add_option("--count", arguments->count, "How many samples, instead of the recipe's count")
+      ->check(CLI::Range(1, datasets::kMostSamples))
+      ->type_name("N");
   plan->add_option("--seed", arguments->seed, "Instead of the recipe's seed")->check(any_seed())->type_name("N");
   CLI::App* render = add_step(*dataset, arguments, "render", "Render the samples that are missing", run_render);
   render

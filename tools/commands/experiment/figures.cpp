@@ -1,9 +1,9 @@
 #include <memory>
 
-#include "capture/files.h"
 #include "capture/names.h"
 #include "evaluation/experiments/paper_figures.h"
 #include "evaluation/report/calibration_page.h"
+#include "evaluation/report/page.h"
 #include "pipeline/disparity/matchers.h"
 #include "tools/commands/commands.h"
 
@@ -31,14 +31,15 @@ void add_experiment_figures(CLI::App& experiment) {
       "Example:\n  dualpixel simulate build/release/scenes/portrait.json -o out/capture\n  dualpixel experiment "
       "figures out/capture -o out/figures.html");
   sub->callback([command] {
-    require_writable(command->output);
+    evaluation::require_page_path(command->output);
     evaluation::PaperFigures& figures = command->figures;
     figures.capture = read_capture(command->capture, false);
     if (!command->calibration.empty()) {
       figures.calibration = evaluation::read_calibration_folder(command->calibration);
     }
     Progress bar("figures");
-    replace_file(command->output, evaluation::paper_figures_page(figures, [&](double fraction) { bar(fraction); }));
+    evaluation::write_page(command->output,
+                           evaluation::paper_figures_page(figures, [&](double fraction) { bar(fraction); }));
   });
 }
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -9,6 +10,7 @@
 #include "capture/files.h"
 #include "capture/json_fields.h"
 #include "evaluation/report/lens_page.h"
+#include "evaluation/report/page.h"
 #include "simulator/lens/aberrated/aberrated_json.h"
 #include "simulator/lens/aberrated/aberrated_twin.h"
 #include "simulator/lens/lens_file.h"
@@ -29,6 +31,10 @@ struct LensOptions {
 };
 
 void run(const LensOptions& options) {
+  std::error_code error;
+  if (std::filesystem::equivalent(options.file, options.twin, error)) {
+    throw InputError("--twin " + printable(options.twin) + ": is the lens itself: it will not be overwritten");
+  }
   nlohmann::json json = read_json_file(options.file);
   simulator::apply_overrides(json, options.overrides);
   const simulator::LensReport report = simulator::report_lens(json, options.file, options.view);
@@ -44,7 +50,7 @@ void run(const LensOptions& options) {
     }
   }
   if (!options.twin.empty()) replace_file(options.twin, twin);
-  if (!options.page.empty()) replace_file(options.page, evaluation::lens_page(report));
+  if (!options.page.empty()) evaluation::write_page(options.page, evaluation::lens_page(report));
   std::cout << (options.json ? simulator::to_json(report).dump(2) + '\n' : simulator::to_text(report));
 }
 
