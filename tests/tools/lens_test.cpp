@@ -70,9 +70,9 @@ TEST(LensCommand, TakesCamerasAndScenes) {
   for (const int downsample : {1, 2}) {
     const TemporaryFolder folder;
     const nlohmann::json sensor = {{"dp_downsample_x", downsample}, {"dp_downsample_y", downsample}};
-    const std::string file = folder.write(
+    const std::string camera_file = folder.write(
         "c.json", nlohmann::json{{"version", 1}, {"name", "c"}, {"lens", thin}, {"sensor", sensor}}.dump());
-    const nlohmann::json of_file = report("'" + file + "'");
+    const nlohmann::json of_file = report("'" + camera_file + "'");
     EXPECT_NEAR(of_file["calibration"]["horizontal"][12]["alpha"].get<double>(), of_file["alpha"].get<double>(), 2e-3);
   }
   const Outcome dark = run_command("lens '" + camera + "' --set lens.f_numbr=2");
