@@ -304,6 +304,16 @@ RTCGeometry new_strands(RTCDevice device, const Mesh& mesh) {
   return geometry;
 }
 
+/// No scene has subdivision surfaces. Where Embree (3.13) gets no memory for their cache, 128 MB, releasing it hangs.
+/// With AVX-512 it rounds otherwise than with AVX2: it keeps to what this file is compiled for (DUALPIXEL_ARCH), so
+/// that all machines make the same pictures.
+constexpr const char* kDeviceOptions =
+    "tessellation_cache_size=0"
+#if defined(__AVX2__) && !defined(__AVX512F__)
+    ",isa=avx2"
+#endif
+    ;
+
 /// An Embree may be compiled without what pictures rely on: Conan Center's drops back faces, for example.
 void check_features(RTCDevice device) {
   const auto has = [&](RTCDeviceProperty property) { return rtcGetDeviceProperty(device, property) != 0; };
@@ -312,13 +322,15 @@ void check_features(RTCDevice device) {
                         has(RTC_DEVICE_PROPERTY_CURVE_GEOMETRY_SUPPORTED);
   if (!complete)
     throw std::runtime_error("Embree: is compiled to drop back faces, or without filter functions or curves");
+#if defined(__AVX2__) && !defined(__AVX512F__)
+  if (has(RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) throw std::runtime_error("Embree: does not keep to AVX2");
+#endif
 }
 
 }  // namespace
 
 Intersector::Intersector(const Scene& scene) : first_instance_(static_cast<unsigned>(scene.meshes.size())) {
-  // No scene has subdivision surfaces. Where Embree (3.13) gets no memory for their cache, 128 MB, releasing it hangs.
-  device_.reset(rtcNewDevice("tessellation_cache_size=0"));
+  device_.reset(rtcNewDevice(kDeviceOptions));
   check(device_.get(), "no device");
   check_features(device_.get());
   embree_scene_.reset(rtcNewScene(device_.get()));
