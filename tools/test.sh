@@ -13,7 +13,7 @@ browser=()  # Ubuntu has Chromium as a snap alone
 if grep -qx 'ID=debian' /etc/os-release; then browser=(chromium); fi
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" clang-format clang-tidy libraw-bin \
   pybind11-dev python3-dev python3-pip python3-numpy python3-pytest python3-matplotlib python3-opencv parallel dpkg-dev \
-  file help2man "${browser[@]}"
+  file help2man pandoc doxygen "${browser[@]}"
 
 sources() { git ls-files '*.h' '*.cpp'; }
 if [[ $(clang-format --version) == *" 14."* ]]; then  # Debian 12's; later ones break other lines
