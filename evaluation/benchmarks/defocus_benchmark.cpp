@@ -28,7 +28,7 @@ Capture render_burst(const std::string& scene_file) {
 }
 
 ModeTime time_mode(const Capture& capture, Mode mode, const Image& mask) {
-  pipeline::PortraitOptions options;
+  pipeline::PortraitOptions options;  // the paper's method, whose times stand beside these
   options.mode = mode;
   ModeTime best;
   best.ms = best.cpu_ms = std::numeric_limits<double>::infinity();
@@ -62,7 +62,7 @@ std::vector<RadiusTime> time_radii(int width, int height) {
 
 /// The renderers by themselves, on the pictures of a run, and with the largest radius everywhere.
 std::vector<RendererTime> time_renderers(const Capture& capture, const Image& mask) {
-  const pipeline::PortraitResult result = pipeline::run_portrait(capture);
+  const pipeline::PortraitResult result = pipeline::run_portrait(capture, pipeline::PortraitOptions());
   const int width = result.input.width, height = result.input.height;
   const pipeline::BlurMapping mapping =
       pipeline::make_blur_mapping(capture.camera.focus_distance_m, result.focus_disparity_dp_px, width, false);

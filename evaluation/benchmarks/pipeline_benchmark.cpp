@@ -29,7 +29,7 @@ PipelineTime measure_pipeline_time(const std::string& scene_file) {
   best.dp_ms = 1e33;
   for (int repeat = 0; repeat < 3; ++repeat) {
     pipeline::PortraitResult result;
-    const double ms = 1e3 * seconds([&] { result = pipeline::run_portrait(capture, {}); });
+    const double ms = 1e3 * seconds([&] { result = pipeline::run_portrait(capture); });
     if (ms >= best.dp_ms) continue;
     best.dp_ms = ms;
     best.stages = result.stages;

@@ -153,7 +153,7 @@ Problem make_problem(const std::string& path) {
   problem.person = mask_of(capture.truth->person_mask);
   const bool moved = !capture.truth->motion.empty();
   capture.truth.reset();
-  pipeline::PortraitResult portrait = pipeline::run_portrait(capture);
+  pipeline::PortraitResult portrait = pipeline::run_portrait(capture, pipeline::PortraitOptions());
   if (moved && portrait.base_frame > 0) {
     throw InputError(
         fmt::format("{}: truth/motion: the base is frame {}, and truth is frame 0's: give a static "

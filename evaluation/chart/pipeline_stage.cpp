@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 
 #include "capture/capture.h"
@@ -28,7 +29,7 @@ std::vector<std::string> of_width(int width) {
 
 /// One burst of portrait.json, of its whole view with fewer and larger photosites. Seeds differ in all noise, the
 /// rendering's included. In short: a hand at rest, so that one render serves all frames, and fewer samples.
-Capture chart_capture(const ChartInput& input, int seed) {
+Capture simulate_burst(const ChartInput& input, int seed) {
   std::vector<std::string> fields = of_width(input.quick ? 448 : 1344);
   fields.push_back(fmt::format("render.seed={}", seed));
   if (input.quick) {
@@ -55,15 +56,15 @@ std::vector<Setting> mode_settings() {
   for (const auto& mode : pipeline::kModes) {
     if (mode.value == pipeline::Mode::automatic) continue;  // dp+seg here, where a person is seen
     for (const pipeline::Matcher& matcher : pipeline::matchers()) {
-      const bool first = &matcher == &pipeline::matchers().front();
-      if (mode.value == pipeline::Mode::seg && !first) continue;  // matches nothing
+      const bool by_default = matcher.name == pipeline::kDefaultMatcher;
+      if (mode.value == pipeline::Mode::seg && !by_default) continue;  // matches nothing
       Setting& setting = settings.emplace_back();
       setting.mode = mode.name;
       setting.name = setting.mode;
       if (mode.value != pipeline::Mode::seg) setting.name += fmt::format(", {}", matcher.name);
       setting.options = pipeline::default_options(matcher.name);
       setting.options.mode = mode.value;
-      setting.is_default = first && mode.value == pipeline::Mode::dp_seg;  // what mode auto chooses here
+      setting.is_default = by_default && mode.value == pipeline::Mode::dp_seg;  // what mode auto chooses here
     }
   }
   return settings;
@@ -73,6 +74,7 @@ std::vector<Setting> frame_settings() {
   std::vector<Setting> settings;
   for (const std::size_t frames : {1, 2, 4, 9}) {
     Setting& setting = settings.emplace_back();
+    setting.options = pipeline::default_options();
     setting.name = fmt::format("{} frame{}", frames, frames == 1 ? "" : "s");
     setting.mode = "dp";
     setting.frames = frames;
@@ -128,7 +130,8 @@ ChartBar error_bar(const Capture& capture, const std::string& note) {
   ChartBar bar{"Where the error comes from: portrait against the true photograph",
                note +
                    " Mean square difference in sRGB of the first capture, as truth is replaced step by step: renderer "
-                   "(all else true), the phone's own picture, smoothing of true disparity, matched disparity (with "
+                   "(all else true), the phone's own picture, smoothing of true disparity, disparity as matched by the "
+                   "paper's matcher (with "
                    "its lens's field curvature, which the photograph has not), its scale and offset, the mask.",
                "10⁻⁴ of white²",
                {}};
@@ -150,7 +153,7 @@ ChartPart measure_pipeline(const ChartInput& input) {
   std::string size;
   ChartPart part;
   for (int seed = 1; seed <= seeds; ++seed) {
-    const Capture capture = chart_capture(input, seed);
+    const Capture capture = read_capture(chart_capture(input, seed), true);
     size = fmt::format("{} x {}", capture.camera.width_px, capture.camera.height_px);
     const Image picture = pipeline::run_portrait(capture).input;  // what is made once is made before the clock runs
     for (std::vector<Setting>* settings : {&modes, &frames}) {
@@ -178,7 +181,9 @@ ChartPart measure_pipeline(const ChartInput& input) {
        bursts + " The true all-in-focus picture, blurred with true disparity and mask; error: RMS difference from the "
                 "true photograph in sRGB, of white.",
        "%", "CPU ms", points_of(defocus)}};
-  const std::string mode_reason = "what the paper does where a person is seen, with its matcher (Matchers, below).";
+  const std::string mode_reason =
+      "what the paper does where a person is seen, with the matcher of the least error on real pairs (Matchers, "
+      "below).";
   part.sections[0].default_reason = part.sections[1].default_reason = mode_reason;
   part.sections[2].default_reason = "as many frames as the scene shoots.";
   part.sections[3].default_reason = "five bands, as the paper has.";
@@ -208,7 +213,7 @@ ChartPart measure_pipeline_growth(const ChartInput& input) {
     fields.insert(fields.end(), {"burst.hand_shake=0", "render.samples_per_pixel=4",
                                  "render.photograph_samples_per_pixel=1", "render.all_in_focus_samples_per_pixel=1"});
     const Capture capture = simulate_scene(input.scenes_folder + "/portrait.json", fields);
-    pipeline::PortraitOptions options;
+    pipeline::PortraitOptions options = pipeline::default_options();
     options.mode = pipeline::Mode::dp_seg;
     for (int repeat = 0; repeat < 3; ++repeat) {
       const auto stages = pipeline::run_portrait(capture, options, capture.truth->person_mask).stages;
@@ -230,9 +235,9 @@ ChartPart measure_pipeline_growth(const ChartInput& input) {
   return {.growths = {growth}};
 }
 
-std::string write_chart_capture(const ChartInput& input, int seed) {
+std::string chart_capture(const ChartInput& input, int seed) {
   std::string folder = fmt::format("{}/capture_{}", input.scratch, seed);
-  write_capture(chart_capture(input, seed), folder);
+  if (!std::filesystem::exists(folder)) write_capture(simulate_burst(input, seed), folder);
   return folder;
 }
 

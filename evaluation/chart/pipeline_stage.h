@@ -14,7 +14,8 @@ ChartPart measure_pipeline(const ChartInput& input);
 /// How the time of mode dp+seg grows with the photosites, stage by stage.
 ChartPart measure_pipeline_growth(const ChartInput& input);
 
-/// Writes one of the captures that measure_pipeline() works on, of seed 1 and up, into the scratch folder; its path.
-std::string write_chart_capture(const ChartInput& input, int seed);
+/// The folder of one of the captures that measure_pipeline() works on, of seed 1 and up, in the scratch folder;
+/// rendered where no stage has asked for it yet.
+std::string chart_capture(const ChartInput& input, int seed);
 
 }  // namespace dualpixel::evaluation

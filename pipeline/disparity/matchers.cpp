@@ -92,14 +92,16 @@ const Matcher& matcher_named(std::string_view name) {
   refuse_name("matcher", std::string(name), names_of(kMatchers));
 }
 
-void require_read_by(const Matcher& matcher, std::string_view field) {
+void require_read_by(const Matcher* matcher, std::string_view field) {
   const std::string_view group = field.substr(0, field.find('.'));
   const auto reads = [&](const Matcher& each) {
     return std::ranges::find(each.option_groups, group) != each.option_groups.end();
   };
-  if (reads(matcher) || !std::any_of(std::begin(kMatchers), std::end(kMatchers), reads)) return;
-  throw InputError(fmt::format("--set {}: matcher {} does not use it; its options begin with {}.", field, matcher.name,
-                               fmt::join(matcher.option_groups, "., ")));
+  const auto* const reader = std::find_if(std::begin(kMatchers), std::end(kMatchers), reads);
+  if ((matcher && reads(*matcher)) || reader == std::end(kMatchers)) return;
+  if (!matcher) throw InputError(fmt::format("--set {}: disparity is given, not matched; leave it out", field));
+  throw InputError(fmt::format("--set {}: matcher {} does not use it; its options begin with {}.; matcher {} does",
+                               field, matcher->name, fmt::join(matcher->option_groups, "., "), reader->name));
 }
 
 }  // namespace dualpixel::pipeline

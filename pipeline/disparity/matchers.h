@@ -46,13 +46,18 @@ struct Matcher {
   bool wide_windows;
 };
 
-/// In the order in which tables list them; the first is the paper's, the default.
+/// In the order in which tables list them; the first is the paper's.
 std::span<const Matcher> matchers();
+
+/// What portraits are made with where nobody asks for another: the least error on a real phone's pairs, and less
+/// disparity error than the paper's on rendered scenes (docs/disparity.md).
+inline constexpr std::string_view kDefaultMatcher = "split";
 
 /// Throws InputError for a name that the table lacks, with the nearest one that it has.
 const Matcher& matcher_named(std::string_view name);
 
-/// Throws InputError where `field` ("match.range_px") is an option of other matchers alone.
-void require_read_by(const Matcher& matcher, std::string_view field);
+/// Throws InputError where `field` ("match.range_px") is an option of other matchers alone; of any, where `matcher` is
+/// none, as disparity is given.
+void require_read_by(const Matcher* matcher, std::string_view field);
 
 }  // namespace dualpixel::pipeline

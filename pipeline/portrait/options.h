@@ -35,7 +35,8 @@ inline constexpr Named<Mode> kModes[] = {
     {"seg", Mode::seg, "person mask alone: a blurred background behind a sharp person"},
 };
 
-/// Each stage's header defines its options and their sources.
+/// Each stage's header defines its options and their sources. PortraitOptions() is the paper's method throughout, and
+/// smooths a disparity that is given; default_options() is what people get.
 struct PortraitOptions {
   Mode mode = Mode::dp;
   std::string matcher = "paper";  ///< a name of the table in matchers.h
@@ -86,7 +87,7 @@ struct PortraitOptions {
 /// The defaults for one matcher, by its name in matchers.h: options that name it, and smoothing that suits it. Where
 /// its windows are wide, smoothing is robust (BilateralSolverOptions): on each side of an edge most answers outvote
 /// those from across. Throws InputError for a name that the table lacks.
-PortraitOptions default_options(std::string_view matcher);
+PortraitOptions default_options(std::string_view matcher = kDefaultMatcher);
 
 /// Every number that a stage takes, by the name that `portrait --set` knows: "match.range_px", "layers.bands", ...
 /// What has an option of its own on the command line (mode, matcher, seed, aperture, ...) is not among them.

@@ -153,10 +153,8 @@ void fall_back_to_disparity(Run& run, const FoundPeople& found) {
                                : found.faces.empty()    ? "no face is large enough to be the subject's"
                                                         : "the network finds no person there";
   if (!has_views(run.capture)) {
-    throw InputError(
-        fmt::format("{}, and there are no dual-pixel views: nothing says what to blur; give --face or "
-                    "--mask",
-                    why));
+    throw NobodyFound(
+        fmt::format("{}, and there are no dual-pixel views: nothing says what to blur; give --face or --mask", why));
   }
   if (run.result.mode == Mode::seg) prepare_correction(run);
   run.result.mode = Mode::dp;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "capture/capture.h"
+#include "capture/error.h"
 #include "capture/image/image.h"
 #include "pipeline/portrait/options.h"
 #include "pipeline/portrait/result.h"
@@ -11,6 +12,11 @@
 /// The portrait mode of Wadhwa et al. 2018, "Synthetic Depth-of-Field with a Single-Camera Mobile Phone", stage by
 /// stage: burst -> people -> disparity -> calibration -> mask merge -> edge-aware filtering -> blur -> noise.
 namespace dualpixel::pipeline {
+
+/// Nobody to keep sharp is found, in a picture that has no views either.
+struct NobodyFound : InputError {
+  using InputError::InputError;
+};
 
 /// Called with the name of the stage and the fraction of all stages that is done.
 using PortraitProgress = std::function<void(const std::string& stage, double fraction)>;
@@ -29,11 +35,11 @@ using PortraitProgress = std::function<void(const std::string& stage, double fra
 /// Mode dp by its name doesn't ask for any, so that its results depend on no detector.
 ///
 /// Throws InputError where an option is out of its range, where a given disparity does not fit, where a mode needs
-/// views that the capture lacks, where a capture without views shows nobody, where a mode has neither mask nor
-/// find_people, or the mask is not one channel of finite values, where a given picture is not RGB of
-/// the sensor's size in 0..1, where a face or the tap lies outside the picture, and where the calibration is another
+/// views that the capture lacks, where a capture without views shows nobody (NobodyFound), where a mode has neither
+/// mask nor find_people, or the mask is not one channel of finite values, where a given picture is not RGB of the
+/// sensor's size in 0..1, where a face or the tap lies outside the picture, and where the calibration is another
 /// camera's. Dense views (1 x 1) under a mosaic are matched by their green photosites (match_pixels.h).
-PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options = {},
+PortraitResult run_portrait(const Capture& capture, const PortraitOptions& options = default_options(),
                             const std::optional<Image>& person_mask = {}, const PortraitProgress& progress = {});
 
 }  // namespace dualpixel::pipeline

@@ -38,9 +38,18 @@ py::tuple arrays_of(pipeline::PixelDisparity found) {
                         moved_to_array(std::move(found.sigma_dp_px)));
 }
 
-pipeline::MatcherOptions matcher_options(const Assignments& assignments) {
+/// `matcher`: that reads them; none, where disparity is given.
+template <typename Options>
+void set_fields(Options& options, const Assignments& assignments, const pipeline::Matcher* matcher) {
+  for (const std::string& assignment : assignments) {
+    set_field(pipeline::fields(options), assignment);
+    pipeline::require_read_by(matcher, assignment.substr(0, assignment.find('=')));
+  }
+}
+
+pipeline::MatcherOptions matcher_options(const Assignments& assignments, const pipeline::Matcher& matcher) {
   pipeline::MatcherOptions options;
-  for (const std::string& assignment : assignments) set_field(pipeline::fields(options), assignment);
+  set_fields(options, assignments, &matcher);
   return options;
 }
 
@@ -53,8 +62,9 @@ py::tuple match_arrays(const py::object& left, const py::object& right, const st
   pipeline::PixelDisparity found;
   {
     const py::gil_scoped_release released;
+    const pipeline::Matcher& chosen = pipeline::matcher_named(matcher);
     const pipeline::TileDisparity tiles =
-        pipeline::matcher_named(matcher).match(left_view, right_view, sensor, matcher_options(assignments));
+        chosen.match(left_view, right_view, sensor, matcher_options(assignments, chosen));
     found = pipeline::upsample_tiles(tiles, left_view.width, left_view.height);
   }
   return arrays_of(std::move(found));
@@ -69,9 +79,10 @@ py::tuple match_capture(const HeldCapture& held, const std::string& matcher, con
     require_views(capture, held.folder.empty() ? "capture" : held.folder);
     const pipeline::MergedBurst burst = pipeline::align_and_merge(capture.frames, capture.exposure);
     const double noise_left = pipeline::merged_view_variance(static_cast<int>(capture.frames.size()));
+    const pipeline::Matcher& chosen = pipeline::matcher_named(matcher);
     found =
         pipeline::match_pixels(capture, burst.left, burst.right, pipeline::view_sensor(capture.exposure, noise_left),
-                               pipeline::matcher_named(matcher), matcher_options(assignments));
+                               chosen, matcher_options(assignments, chosen));
   }
   return arrays_of(std::move(found));
 }
@@ -119,8 +130,9 @@ std::shared_ptr<HeldResult> make_portrait(const HeldCapture& held, const std::st
     found = {image_of(disparity, "disparity"), image_of(confidence, "confidence"), image_of(sigma, "sigma")};
   }
   const py::gil_scoped_release released;
-  PortraitOptions options = pipeline::default_options(matcher);
-  for (const std::string& assignment : assignments) set_field(pipeline::fields(options), assignment);
+  const pipeline::Matcher* chosen = found ? nullptr : &pipeline::matcher_named(matcher);
+  PortraitOptions options = chosen ? pipeline::default_options(chosen->name) : PortraitOptions();
+  set_fields(options, assignments, chosen);
   options.mode = value_named(pipeline::kModes, mode, "mode");
   options.seed = seed;
   options.zoom = zoom;
@@ -139,7 +151,11 @@ std::shared_ptr<HeldResult> make_portrait(const HeldCapture& held, const std::st
     };
   }
   auto result = std::make_shared<HeldResult>();
-  result->result = pipeline::run_portrait(held.capture, options, person);
+  try {
+    result->result = pipeline::run_portrait(held.capture, options, person);
+  } catch (const pipeline::NobodyFound& error) {
+    throw InputError(held.folder.empty() ? error.what() : printable(held.folder) + ": " + error.what());
+  }
   result->provenance = provenance_of(held, options, matcher, person.has_value(), result->result);
   return result;
 }

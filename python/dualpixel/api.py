@@ -125,7 +125,7 @@ def match(
     left: Union[_core.Capture, npt.ArrayLike, Path],
     right: Optional[npt.ArrayLike] = None,
     *,
-    matcher: str = "paper",
+    matcher: str = "split",
     options: Overrides = (),
     noise: Optional[tuple[float, float]] = None,
     white: float = 1,
@@ -133,8 +133,8 @@ def match(
     """Disparity between two views, or of a capture (its frames are merged first), by one of the pipeline's matchers.
 
     left, right  linear views of shape (height, width), 0 black; or a capture and None
-    matcher      "paper", "likelihood" or "split"
-    options      e.g. {"match.range_px": 5}: what `dualpixel portrait --options` lists under the matcher's name
+    matcher      "split", "likelihood" or "paper"
+    options      e.g. {"split_match.range_px": 24}: what `dualpixel portrait --options` lists under the matcher's name
     noise        variance shot * x + read of a view's pixel of mean x; None: the matcher estimates it. A capture states
                  its own noise and white
     white        signal at which a view clips
@@ -149,7 +149,7 @@ def portrait(
     capture: Union[_core.Capture, Path],
     *,
     mode: str = "auto",
-    matcher: str = "paper",
+    matcher: str = "split",
     options: Overrides = (),
     mask: Optional[npt.ArrayLike] = None,
     faces: Iterable[tuple[float, float, float, float]] = (),

@@ -304,9 +304,9 @@ RTCGeometry new_strands(RTCDevice device, const Mesh& mesh) {
   return geometry;
 }
 
-/// No scene has subdivision surfaces. Where Embree (3.13) gets no memory for their cache, 128 MB, releasing it hangs.
-/// With AVX-512 it rounds otherwise than with AVX2: it keeps to what this file is compiled for (DUALPIXEL_ARCH), so
-/// that all machines make the same pictures.
+/// No scene has subdivision surfaces: Embree (3.13) hangs where it gets no memory for their cache, 128 MB, and releases
+/// it. Compiled for AVX2 (DUALPIXEL_ARCH), pictures keep to it on processors with AVX-512, with which Embree rounds
+/// otherwise.
 constexpr const char* kDeviceOptions =
     "tessellation_cache_size=0"
 #if defined(__AVX2__) && !defined(__AVX512F__)

@@ -37,9 +37,11 @@ def test_match_finds_a_shift(matcher):
 
 def test_match_takes_options_and_refuses_others():
     view = texture(64, 64)
-    dualpixel.match(view, view, options={"match.range_px": 4})
-    with pytest.raises(dualpixel.InputError, match="match.range_px"):
-        dualpixel.match(view, view, options={"match.range_px": -4})
+    dualpixel.match(view, view, options={"split_match.range_px": 12})
+    with pytest.raises(dualpixel.InputError, match="split_match.range_px"):
+        dualpixel.match(view, view, options={"split_match.range_px": -4})
+    with pytest.raises(dualpixel.InputError, match="match.range_px: matcher split does not use it"):
+        dualpixel.match(view, view, options={"match.range_px": 4})
     with pytest.raises(dualpixel.InputError, match="did you mean 'likelihood'"):
         dualpixel.match(view, view, matcher="likelyhood")
     with pytest.raises(dualpixel.InputError, match="^left: an array of 1 axes"):
@@ -77,9 +79,9 @@ def test_portrait_is_the_programs(program, capture, folder, tmp_path):
 @pytest.mark.slow
 def test_portrait_says_what_result_json_does(program, folder, tmp_path):
     """The program's, but for times, memory and paths."""
-    done = program("portrait", folder, "-o", tmp_path / "program", "--seed", 3, "--set", "match.range_px=4")
+    done = program("portrait", folder, "-o", tmp_path / "program", "--seed", 3, "--set", "split_match.range_px=12")
     assert done.returncode == 0, done.stderr
-    result = dualpixel.portrait(folder, seed=3, options={"match.range_px": 4})
+    result = dualpixel.portrait(folder, seed=3, options={"split_match.range_px": 12})
     expected = json.loads((tmp_path / "program/result.json").read_text())
     assert result.json["provenance"] == expected["provenance"]
     for field in ("format", "version", "focus_disparity_dp_px", "base_frame"):
@@ -99,12 +101,15 @@ def test_portrait_says_what_result_json_does(program, folder, tmp_path):
 
 
 def test_portrait_takes_a_disparity(capture):
-    plain = dualpixel.portrait(capture)
+    plain = dualpixel.portrait(capture, matcher="paper")
     given = dualpixel.portrait(capture, disparity=plain.matched_disparity, confidence=plain.matched_confidence)
     np.testing.assert_array_equal(given.portrait, plain.portrait)
+    np.testing.assert_array_equal(given.disparity, plain.disparity)
     assert "matcher" not in given.provenance
     with pytest.raises(dualpixel.InputError, match="disparity: 3 x 2 pixels .* must be one channel of 64 x 24"):
         dualpixel.portrait(capture, disparity=np.zeros((2, 3)))
+    with pytest.raises(dualpixel.InputError, match="split_match.range_px: disparity is given"):
+        dualpixel.portrait(capture, disparity=np.zeros((24, 64)), options={"split_match.range_px": 12})
     with pytest.raises(dualpixel.InputError, match="not given"):
         dualpixel.portrait(capture, sigma=np.ones((24, 64)))
     with pytest.raises(dualpixel.InputError, match="mode seg: uses no disparity"):

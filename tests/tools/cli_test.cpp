@@ -308,7 +308,7 @@ TEST(Cli, OptionsOfAnotherMatcherAreRefused) {
   const Outcome other = run_program("portrait x -o y --matcher likelihood --set match.range_px=5");
   expect_one_line_refusal(other);
   EXPECT_NE(other.err.find("match.range_px: matcher likelihood does not use it; its options begin with "
-                           "likelihood_match."),
+                           "likelihood_match.; matcher paper does"),
             std::string::npos)
       << other.err;
   for (const char* fits :

@@ -65,7 +65,7 @@ struct PortraitCommand {
   pipeline::PlainPair pair;
   std::string output;
   std::string mode = "auto";
-  std::string matcher = "paper";
+  std::string matcher{pipeline::kDefaultMatcher};
   MapFiles maps;
   std::string mask;
   bool true_mask = false;
@@ -107,10 +107,11 @@ void require_usable_by_a_photograph(const PortraitCommand& command) {
 
 /// What the command line says by itself, before any file is read.
 PortraitOptions options_of(const PortraitCommand& command) {
-  PortraitOptions options = pipeline::default_options(command.matcher);
+  const pipeline::Matcher* matcher = command.maps.any() ? nullptr : &pipeline::matcher_named(command.matcher);
+  PortraitOptions options = matcher ? pipeline::default_options(matcher->name) : PortraitOptions();
   for (const std::string& assignment : command.assignments) {
     set_field(pipeline::fields(options), assignment);
-    pipeline::require_read_by(pipeline::matcher_named(command.matcher), assignment.substr(0, assignment.find('=')));
+    pipeline::require_read_by(matcher, assignment.substr(0, assignment.find('=')));
   }
   options.mode = value_named(pipeline::kModes, command.mode, "--mode");
   options.seed = command.seed;
@@ -266,6 +267,16 @@ std::optional<pipeline::Face> tap_in_sight(const PortraitOptions& options, const
       .tap;
 }
 
+PortraitResult run_with_progress(const PortraitCommand& command, const Capture& capture, const PortraitOptions& options,
+                                 const std::optional<Image>& mask) {
+  Progress bar("portrait");
+  try {
+    return pipeline::run_portrait(capture, options, mask, [&](const std::string&, double fraction) { bar(fraction); });
+  } catch (const pipeline::NobodyFound& error) {
+    throw InputError(fmt::format("{}: {}", printable(command.capture), error.what()));
+  }
+}
+
 void run(const PortraitCommand& command) {
   PortraitOptions options = options_of(command);
   if (!command.calibration.empty()) options.calibration = evaluation::read_calibration_folder(command.calibration);
@@ -294,9 +305,7 @@ void run(const PortraitCommand& command) {
   }
   const std::optional<Image> mask = given_mask(command, capture);
 
-  Progress bar("portrait");
-  const PortraitResult result =
-      pipeline::run_portrait(capture, options, mask, [&](const std::string&, double fraction) { bar(fraction); });
+  const PortraitResult result = run_with_progress(command, capture, options, mask);
   print_warnings(result.warnings);
   nlohmann::ordered_json provenance = provenance_of(command, capture, options, result);
   if (!assumed.empty()) {
@@ -408,8 +417,7 @@ void add_portrait(CLI::App& program) {
       ->check(any_seed())
       ->type_name("N")
       ->capture_default_str();
-  sub->add_option("--set", command->assignments,
-                  "Set an option of a stage, e.g. match.range_px=5; --options lists them")
+  sub->add_option("--set", command->assignments, "Set an option of a stage, e.g. layers.bands=8; --options lists them")
       ->type_name("FIELD=VALUE")
       ->take_all()
       ->expected(1)

@@ -9,9 +9,33 @@
 #include "pipeline/disparity/split/split_search.h"
 
 namespace dualpixel::pipeline {
+namespace {
 
 /// Correlation of neighboring tiles' errors: their windows overlap.
 constexpr float kWindowShare = 0.9f;
+/// Disparities that lie farther apart than so many standard deviations are taken to differ.
+constexpr float kSureDeviations = 2;
+
+struct Answer {
+  float disparity = 0, deviation = 0, shared = 0;
+};
+
+/// Step 4. `fine`: the likelihood matcher's, of infinite deviation where it has none.
+Answer choose(const split::CoarseTile& coarse, const Answer& fine, float limit) {
+  const Answer far{coarse.disparity, std::sqrt(coarse.variance), kWindowShare};
+  const float reach = kSureDeviations * far.deviation, apart = std::abs(far.disparity - fine.disparity);
+  const bool fine_is_near = std::isfinite(fine.deviation) && std::abs(fine.disparity) < limit;
+  if (std::abs(far.disparity) < limit) {
+    if (fine_is_near) return fine;
+    return {far.disparity, std::max(far.deviation, fine.deviation), far.shared};
+  }
+  const bool may_be_near = std::isfinite(far.deviation) && std::abs(far.disparity) - reach < limit;
+  if (!may_be_near) return far;
+  if (fine_is_near && apart < reach) return {fine.disparity, std::hypot(fine.deviation, apart), fine.shared};
+  return {far.disparity, std::hypot(far.deviation, far.disparity), far.shared};
+}
+
+}  // namespace
 
 TileDisparity match_by_split(const Image& left, const Image& right, const SplitMatchOptions& options,
                              const LikelihoodMatchOptions& near_focus) {
@@ -32,20 +56,17 @@ TileDisparity match_by_split(const Image& left, const Image& right, const SplitM
   TileDisparity tiles{Image(columns, rows), Image(columns, rows), Image(columns, rows), Image(columns, rows), kTilePx};
   const auto range = static_cast<float>(options.range_px);
   for (std::size_t i = 0; i < coarse.size(); ++i) {
-    const CoarseTile& tile = coarse[i];
-    const bool invalid = !(tile.variance < range * range);
-    if (limit > 0 && std::abs(tile.disparity) < limit && std::abs(fine.disparity_dp_px.data[i]) < limit) {
-      tiles.disparity_dp_px.data[i] = fine.disparity_dp_px.data[i];
-      tiles.sigma_dp_px.data[i] = fine.sigma_dp_px.data[i];
-      tiles.shared.data[i] = fine.shared.data[i];
-      tiles.confidence.data[i] = fine.confidence.data[i];
-      continue;
+    Answer answer{coarse[i].disparity, std::sqrt(coarse[i].variance), kWindowShare};
+    if (limit > 0) {
+      const float deviation = fine.confidence.data[i] > 0 ? fine.sigma_dp_px.data[i] : INFINITY;
+      answer = choose(coarse[i], {fine.disparity_dp_px.data[i], deviation, fine.shared.data[i]}, limit);
     }
-    tiles.disparity_dp_px.data[i] = tile.disparity;
-    tiles.sigma_dp_px.data[i] = invalid ? range : std::sqrt(tile.variance);
-    tiles.shared.data[i] = kWindowShare;
-    const float ratio = tile.variance / (options.confident_sigma_dp_px * options.confident_sigma_dp_px);
-    tiles.confidence.data[i] = invalid ? 0 : 1 / (1 + ratio);
+    const bool known = answer.deviation < range;  // not where it is not finite
+    const float ratio = answer.deviation / options.confident_sigma_dp_px;
+    tiles.disparity_dp_px.data[i] = answer.disparity;
+    tiles.sigma_dp_px.data[i] = known ? answer.deviation : range;
+    tiles.shared.data[i] = answer.shared;
+    tiles.confidence.data[i] = known ? 1 / (1 + ratio * ratio) : 0;
   }
   return tiles;
 }

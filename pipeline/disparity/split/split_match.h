@@ -17,13 +17,18 @@ namespace dualpixel::pipeline {
 ///      through the left's, whitened (split_filters.h), both as flat as the pixels are high. Squares are summed over a
 ///      Gaussian window.
 ///   3. Between hypotheses the residual is taken as linear in d, and its least square found.
-///   4. Where that and the likelihood matcher, given `near_focus` with a range just wide enough, both lie under
-///      near_focus_dp_px, the latter's answer: there blur is narrow, and fine texture tells more.
+///   4. Near the focus, where blur is narrow and fine texture tells more, the likelihood matcher is asked, given
+///      `near_focus` with a range just wide enough. Where both answers lie under near_focus_dp_px, its answer. Where
+///      only the answer of step 3 does, that one, with the larger sigma: nothing, where the likelihood matcher sees
+///      nothing. Where step 3's lies beyond it by less than two standard deviations, it may be chance: the likelihood
+///      matcher's answer, if that lies under near_focus_dp_px and within two standard deviations of it, with their
+///      distance in sigma; otherwise step 3's, with its distance from 0 in sigma.
 ///
 /// sigma_dp_px is the predicted standard deviation of the error, at most range_px; away from the focus root-sum-square
 /// of the least residual over its sensitivity to d, for six independent samples a window; the spread of other
 /// disparities that the residuals cannot rule out; and 0.04 |d|, for kernels that are not quite the camera's.
-/// Confidence is 1 / (1 + (sigma / confident_sigma_dp_px)^2), and 0 where the best disparity is an end of the range.
+/// Confidence is 1 / (1 + (sigma / confident_sigma_dp_px)^2), and 0 where nothing is known: there sigma is range_px, as
+/// where step 3's best disparity is an end of the range.
 /// `shared` is 0.9 there, as windows overlap.
 ///
 /// Pixels that are clipped or not finite in either view are left out; empty views give an empty answer. The answer does

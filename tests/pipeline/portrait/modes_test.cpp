@@ -151,7 +151,7 @@ TEST(PortraitZoom, ShowsTheMiddleOfThePicture) {
   EXPECT_EQ(window.height, 96);
   EXPECT_EQ(window.x, 32);
   EXPECT_EQ(window.y, 24);
-  PortraitOptions options;
+  PortraitOptions options = default_options();
   options.zoom = true;
   const PortraitResult part = run_portrait(capture, options);
   const PortraitResult whole = run_portrait(capture);

@@ -2,9 +2,10 @@
 # tools/docs.sh makes a site whose links all lead somewhere, takes measured pages along, and refuses what it cannot use.
 set -uo pipefail
 cd "$(dirname "$0")/../../.."
-for command in git pandoc doxygen; do
+for command in git pandoc doxygen dpkg-query; do
   command -v "$command" >/dev/null || { echo "skipped: no $command"; exit 0; }
 done
+git rev-parse >/dev/null 2>&1 || { echo "skipped: no git checkout"; exit 0; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 fail() {
@@ -12,7 +13,7 @@ fail() {
   exit 1
 }
 
-# refuses WHAT ARGUMENT...: status 2, one line that holds WHAT, and nothing written.
+# refuses WHAT ARGUMENT...: status 2, and one line that holds WHAT.
 refuses() {
   tools/docs.sh "${@:2}" >"$work/out" 2>"$work/err"
   [ $? -eq 2 ] || fail "${*:2}: not status 2"

@@ -150,14 +150,19 @@ TEST(PortraitCommand, TakesADisparityOfAnyProgram) {
   write_png8(folder / "l.png", pipeline::textured(pipeline::Texture(5, 0.2), 129, 95, 0));
   write_png8(folder / "r.png", pipeline::textured(pipeline::Texture(5, 0.2), 129, 95, 1));
   const std::string portrait = "portrait --mode dp --left " + in + "l.png' --right " + in + "r.png' ";
-  ASSERT_EQ(run_command(portrait + "-o " + in + "matched'").status, 0);
+  ASSERT_EQ(run_command(portrait + "--matcher paper -o " + in + "matched'").status, 0);
   std::vector<Image> found = read_exr(folder / "matched/matched.exr", {"disparity_dp_px", "confidence"});
   write_exr(folder / "d.exr", {{"any_name", found.data()}}, false);
   write_npy(folder / "c.npy", found[1]);
   const std::string given = portrait + "-o " + in + "given' --disparity " + in;
   const Outcome outcome = run_command(given + "d.exr' --confidence " + in + "c.npy'");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_EQ(read_bytes(folder / "given/portrait.png"), read_bytes(folder / "matched/portrait.png"));
+  for (const char* file : {"portrait.png", "maps.exr"}) {  // smoothed as the paper's
+    EXPECT_EQ(read_bytes(folder.path / "given" / file), read_bytes(folder.path / "matched" / file)) << file;
+  }
+  const Outcome unused = run_command(given + "d.exr' --set split_match.range_px=12");
+  expect_one_line_refusal(unused);
+  EXPECT_NE(unused.err.find("split_match.range_px: disparity is given, not matched"), std::string::npos) << unused.err;
   EXPECT_EQ(json::parse(read_bytes(folder / "given/result.json"))["provenance"]["disparity"], folder / "d.exr");
 
   write_npy(folder / "stored.npy", Image(129, 95));  // as large as the pictures, whose sides are made even

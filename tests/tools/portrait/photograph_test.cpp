@@ -185,7 +185,8 @@ TEST(SlowPhotograph, BecomesAPortraitOfItsPeople) {
   write_png8(folder / "wall.png", ramp(320, 240));
   const Outcome nobody = run_command("portrait " + in + "wall.png' -o " + in + "none'");
   expect_one_line_refusal(nobody);
-  EXPECT_NE(nobody.err.find("no face found, and there are no dual-pixel views"), std::string::npos) << nobody.err;
+  EXPECT_NE(nobody.err.find("wall.png: no face found, and there are no dual-pixel views"), std::string::npos)
+      << nobody.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "none"));
   const Outcome missing = run_command("portrait " + in + "no.jpg' -o " + in + "none'");
   EXPECT_EQ(missing.err, "dualpixel: " + (folder / "no.jpg") + ": no such capture folder or picture\n");

@@ -196,7 +196,7 @@ TEST(PlainPair, EmptyPicturesHaveLowConfidence) {
   write_png8(folder / "white.png", Image(40, 24, 1, 1.0f));
   write_png8(folder / "line.png", Image(200, 1, 1, 0.3f));
   write_png8(folder / "pixel.png", Image(1, 1, 1, 0.3f));
-  for (const std::string matcher : {"paper", "likelihood"}) {
+  for (const std::string matcher : {"paper", "likelihood", "split"}) {
     for (const std::string name : {"white", "line", "pixel"}) {
       SCOPED_TRACE(matcher + " " + name);
       const std::string view = folder / (name + ".png");
@@ -221,7 +221,7 @@ TEST(PlainPair, IsReportedOn) {
   const std::string pair =
       "portrait --mode dp --left " + in + "l.png' --right " + in + "r.png' --metadata " + in + "m.json' ";
   ASSERT_EQ(run_command(pair + "-o " + in + "a'").status, 0);
-  ASSERT_EQ(run_command(pair + "-o " + in + "b' --split vertical --matcher split").status, 0);
+  ASSERT_EQ(run_command(pair + "-o " + in + "b' --split vertical --matcher paper").status, 0);
   write_npy(folder / "d.npy", Image(129, 95, 1, 0.5f));
   ASSERT_EQ(run_command(pair + "-o " + in + "c' --disparity " + in + "d.npy'").status, 0);
   ASSERT_EQ(run_command(pair + "-o " + in + "z' --split vertical --zoom").status, 0);

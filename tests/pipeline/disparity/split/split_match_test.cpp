@@ -165,6 +165,27 @@ TEST(SplitMatch, NearTheFocusIsTheLikelihoodMatcher) {
   EXPECT_EQ(ours.sigma_dp_px.data, likelihood.sigma_dp_px.data);
 }
 
+// Where noise hides the texture, what low frequencies find by chance is not believed: two standard deviations let a
+// twentieth through.
+TEST(SplitMatch, NoiseIsNotFarFromTheFocus) {
+  const RampPair pair = ramp_pair(4, 2, 0.15);
+  const TileDisparity tiles = match_by_split(pair.left, pair.right);
+  double weight = 0, far = 0;
+  for (std::size_t i = 0; i < tiles.confidence.data.size(); ++i) {
+    weight += tiles.confidence.data[i];
+    if (std::abs(tiles.disparity_dp_px.data[i]) > SplitMatchOptions().near_focus_dp_px) far += tiles.confidence.data[i];
+  }
+  EXPECT_LT(far / weight, 0.1);
+}
+
+// What lies beyond the range is not taken for a sharp thing near the focus.
+TEST(SplitMatch, BeyondTheRangeNothingIsTrusted) {
+  const RampPair pair = ramp_pair(3, 110, 0.003);
+  const TileDisparity tiles = match_by_split(pair.left, pair.right);
+  const auto trusted = std::ranges::count_if(tiles.confidence.data, [](float confidence) { return confidence > 0.5f; });
+  EXPECT_LT(static_cast<double>(trusted) / static_cast<double>(tiles.confidence.data.size()), 0.05);
+}
+
 TEST(SplitMatch, SameBytesForAnyNumberOfThreads) {
   const RampPair pair = ramp_pair(5, 15, 0.01);
   const auto with_threads = [&](int threads) {
