@@ -131,8 +131,8 @@ ChartBar error_bar(const Capture& capture, const std::string& note) {
                note +
                    " Mean square difference in sRGB of the first capture, as truth is replaced step by step: renderer "
                    "(all else true), the phone's own picture, smoothing of true disparity, disparity as matched by the "
-                   "paper's matcher (with "
-                   "its lens's field curvature, which the photograph has not), its scale and offset, the mask.",
+                   "paper's matcher (with its lens's field curvature, which the photograph has not), its scale and "
+                   "offset, the mask.",
                "10⁻⁴ of white²",
                {}};
   double before = 0;

@@ -158,8 +158,7 @@ ChartPart measure_matchers(const ChartInput& input) {
   }
   section.default_reason =
       "split: on pairs of a real phone it errs by less than half of the next best, and on scenes near the focus as "
-      "little as "
-      "the likelihood matcher, whose answers it takes there (docs/disparity.md).";
+      "little as the likelihood matcher, whose answers it takes there (docs/disparity.md).";
   return {{section}};
 }
 
@@ -186,8 +185,7 @@ ChartPart measure_solver(const ChartInput& input) {
                        seeds};
   section.default_reason =
       "of the paper's matcher: its quarter of the size and its other constants; no other filter has less error near "
-      "edges "
-      "on matches (docs/edges.md). Of matcher split the solver is robust (docs/disparity.md), which is not charted.";
+      "edges on matches (docs/edges.md). The robust solver of matcher split (docs/disparity.md) is not charted.";
   return {{section}};
 }
 

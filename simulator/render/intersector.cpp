@@ -305,8 +305,7 @@ RTCGeometry new_strands(RTCDevice device, const Mesh& mesh) {
 }
 
 /// No scene has subdivision surfaces: Embree (3.13) hangs where it gets no memory for their cache, 128 MB, and releases
-/// it. Compiled for AVX2 (DUALPIXEL_ARCH), pictures keep to it on processors with AVX-512, with which Embree rounds
-/// otherwise.
+/// it. With AVX-512 Embree rounds otherwise; a build for AVX2 (DUALPIXEL_ARCH) keeps it to AVX2.
 constexpr const char* kDeviceOptions =
     "tessellation_cache_size=0"
 #if defined(__AVX2__) && !defined(__AVX512F__)
