@@ -17,6 +17,21 @@ float band_alpha(float disparity, float low, float high, float per_taper) {
   return std::clamp(1 + std::min(disparity - low, high - disparity) * per_taper, 0.0f, 1.0f);
 }
 
+/// Of a row of disparities: how much of each belongs to the band, its alpha over the sum of all bands'.
+void shares_of(const std::vector<Band>& bands, std::size_t index, const float* disparity, int width, float* shares) {
+  std::vector<float> sums(width);
+  for (const Band& band : bands) {
+    const auto low = static_cast<float>(band.low_dp_px), high = static_cast<float>(band.high_dp_px);
+    const auto per_taper = static_cast<float>(1 / band.taper_dp_px);
+    for (int x = 0; x < width; ++x) {
+      const float alpha = band_alpha(disparity[x], low, high, per_taper);
+      sums[x] += alpha;
+      if (&band == &bands[index]) shares[x] = alpha;
+    }
+  }
+  for (int x = 0; x < width; ++x) shares[x] /= std::max(sums[x], 1.0f);
+}
+
 /// alphas_of(y, row) gives a row's alphas, radius_of(x, y) a pixel's radius in full-resolution px.
 template <typename Alphas, typename Radius>
 void cut(const Image& rgb, Layer& layer, const Alphas& alphas_of, const Radius& radius_of) {
@@ -102,15 +117,13 @@ std::vector<Band> make_bands(double low_dp_px, double high_dp_px, const BlurMapp
   return bands;
 }
 
-void cut_band(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px, const Band& band, Layer& layer) {
+void cut_band(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px, const std::vector<Band>& bands,
+              std::size_t index, Layer& layer) {
   cut(
       rgb, layer,
       [&](int y, float* alphas) {
-        const float* disparity = disparity_dp_px.row(y);
-        const auto low = static_cast<float>(band.low_dp_px), high = static_cast<float>(band.high_dp_px);
-        const auto per_taper = static_cast<float>(1 / band.taper_dp_px);
-        for (int x = 0; x < rgb.width; ++x) alphas[x] = band_alpha(disparity[x], low, high, per_taper);
-        if (!band.in_focus) return;
+        shares_of(bands, index, disparity_dp_px.row(y), rgb.width, alphas);
+        if (!bands[index].in_focus) return;
         for (int x = 0; x < rgb.width; ++x) alphas[x] *= 1 - sharpness(radius_px.row(y)[x]);
       },
       [&](int x, int y) { return radius_px.row(y)[x]; });

@@ -40,9 +40,12 @@ struct Layer {
 float sharpness(float radius_px);
 
 /// I_j = alpha_j [R, G, B, 1] of each pixel, then the mean of each 2 x 2 block; radii are means weighted by alpha_j.
-/// The in-focus band leaves out what is sharp, as it is laid down at full resolution: its halved outline would show.
-/// `rgb`, `disparity` and `radius` are of one size. Written to `layer`, whose memory is used again.
-void cut_band(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px, const Band& band, Layer& layer);
+/// Here alpha_j is the share of band number `index`: its tent over the sum of all bands' tents (Eq. 9 has the tent
+/// itself), so that a pixel in the tapers of two bands has no more light than others. The in-focus band leaves out what
+/// is sharp, as it is laid down at full resolution: its halved outline would show. `rgb`, `disparity` and `radius` are
+/// of one size. Written to `layer`, whose memory is used again.
+void cut_band(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px, const std::vector<Band>& bands,
+              std::size_t index, Layer& layer);
 
 /// The same with alpha = 1 - mask and one radius, full-resolution px.
 Layer cut_background(const Image& rgb, const Image& mask, float radius_px);

@@ -31,8 +31,9 @@ Stacks blur_bands(const Image& rgb, const Image& disparity_dp_px, const Image& r
   stacks.below = Image((rgb.width + 1) / 2, (rgb.height + 1) / 2, 4);
   Layer layer;
   bool in_front = false;
-  for (const Band& band : bands) {
-    cut_band(rgb, disparity_dp_px, radius_px, band, layer);
+  for (std::size_t j = 0; j < bands.size(); ++j) {
+    const Band& band = bands[j];
+    cut_band(rgb, disparity_dp_px, radius_px, bands, j, layer);
     layer.in_front_of_focus = in_front;
     if (band.in_focus) {
       scatter_direct(layer, stacks.below, aperture);
@@ -130,11 +131,12 @@ Defocused render_defocus(const Image& rgb, const Image& disparity_dp_px, const I
         const float sharp = sharpness(radius[x]);
         const Rgba own = {input[3 * x], input[3 * x + 1], input[3 * x + 2], 1};
         const Rgba nearer = load_rgba(front.data() + 4 * x);
-        const float open = 1 - nearer[3];
-        const Rgba laid = nearer + open * (sharp * own + (1 - sharp) * load_rgba(behind.data() + 4 * x));
+        const Rgba beneath = lay_over(sharp * own, load_rgba(behind.data() + 4 * x));
+        const Rgba laid = lay_over(nearer, beneath);
         const bool seen = laid[3] > kLeastAlpha;
         const Rgba color = seen ? laid / laid[3] : own;
-        const float blurred = seen ? 1 - open * sharp / laid[3] : 0;
+        const float kept = beneath[3] > 0 ? sharp * (laid[3] - nearer[3]) / beneath[3] : 0;
+        const float blurred = seen ? 1 - kept / laid[3] : 0;
         const float limit = blurred > 0 ? brightest : std::numeric_limits<float>::infinity();
         for (int c = 0; c < 3; ++c) result[3 * x + c] = std::min(color[c], limit);
         out.blurred.row(y)[x] = blurred;

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstring>
 
 /// A premultiplied RGBA pixel in one register, on compilers with vector extensions (GCC, Clang).
@@ -13,5 +14,13 @@ inline Rgba load_rgba(const float* from) {
 }
 
 inline void store_rgba(const Rgba& pixel, float* to) { std::memcpy(to, &pixel, sizeof(pixel)); }
+
+/// Premultiplied "disjoint over" (X Rendering Extension): what is behind fills what the front leaves open, as far as it
+/// goes. In one picture nothing is known of what a nearer thing hides. Where both are blurred across their border, each
+/// has seen its own share of the lens, and "over" would take the front's share off the other's a second time.
+inline Rgba lay_over(const Rgba& front, const Rgba& behind) {
+  const float open = 1 - std::min(front[3], 1.0f);
+  return front + (behind[3] > open ? open / behind[3] : 1) * behind;
+}
 
 }  // namespace dualpixel::pipeline

@@ -207,10 +207,9 @@ void scatter_into(Strip& strip, const Layer& layer, int y0, int y1) {
   }
 }
 
-/// Premultiplied "over", in place on what lies behind.
-void lay_over(Rgba front, float* behind) {
-  const Rgba kept = front / std::max(front[3], 1.0f);
-  store_rgba(kept + (1 - kept[3]) * load_rgba(behind), behind);
+/// In place on what lies behind. Piled-up discs count as one that is opaque.
+void composite(const Rgba& blurred, float* behind) {
+  store_rgba(lay_over(blurred / std::max(blurred[3], 1.0f), load_rgba(behind)), behind);
 }
 
 /// Scatters and hands each row of the result, with the margins that the strip has, to finish(strip row, margin, row
@@ -237,7 +236,7 @@ void scatter_direct(const Layer& layer, Image& behind, const Aperture& aperture)
   scatter(layer, aperture, antialiased, behind, [&](const float* from, int margin, float* to) {
     for (int x = 0; x < layer.rgba.width; ++x) {
       const Rgba blurred = load_rgba(from + 4 * (x + margin));
-      if (blurred[3] > kTraces) lay_over(blurred, to + 4 * x);
+      if (blurred[3] > kTraces) composite(blurred, to + 4 * x);
     }
   });
 }
@@ -248,7 +247,7 @@ void scatter_gradient(const Layer& layer, Image& behind, const Aperture& apertur
     Sum sum{};
     for (int x = -margin; x < layer.rgba.width; ++x) {
       sum += __builtin_convertvector(load_rgba(from + 4 * (x + margin)), Sum);
-      if (x >= 0 && sum[3] > kTraces) lay_over(__builtin_convertvector(sum, Rgba), to + 4 * x);
+      if (x >= 0 && sum[3] > kTraces) composite(__builtin_convertvector(sum, Rgba), to + 4 * x);
     }
   });
 }

@@ -8,7 +8,7 @@
 /// The weights of a shape add up to 1, so an inner pixel loses no light. What falls outside the picture is lost, so
 /// alpha falls near the picture's borders: divide by alpha to get colors. Where discs pile up beyond alpha 1, all four
 /// channels are divided by it: the paper says nothing, and "over" has no meaning for an alpha above 1. The blurred
-/// layer is then composited over `behind` (premultiplied RGBA of the layer's size; "over" of Porter and Duff 1984).
+/// layer is then composited over `behind` (premultiplied RGBA of the layer's size; lay_over() of rgba.h).
 ///
 /// Radii are in pixels of the layer, rounded to 1/16 px.
 namespace dualpixel::pipeline {

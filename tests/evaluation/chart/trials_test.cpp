@@ -38,12 +38,13 @@ TEST(Trials, DefocusIsJudgedAtThePhotographsPupil) {
   for (const Trial& trial : trials) {
     EXPECT_GT(trial.time, 0) << trial.name;
     if (!trial.is_default) {
-      EXPECT_GT(trial.error, 0.1) << trial.name;
+      // on one smooth surface more or fewer bands change next to nothing
+      EXPECT_GT(trial.error, trial.name.starts_with("layers") ? 1e-4 : 0.1) << trial.name;
       continue;
     }
     ++defaults;
     EXPECT_EQ(trial.name.find("layers"), 0u);
-    EXPECT_LT(trial.error, 1e-3);  // percent of white: the same picture
+    EXPECT_LT(trial.error, 1e-5);  // percent of white: the same picture
   }
   EXPECT_EQ(defaults, 1u);
   for (const Trial& trial : try_defocus(capture_with_photograph(1.3))) EXPECT_GT(trial.error, 0.1) << trial.name;

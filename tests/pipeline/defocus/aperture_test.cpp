@@ -216,7 +216,7 @@ TEST(Aperture, RefusesWhatCannotBe) {
   }
 }
 
-// What "over" means, of blurred layers on what lies behind them; where discs pile up nothing shines through.
+// Blurred layers on what lies whole behind them; where discs pile up nothing shines through.
 TEST(Scatter, LayersAreLaidOverWhatIsBehind) {
   constexpr int kSide = 40;
   Layer layer{Image(kSide, kSide, 4), Image(kSide, kSide, 1, 4.0f)};
@@ -242,6 +242,22 @@ TEST(Scatter, LayersAreLaidOverWhatIsBehind) {
       EXPECT_NEAR(over.at(x, 20, 0), alone.at(x, 20, 0), 1e-5) << x;
       EXPECT_NEAR(over.at(x, 20, 1), alone.at(x, 20, 1) + (1 - alpha) * 0.25f, 1e-5) << x;
     }
+  }
+}
+
+// Two halves of a picture, blurred alike: neither hides the other at their border, where each is blurred to a half.
+TEST(Scatter, HalvesOfAPictureMakeAWhole) {
+  constexpr int kSide = 40, kBorder = 7;  // px from the picture's own
+  Layer left{Image(kSide, kSide, 4), Image(kSide, kSide, 1, 5.0f)}, right = left;
+  for (int y = 0; y < kSide; ++y) {
+    std::fill_n(&left.rgba.at(0, y), 4 * kSide / 2, 1.0f);
+    std::fill_n(&right.rgba.at(kSide / 2, y), 4 * kSide / 2, 1.0f);
+  }
+  for (const auto& scatter : {scatter_direct, scatter_gradient}) {
+    Image halves(kSide, kSide, 4);
+    scatter(left, halves, {});
+    scatter(right, halves, {});
+    for (int x = kBorder; x < kSide - kBorder; ++x) EXPECT_NEAR(halves.at(x, 20, 3), 1, 1e-5) << x;
   }
 }
 

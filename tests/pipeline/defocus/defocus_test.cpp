@@ -213,7 +213,7 @@ TEST(Layers, BlocksAreMeansAlsoAtOddBorders) {
   disparity.at(0, 0) = 1.25f;  // alpha 1/2
   radius.at(0, 0) = 11;
   Layer layer;
-  cut_band(rgb, disparity, radius, band, layer);
+  cut_band(rgb, disparity, radius, {band}, 0, layer);
   ASSERT_EQ(layer.rgba.width, 2);
   ASSERT_EQ(layer.rgba.height, 3);
   for (const auto& [x, y] : {std::pair{1, 0}, {0, 2}, {1, 2}}) {
@@ -224,6 +224,20 @@ TEST(Layers, BlocksAreMeansAlsoAtOddBorders) {
   EXPECT_FLOAT_EQ(layer.rgba.at(0, 0, 3), 3.5f / 4);
   EXPECT_FLOAT_EQ(layer.rgba.at(0, 0, 1), 0.5f * 3.5f / 4);
   EXPECT_FLOAT_EQ(layer.radius_px.at(0, 0), 0.5f * (0.5f * 11 + 3 * 4) / 3.5f);
+}
+
+TEST(Layers, SharesOfEveryPixelAddUpToOne) {
+  const BlurMapping mapping = make_blur_mapping(1, 0, 2688, false);
+  Image rgb(64, 2, 3, 0.5f), disparity(64, 2), radius(64, 2, 1, 4.0f);  // nothing is sharp
+  for (int i = 0; i < 128; ++i) disparity.data[i] = static_cast<float>(-2 + 3 * (i % 64) / 63.0);
+  const std::vector<Band> bands = make_bands(-2, 1, mapping);
+  Layer layer;
+  std::vector<float> sums(32);
+  for (std::size_t j = 0; j < bands.size(); ++j) {
+    cut_band(rgb, disparity, radius, bands, j, layer);
+    for (int x = 0; x < 32; ++x) sums[x] += layer.rgba.at(x, 0, 3);
+  }
+  for (const float sum : sums) EXPECT_NEAR(sum, 1, 1e-6);
 }
 
 Layer random_layer(int width, int height, unsigned seed, float largest_radius_px) {
@@ -411,6 +425,27 @@ TEST(Render, SubjectDoesNotBleedIntoTheBackgroundButABlurredFrontCoversTheSubjec
     // Red spreads over green: a disc whose center is 1.5 px beyond an edge has 43 % of its area across it.
     EXPECT_NEAR(out.rgb.at(41, y, 0), 0.43f, 0.04f);
     EXPECT_NEAR(out.rgb.at(41, y, 1), 0.57f, 0.04f);
+  }
+}
+
+// Leaves before a sky, whose light the lens mixes: each half of the picture, however many bands they are cut into.
+TEST(Render, WhatIsSeenThroughGapsHasItsShareOfTheLight) {
+  constexpr int kSide = 160;
+  const BlurMapping mapping = make_blur_mapping(1, 0, 2688, false);
+  Image rgb(kSide, kSide, 3), disparity(kSide, kSide), radius(kSide, kSide, 1, 20.0f);
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const bool leaf = (x / 4 + y / 4) % 2 == 0;
+      disparity.at(x, y) = leaf ? 0.7f : 1.0f;
+      if (!leaf) std::fill_n(&rgb.at(x, y), 3, 1.0f);
+    }
+  }
+  disparity.at(0, 0) = 1.3f;  // where the far band ends
+  for (const int bands : {3, 5, 9}) {
+    const Image blurred = render_defocus(rgb, disparity, radius, mapping, {.bands = bands}).rgb;
+    for (int y = 60; y < 100; ++y) {
+      for (int x = 60; x < 100; ++x) ASSERT_NEAR(blurred.at(x, y), 0.5, 0.02) << bands << " bands";
+    }
   }
 }
 
