@@ -54,6 +54,6 @@ set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # For programs that link the libraries.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
-    "libembree-dev, libopenimageio-dev, openimageio-tools, libopenexr-dev, libtiff-dev, zlib1g-dev, libtinygltf-dev, \
+    "libembree-dev, libopenimageio-dev, openimageio-tools, libopenexr-dev, libtiff-dev, libraw-dev, zlib1g-dev, libtinygltf-dev, \
 libglm-dev, libtbb-dev, nlohmann-json3-dev, libfmt-dev, libdnnl-dev")
 include(CPack)

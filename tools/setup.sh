@@ -6,8 +6,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # openimageio-tools: libopenimageio-dev's CMake files name its programs, and fail where they are not installed.
 packages=(
   g++ cmake ninja-build pkg-config
-  libembree-dev libopenimageio-dev openimageio-tools libopenexr-dev libtiff-dev zlib1g-dev libtinygltf-dev libglm-dev libtbb-dev
-  nlohmann-json3-dev libfmt-dev libcli11-dev libxxhash-dev libeigen3-dev libgtest-dev libvalijson-dev
+  libembree-dev libopenimageio-dev openimageio-tools libopenexr-dev libtiff-dev libraw-dev zlib1g-dev
+  libtinygltf-dev libglm-dev libtbb-dev nlohmann-json3-dev libfmt-dev libcli11-dev libxxhash-dev libeigen3-dev libgtest-dev libvalijson-dev
   libdnnl-dev
   "$@"
 )

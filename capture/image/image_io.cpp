@@ -16,7 +16,7 @@
 
 #include "capture/error.h"
 #include "capture/files.h"
-#include "capture/image/dng_tag.h"
+#include "capture/image/dng_picture.h"
 #include "capture/image/faults/exr_fault.h"
 #include "capture/image/faults/jpeg_fault.h"
 #include "capture/image/faults/png_fault.h"
@@ -53,22 +53,8 @@ std::string format_of(const std::string& path) {
   refuse(path, "is not a picture that can be read (EXR, PNG, TIFF, JPEG or HDR)");
 }
 
-void check_size(const std::string& path, std::int64_t width, std::int64_t height, std::int64_t channels) {
-  if (width < 1 || height < 1 || width > kLongestPictureSide || height > kLongestPictureSide || channels < 1 ||
-      channels > kMostPictureChannels || width * height > kMostPictureValues / channels) {
-    // OpenImageIO has it signed.
-    const auto stated = [](std::int64_t side) { return static_cast<std::uint32_t>(side); };
-    refuse(path, fmt::format("{} x {} pixels of {} channels: at most {} a side and {} values in all are allowed",
-                             stated(width), stated(height), channels, kLongestPictureSide, kMostPictureValues));
-  }
-}
-
 std::string one_line(const std::string& library_message) {
   return library_message.empty() ? "unknown error" : printable(library_message.substr(0, library_message.find('\n')));
-}
-
-void refuse_broken_tiff(const std::string& path) {
-  if (const auto fault = fault_of_tiff(path)) refuse(path, "cannot be read: " + *fault);
 }
 
 std::unique_ptr<ImageInput> open_picture(const std::string& path) {
@@ -84,14 +70,16 @@ std::unique_ptr<ImageInput> open_picture(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     if (const auto fault = fault_of(file)) refuse(path, "cannot be read: " + *fault);
   }
-  if (format == "tiff") refuse_broken_tiff(path);
+  if (format == "tiff") {
+    if (const auto fault = fault_of_tiff(path)) refuse(path, "cannot be read: " + *fault);
+  }
   ImageSpec as_stored, spec;
   as_stored["oiio:UnassociatedAlpha"] = 1;
   if (!input->open(path, spec, as_stored)) refuse(path, "cannot be read: " + one_line(input->geterror()));
   if (spec.deep) refuse(path, "deep EXR is not supported");
-  check_size(path, spec.width, spec.height, spec.nchannels);
+  require_allowed_size(path, spec.width, spec.height, spec.nchannels);
   if (spec.depth > 1) refuse(path, "volumes are not supported");
-  if (spec.tile_width > 0) check_size(path, spec.tile_width, spec.tile_height, spec.nchannels);
+  if (spec.tile_width > 0) require_allowed_size(path, spec.tile_width, spec.tile_height, spec.nchannels);
   if (format == "openexr") {
     if (input->seek_subimage(1, 0)) refuse(path, "EXR of several parts is not supported");
     input->geterror();  // the message that there is no second part
@@ -259,21 +247,6 @@ PictureEncoding picture_encoding(const std::string& path) {
     encoding.linear = space == "Lin" || space == "lin";
     encoding.profile = spec.find_attribute("ICCProfile") != nullptr;
     return encoding;
-  });
-}
-
-Image read_dng(const std::string& path) {
-  return reading(path, [&] {
-    require_regular_file(path);
-    refuse_broken_tiff(path);
-    const std::unique_ptr<ImageInput> input = ImageInput::create("raw");
-    if (!input) refuse(path, "this build of OpenImageIO cannot read DNG");
-    ImageSpec wanted, spec;
-    wanted["raw:ColorSpace"] = "sRGB-linear";
-    if (!input->open(path, spec, wanted)) refuse(path, "cannot be read: " + one_line(input->geterror()));
-    check_size(path, spec.width, spec.height, spec.nchannels);
-    if (spec.nchannels != 3) refuse(path, fmt::format("has {} channels; a DNG in color is needed", spec.nchannels));
-    return read_channels<float>(*input, path, 0, 3, TypeDesc::FLOAT);
   });
 }
 

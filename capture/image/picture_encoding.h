@@ -1,8 +1,6 @@
 #pragma once
 #include <string>
 
-#include "capture/image/image.h"
-
 /// What a picture's file says about its values and pixels, for photographs of any origin; read with the checks of
 /// image_io.h, in image_io.cpp.
 namespace dualpixel {
@@ -11,11 +9,8 @@ struct PictureEncoding {
   int orientation = 1;   ///< TIFF's and EXIF's tag 274, 1 to 8; 1: upright, or what the file says is none of these
   bool linear = false;   ///< the file declares linear light
   bool profile = false;  ///< it brings an ICC profile
-  bool dng = false;      ///< it is raw data, for read_dng; the rest is not filled in
+  bool dng = false;      ///< it is raw data, for read_dng() of dng_picture.h; the rest is not filled in
 };
 PictureEncoding picture_encoding(const std::string& path);
-
-/// A DNG developed by LibRaw: linear RGB with sRGB's primaries, 1 where it clips, upright.
-Image read_dng(const std::string& path);
 
 }  // namespace dualpixel

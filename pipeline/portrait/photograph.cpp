@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "capture/error.h"
+#include "capture/image/dng_picture.h"
 #include "capture/image/image_io.h"
 #include "capture/image/picture_encoding.h"
 #include "pipeline/disparity/noise_model.h"

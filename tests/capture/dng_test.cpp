@@ -11,7 +11,7 @@
 
 #include "capture/error.h"
 #include "capture/files.h"
-#include "capture/image/picture_encoding.h"
+#include "capture/image/dng_picture.h"
 #include "tests/temporary_folder.h"
 
 namespace dualpixel {
@@ -180,6 +180,34 @@ TEST(Dng, AMosaicIsWhiteWhereItClips) {
   EXPECT_DOUBLE_EQ(file[kNoiseProfile].at(0), 0.5 / (544 - 64));
 }
 
+/// Where the first directory's entry of a field begins.
+std::size_t entry_of(const std::string& file, std::uint16_t tag) {
+  std::uint32_t directory = 0;
+  std::memcpy(&directory, &file[4], 4);
+  std::size_t entry = directory + 2;
+  while (std::memcmp(&file.at(entry), &tag, 2) != 0) entry += 12;
+  return entry;
+}
+
+/// Gives a field of one number another value.
+void set_field(std::string& file, std::uint16_t tag, std::uint32_t value) {
+  const std::size_t entry = entry_of(file, tag);
+  file[entry + 2] = 4;  // a long
+  std::memcpy(&file[entry + 8], &value, 4);
+}
+
+/// A lossless JPEG (ITU T.81, Annex H) of 64 x 64 pixels of 12 bits, each predicted by its left neighbor. Of its two
+/// codes, 0 is no difference, and 10 has 12 bits more.
+std::string lossless_jpeg(const std::string& data) {
+  using namespace std::string_literals;
+  return "\xff\xd8"
+         "\xff\xc3\0\x0b\x0c\0\x40\0\x40\1\1\x11\0"                // frame: 12 bits, 64 x 64, one component
+         "\xff\xc4\0\x15\0\1\1\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x0c"  // table: a code of one bit, one of two
+         "\xff\xda\0\x08\1\1\0\1\0\0"s +                           // scan: predictor 1
+         data +
+         "\xff\xd9";
+}
+
 // LibRaw reads black where its data end, and prints a line.
 TEST(Dng, ReadsNoneThatEndsBeforeItsPicture) {
   const TemporaryFolder folder;
@@ -187,14 +215,7 @@ TEST(Dng, ReadsNoneThatEndsBeforeItsPicture) {
   write_dng(path, ramp(64, 64), capture_of("RGGB"), DngImage::mosaic);
   const std::string whole = read_bytes(path);
   std::string beyond = whole;
-  const std::uint16_t kStripOffsets = 273;
-  for (std::size_t at = 0; at + 12 <= beyond.size(); at += 2) {  // the entry: tag, long or short, one of them
-    const std::uint32_t far = 1 << 20;
-    const bool is_entry =
-        std::memcmp(&beyond[at], &kStripOffsets, 2) == 0 && (beyond[at + 2] == 4 || beyond[at + 2] == 3);
-    if (is_entry && beyond[at + 4] == 1) std::memcpy(&beyond[at + 8], &far, 4), beyond[at + 2] = 4;
-  }
-  ASSERT_NE(beyond, whole);
+  set_field(beyond, kStripOffsets, 1 << 20);
   for (const std::string& broken : {whole.substr(0, 5000), beyond}) {
     write_bytes(path, broken);
     ::testing::internal::CaptureStderr();
@@ -202,6 +223,47 @@ TEST(Dng, ReadsNoneThatEndsBeforeItsPicture) {
     EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
     EXPECT_TRUE(refusal.starts_with(path + ": cannot be read: ")) << refusal;
   }
+}
+
+// LibRaw alone would print a line and give garbage.
+TEST(Dng, ReadsNoneWhoseCompressedDataAreBroken) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "a.dng";
+  write_dng(path, ramp(64, 64), capture_of("RGGB"), DngImage::mosaic);
+  std::string file = read_bytes(path);
+  const auto strip = static_cast<std::size_t>(Directory(path)[kStripOffsets].at(0));
+  const auto compressed = [&](const std::string& data) {
+    const std::string jpeg = lossless_jpeg(data);
+    file.replace(strip, jpeg.size(), jpeg);
+    set_field(file, kStripBytes, static_cast<std::uint32_t>(jpeg.size()));
+    set_field(file, kCompression, 7);
+    write_bytes(path, file);
+  };
+  const std::string flat(64 * 64 / 8, '\0');  // one bit a pixel
+  compressed(flat);
+  const Image gray = read_dng(path);
+  EXPECT_EQ(gray.width, 64);
+  EXPECT_NEAR(gray.at(30, 30, 1), 1, 1e-3) << "2048 DN, beyond white";
+  compressed("\xbf\xfc" + flat);  // adds 4095 DN to 2048, where 12 bits end at 4095
+  ::testing::internal::CaptureStderr();
+  const std::string refusal = message_of<InputError>([&] { read_dng(path); });
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(refusal, path + ": cannot be read: its raw data are broken");
+}
+
+// LibRaw makes pixels square: 8000 rows of pixels nine times as high as wide are 72 000.
+TEST(Dng, ReadsNoneThatIsTooLargeWithSquarePixels) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "a.dng";
+  write_dng(path, ramp(64, 8000), capture_of("RGGB"), DngImage::mosaic);
+  std::string file = read_bytes(path);
+  std::uint32_t scale = 0;
+  std::memcpy(&scale, &file[entry_of(file, kDefaultScale) + 8], 4);
+  const std::uint32_t tall[] = {1, 9, 1, 1};  // two fractions, along x and y
+  std::memcpy(&file.at(scale), tall, sizeof(tall));
+  write_bytes(path, file);
+  const std::string refusal = message_of<InputError>([&] { read_dng(path); });
+  EXPECT_NE(refusal.find("at most 65536 a side"), std::string::npos) << refusal;
 }
 
 TEST(Dng, RefusesPlacesThatCannotBeWritten) {

@@ -105,6 +105,14 @@ void refuse_another(const std::string& folder, nlohmann::json written, const nlo
   }
 }
 
+/// Refuses a folder that cannot be made. It is made with the first shard, not before: that may take minutes.
+void require_folder(const std::string& folder) {
+  std::error_code error;
+  const bool made = fs::create_directories(folder, error);
+  if (!fs::is_directory(folder)) throw InputError(fmt::format("{}: cannot be made a folder", printable(folder)));
+  if (made) fs::remove(folder, error);
+}
+
 /// Refuses a folder that holds a set of other options, or something that is not a set.
 void refuse_other_contents(const std::string& folder, const PeopleOptions& options) {
   std::vector<std::string> shards;
@@ -166,18 +174,19 @@ bool write_people_set(const PeopleOptions& options, const std::string& folder,
                       const std::function<void(const std::vector<PeopleSample>&)>& each,
                       const std::atomic<int>* stopped) {
   check_people_options(options);
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!fs::is_directory(folder)) throw InputError(fmt::format("{}: cannot be made a folder", printable(folder)));
+  require_folder(folder);
   const int shards = (options.count + kShardSamples - 1) / kShardSamples;
-  refuse_other_contents(folder, options);
-  refuse_shards_beyond(folder, shards);
+  if (fs::exists(folder)) {
+    refuse_other_contents(folder, options);
+    refuse_shards_beyond(folder, shards);
+  }
   for (int shard = 0; shard < shards; ++shard) {
     const std::string path = folder + "/" + shard_name(shard);
     const nlohmann::ordered_json recipe = shard_recipe(options, shard);
     if (!is_there(path, recipe)) {
       if (stopped && *stopped != 0) return false;
-      fs::remove(folder + "/" + kSetFile, error);  // the set is incomplete until it is written again
+      std::error_code none;
+      fs::remove(folder + "/" + kSetFile, none);  // the set is incomplete until it is written again
       const auto samples = make_people_shard(options, shard, samples_of_shard(options, shard), [&](double fraction) {
         if (progress) progress((shard + fraction) / shards);
       });

@@ -1,3 +1,4 @@
+#include "capture/image/dng_picture.h"
 #include "capture/image/image_io.h"
 #include "capture/image/picture_encoding.h"
 #include "tests/fuzz/attempt.h"

@@ -124,6 +124,13 @@ TEST(SlowWritePeopleSet, ASignalEndsItAfterTheShardThatIsBeingMade) {
   EXPECT_EQ(made, 2);
 }
 
+TEST(SlowWritePeopleSet, ARunThatEndsBeforeItsFirstShardLeavesNothing) {
+  const TemporaryFolder folder;
+  const auto end = [](double) { throw std::runtime_error("ended"); };
+  EXPECT_THROW(write_people_set({.count = 1, .seed = 4, .composites = 0}, folder / "set", end), std::runtime_error);
+  EXPECT_TRUE(folder.names().empty());
+}
+
 TEST(SlowWritePeopleSet, AnInterruptedRunResumes) {
   const TemporaryFolder folder;
   const PeopleOptions options{.count = 2, .seed = 4, .composites = 0};

@@ -1,0 +1,105 @@
+#include "capture/image/dng_picture.h"
+
+#include <fmt/format.h>
+#include <libraw/libraw.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <istream>
+#include <memory>
+#include <mutex>
+#include <new>
+
+#include "capture/error.h"
+#include "capture/files.h"
+#include "capture/image/faults/tiff_fault.h"
+#include "capture/image/picture_limits.h"
+
+namespace dualpixel {
+namespace {
+
+constexpr int kFieldBytes = 12;
+constexpr std::uint32_t kDngVersion = 50706;
+
+/// What OpenImageIO's reader does, too. It would not tell of broken data, of which LibRaw prints a line.
+std::unique_ptr<LibRaw> make_developer() {
+  static std::mutex mutex;  // LibRaw is not made by two threads at once
+  const std::lock_guard lock(mutex);
+  auto raw = std::make_unique<LibRaw>();
+  raw->set_dataerror_handler(nullptr, nullptr);  // prints nothing: error_count() tells
+  libraw_output_params_t& wanted = raw->imgdata.params;
+  wanted.output_bps = 16;
+  wanted.output_color = 1;  // sRGB's primaries
+  wanted.gamm[0] = wanted.gamm[1] = 1;
+  wanted.use_camera_wb = 1;
+  wanted.no_auto_bright = 1;
+  wanted.adjust_maximum_thr = 0;  // white is where the file says
+  wanted.user_qual = 3;           // adaptive homogeneity-directed demosaicking
+  return raw;
+}
+
+Image develop(LibRaw& raw, const std::string& path) {
+  const auto require = [&](int status) {
+    if (status == LIBRAW_UNSUFFICIENT_MEMORY) throw std::bad_alloc();
+    if (status != LIBRAW_SUCCESS) throw InputError(printable(path) + ": cannot be read: " + libraw_strerror(status));
+  };
+  require(raw.open_file(path.c_str()));
+  const libraw_image_sizes_t& sizes = raw.imgdata.sizes;
+  const int colors = raw.imgdata.idata.colors;
+  // Pixels that are not square will be made so, without a look at what its 16 bits for a side hold.
+  const double aspect = sizes.pixel_aspect;
+  require_allowed_size(path, std::llround(sizes.width * std::max(aspect, 1.0)),
+                       std::llround(sizes.height / std::min(aspect, 1.0)), colors);
+  if (colors != 3) {
+    throw InputError(fmt::format("{}: has {} channels; a DNG in color is needed", printable(path), colors));
+  }
+  require(raw.unpack());
+  if (raw.error_count() > 0) throw InputError(printable(path) + ": cannot be read: its raw data are broken");
+  require(raw.dcraw_process());
+  int status = LIBRAW_SUCCESS;
+  const std::unique_ptr<libraw_processed_image_t, void (*)(libraw_processed_image_t*)> developed(
+      raw.dcraw_make_mem_image(&status), LibRaw::dcraw_clear_mem);
+  require(status);
+  Image rgb(developed->width, developed->height, 3);
+  const auto* values = reinterpret_cast<const std::uint16_t*>(developed->data);
+  for (std::size_t i = 0; i < rgb.data.size(); ++i) rgb.data[i] = static_cast<float>(values[i]) / 65535;
+  return rgb;
+}
+
+}  // namespace
+
+bool is_dng(std::istream& tiff) {
+  std::array<char, 4> bytes{};
+  bool little = true;
+  const auto number = [&](std::size_t count) {
+    std::uint32_t value = 0;
+    tiff.read(bytes.data(), static_cast<std::streamsize>(count));
+    for (std::size_t i = 0; i < count; ++i) {
+      value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[i])) << 8 * (little ? i : count - 1 - i);
+    }
+    return value;
+  };
+  little = number(2) == 0x4949;
+  number(2);
+  tiff.seekg(number(4));
+  const std::uint32_t fields = number(2);
+  for (std::uint32_t i = 0; i < fields && tiff; ++i) {
+    if (number(2) == kDngVersion && tiff) return true;
+    tiff.ignore(kFieldBytes - 2);
+  }
+  return false;
+}
+
+Image read_dng(const std::string& path) {
+  require_regular_file(path);
+  if (const auto fault = fault_of_tiff(path)) throw InputError(printable(path) + ": cannot be read: " + *fault);
+  try {
+    return develop(*make_developer(), path);
+  } catch (const std::bad_alloc&) {
+    throw InputError(printable(path) + ": there is not enough memory for the picture");
+  }
+}
+
+}  // namespace dualpixel
