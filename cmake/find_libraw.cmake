@@ -1,4 +1,4 @@
-# LibRaw as the target dualpixel_libraw: its packages bring no CMake files.
+# LibRaw as the target dualpixel_libraw: Debian's package brings no CMake files.
 if(NOT TARGET dualpixel_libraw)
   find_path(DUALPIXEL_LIBRAW_HEADERS libraw/libraw.h REQUIRED)
   find_library(DUALPIXEL_LIBRAW_LIBRARY raw_r REQUIRED)  # the variant for threads

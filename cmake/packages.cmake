@@ -1,7 +1,8 @@
 # What distributors need: a pkg-config file, manual pages, bash completion, and the Debian package that `cpack` makes.
 
-# Libraries without a pkg-config file. The libraries of this project are static, so programs that link them need these as well.
-set(pc_libraries -lembree${embree_VERSION_MAJOR})
+# Libraries without a pkg-config file, and LibRaw, whose file names flags of its compiler. The libraries of this project are
+# static, so programs that link them need these as well.
+set(pc_libraries "-lraw_r -lembree${embree_VERSION_MAJOR}")
 if(TARGET dualpixel_onednn)
   string(APPEND pc_libraries " -ldnnl -lgomp")
 endif()
@@ -54,6 +55,6 @@ set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # For programs that link the libraries.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
-    "libembree-dev, libopenimageio-dev, openimageio-tools, libopenexr-dev, libtiff-dev, libraw-dev, zlib1g-dev, libtinygltf-dev, \
-libglm-dev, libtbb-dev, nlohmann-json3-dev, libfmt-dev, libdnnl-dev")
+    "libembree-dev, libopenimageio-dev, openimageio-tools, libopenexr-dev, libtiff-dev, libraw-dev, zlib1g-dev, \
+libtinygltf-dev, libglm-dev, libtbb-dev, nlohmann-json3-dev, libfmt-dev, libdnnl-dev")
 include(CPack)

@@ -7,8 +7,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 packages=(
   g++ cmake ninja-build pkg-config
   libembree-dev libopenimageio-dev openimageio-tools libopenexr-dev libtiff-dev libraw-dev zlib1g-dev
-  libtinygltf-dev libglm-dev libtbb-dev nlohmann-json3-dev libfmt-dev libcli11-dev libxxhash-dev libeigen3-dev libgtest-dev libvalijson-dev
-  libdnnl-dev
+  libtinygltf-dev libglm-dev libtbb-dev nlohmann-json3-dev libfmt-dev libcli11-dev libxxhash-dev
+  libeigen3-dev libgtest-dev libvalijson-dev libdnnl-dev
   "$@"
 )
 missing=()

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <cstdint>
+#include <exception>
 #include <istream>
 #include <memory>
 #include <mutex>
@@ -23,12 +25,16 @@ namespace {
 constexpr int kFieldBytes = 12;
 constexpr std::uint32_t kDngVersion = 50706;
 
-/// What OpenImageIO's reader does, too. It would not tell of broken data, of which LibRaw prints a line.
+/// Set to give what OpenImageIO's raw reader gives. It is not used, as LibRaw then prints a line about broken data, and
+/// the reader takes them as they are.
 std::unique_ptr<LibRaw> make_developer() {
-  static std::mutex mutex;  // LibRaw is not made by two threads at once
+  static std::mutex mutex;  // LibRaw's constructor is not safe for threads (OpenImageIO's issue 2630)
   const std::lock_guard lock(mutex);
   auto raw = std::make_unique<LibRaw>();
   raw->set_dataerror_handler(nullptr, nullptr);  // prints nothing: error_count() tells
+#if LIBRAW_VERSION < LIBRAW_MAKE_VERSION(0, 21, 0)
+  raw->set_memerror_handler(nullptr, nullptr);
+#endif
   libraw_output_params_t& wanted = raw->imgdata.params;
   wanted.output_bps = 16;
   wanted.output_color = 1;  // sRGB's primaries
@@ -40,28 +46,33 @@ std::unique_ptr<LibRaw> make_developer() {
   return raw;
 }
 
+/// Throws for a status of LibRaw's, or one of the system's, that is not success.
+void require(int status, const std::string& path) {
+  if (status == LIBRAW_UNSUFFICIENT_MEMORY || status == ENOMEM) throw std::bad_alloc();
+  if (status != LIBRAW_SUCCESS) throw InputError(printable(path) + ": cannot be read: " + libraw_strerror(status));
+}
+
 Image develop(LibRaw& raw, const std::string& path) {
-  const auto require = [&](int status) {
-    if (status == LIBRAW_UNSUFFICIENT_MEMORY) throw std::bad_alloc();
-    if (status != LIBRAW_SUCCESS) throw InputError(printable(path) + ": cannot be read: " + libraw_strerror(status));
-  };
-  require(raw.open_file(path.c_str()));
+  require(raw.open_file(path.c_str()), path);
   const libraw_image_sizes_t& sizes = raw.imgdata.sizes;
   const int colors = raw.imgdata.idata.colors;
-  // Pixels that are not square will be made so, without a look at what its 16 bits for a side hold.
+  require_allowed_size(path, sizes.width, sizes.height, colors);
+  // Pixels that are not square are made so; LibRaw keeps sides in 16 bits, and would wrap.
   const double aspect = sizes.pixel_aspect;
   require_allowed_size(path, std::llround(sizes.width * std::max(aspect, 1.0)),
                        std::llround(sizes.height / std::min(aspect, 1.0)), colors);
   if (colors != 3) {
     throw InputError(fmt::format("{}: has {} channels; a DNG in color is needed", printable(path), colors));
   }
-  require(raw.unpack());
+  require(raw.unpack(), path);
   if (raw.error_count() > 0) throw InputError(printable(path) + ": cannot be read: its raw data are broken");
-  require(raw.dcraw_process());
+  require(raw.dcraw_process(), path);
   int status = LIBRAW_SUCCESS;
   const std::unique_ptr<libraw_processed_image_t, void (*)(libraw_processed_image_t*)> developed(
       raw.dcraw_make_mem_image(&status), LibRaw::dcraw_clear_mem);
-  require(status);
+  require(status, path);
+  // dcraw_process() may fail for want of memory without saying so.
+  if (!developed || developed->colors != 3 || developed->bits != 16 || developed->width == 0) throw std::bad_alloc();
   Image rgb(developed->width, developed->height, 3);
   const auto* values = reinterpret_cast<const std::uint16_t*>(developed->data);
   for (std::size_t i = 0; i < rgb.data.size(); ++i) rgb.data[i] = static_cast<float>(values[i]) / 65535;
@@ -99,6 +110,10 @@ Image read_dng(const std::string& path) {
     return develop(*make_developer(), path);
   } catch (const std::bad_alloc&) {
     throw InputError(printable(path) + ": there is not enough memory for the picture");
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw InputError(printable(path) + ": cannot be read: " + printable(error.what()));
   }
 }
 

@@ -17,19 +17,12 @@ float band_alpha(float disparity, float low, float high, float per_taper) {
   return std::clamp(1 + std::min(disparity - low, high - disparity) * per_taper, 0.0f, 1.0f);
 }
 
-/// Of a row of disparities: how much of each belongs to the band, its alpha over the sum of all bands'.
-void shares_of(const std::vector<Band>& bands, std::size_t index, const float* disparity, int width, float* shares) {
-  std::vector<float> sums(width);
-  for (const Band& band : bands) {
-    const auto low = static_cast<float>(band.low_dp_px), high = static_cast<float>(band.high_dp_px);
-    const auto per_taper = static_cast<float>(1 / band.taper_dp_px);
-    for (int x = 0; x < width; ++x) {
-      const float alpha = band_alpha(disparity[x], low, high, per_taper);
-      sums[x] += alpha;
-      if (&band == &bands[index]) shares[x] = alpha;
-    }
-  }
-  for (int x = 0; x < width; ++x) shares[x] /= std::max(sums[x], 1.0f);
+/// set(x, alpha) for each pixel of a row of disparities.
+template <typename Set>
+void alphas_of_row(const Band& band, const float* disparity, int width, const Set& set) {
+  const auto low = static_cast<float>(band.low_dp_px), high = static_cast<float>(band.high_dp_px);
+  const auto per_taper = static_cast<float>(1 / band.taper_dp_px);
+  for (int x = 0; x < width; ++x) set(x, band_alpha(disparity[x], low, high, per_taper));
 }
 
 /// alphas_of(y, row) gives a row's alphas, radius_of(x, y) a pixel's radius in full-resolution px.
@@ -117,13 +110,28 @@ std::vector<Band> make_bands(double low_dp_px, double high_dp_px, const BlurMapp
   return bands;
 }
 
-void cut_band(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px, const std::vector<Band>& bands,
-              std::size_t index, Layer& layer) {
+Image sums_of_tents(const Image& disparity_dp_px, const std::vector<Band>& bands) {
+  Image sums(disparity_dp_px.width, disparity_dp_px.height);
+  tbb::parallel_for(tbb::blocked_range<int>(0, sums.height, 16), [&](const tbb::blocked_range<int>& rows) {
+    for (int y = rows.begin(); y < rows.end(); ++y) {
+      float* row = sums.row(y);
+      for (const Band& band : bands) {
+        alphas_of_row(band, disparity_dp_px.row(y), sums.width, [&](int x, float alpha) { row[x] += alpha; });
+      }
+    }
+  });
+  return sums;
+}
+
+void cut_band(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px, const Image& tent_sums,
+              const Band& band, Layer& layer) {
   cut(
       rgb, layer,
       [&](int y, float* alphas) {
-        shares_of(bands, index, disparity_dp_px.row(y), rgb.width, alphas);
-        if (!bands[index].in_focus) return;
+        const float* sums = tent_sums.row(y);
+        alphas_of_row(band, disparity_dp_px.row(y), rgb.width,
+                      [&](int x, float alpha) { alphas[x] = alpha > 0 ? alpha / sums[x] : 0; });
+        if (!band.in_focus) return;
         for (int x = 0; x < rgb.width; ++x) alphas[x] *= 1 - sharpness(radius_px.row(y)[x]);
       },
       [&](int x, int y) { return radius_px.row(y)[x]; });

@@ -39,13 +39,16 @@ struct Layer {
 /// How much of a pixel of radius r, full-resolution px, is the input's own: all up to 0.5 px, nothing from 1.5 px on.
 float sharpness(float radius_px);
 
+/// The sum of all bands' alphas at each pixel: 1 and more within the disparities that make_bands() was given.
+Image sums_of_tents(const Image& disparity_dp_px, const std::vector<Band>& bands);
+
 /// I_j = alpha_j [R, G, B, 1] of each pixel, then the mean of each 2 x 2 block; radii are means weighted by alpha_j.
-/// Here alpha_j is the share of band number `index`: its tent over the sum of all bands' tents (Eq. 9 has the tent
-/// itself), so that a pixel in the tapers of two bands has no more light than others. The in-focus band leaves out what
-/// is sharp, as it is laid down at full resolution: its halved outline would show. `rgb`, `disparity` and `radius` are
+/// Here alpha_j is the band's tent over the sum of all bands' tents (Eq. 9 has the tent itself), so that a pixel inside
+/// one band and in the taper of the next has no more light than others. The in-focus band leaves out what is sharp, as
+/// it is laid down at full resolution: its halved outline would show. `rgb`, `disparity`, `radius` and `tent_sums` are
 /// of one size. Written to `layer`, whose memory is used again.
-void cut_band(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px, const std::vector<Band>& bands,
-              std::size_t index, Layer& layer);
+void cut_band(const Image& rgb, const Image& disparity_dp_px, const Image& radius_px, const Image& tent_sums,
+              const Band& band, Layer& layer);
 
 /// The same with alpha = 1 - mask and one radius, full-resolution px.
 Layer cut_background(const Image& rgb, const Image& mask, float radius_px);

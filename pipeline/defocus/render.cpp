@@ -29,19 +29,16 @@ Stacks blur_bands(const Image& rgb, const Image& disparity_dp_px, const Image& r
                   const std::vector<Band>& bands, const Aperture& aperture) {
   Stacks stacks;
   stacks.below = Image((rgb.width + 1) / 2, (rgb.height + 1) / 2, 4);
+  if (!bands.back().in_focus) stacks.above = stacks.below;
+  const Image tent_sums = sums_of_tents(disparity_dp_px, bands);
   Layer layer;
-  bool in_front = false;
-  for (std::size_t j = 0; j < bands.size(); ++j) {
-    const Band& band = bands[j];
-    cut_band(rgb, disparity_dp_px, radius_px, bands, j, layer);
+  bool in_front = true;
+  for (auto band = bands.rbegin(); band != bands.rend(); ++band) {  // from the nearest
+    in_front &= !band->in_focus;
+    cut_band(rgb, disparity_dp_px, radius_px, tent_sums, *band, layer);
     layer.in_front_of_focus = in_front;
-    if (band.in_focus) {
-      scatter_direct(layer, stacks.below, aperture);
-      in_front = true;
-      continue;
-    }
-    if (in_front && stacks.above.empty()) stacks.above = Image(stacks.below.width, stacks.below.height, 4);
-    scatter_gradient(layer, in_front ? stacks.above : stacks.below, aperture);
+    const auto scatter = band->in_focus ? scatter_direct : scatter_gradient;
+    scatter(layer, in_front ? stacks.above : stacks.below, aperture);
   }
   return stacks;
 }

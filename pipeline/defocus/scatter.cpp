@@ -207,16 +207,16 @@ void scatter_into(Strip& strip, const Layer& layer, int y0, int y1) {
   }
 }
 
-/// In place on what lies behind. Piled-up discs count as one that is opaque.
-void composite(const Rgba& blurred, float* behind) {
-  store_rgba(lay_over(blurred / std::max(blurred[3], 1.0f), load_rgba(behind)), behind);
+/// In place on what lies in front. Piled-up discs count as one that is opaque.
+void lay_behind(float* front, const Rgba& blurred) {
+  store_rgba(lay_over(load_rgba(front), blurred / std::max(blurred[3], 1.0f)), front);
 }
 
-/// Scatters and hands each row of the result, with the margins that the strip has, to finish(strip row, margin, row
-/// behind). Each strip takes from all source rows in order and adds to its own rows only, so every sum has the same
+/// Scatters and hands each row of the result, with the margins that the strip has, to finish(strip row, margin, row of
+/// `front`). Each strip takes from all source rows in order and adds to its own rows only, so every sum has the same
 /// order however the strips are shared out.
 template <typename Finish>
-void scatter(const Layer& layer, const Aperture& aperture, MakeKernel make, Image& behind, const Finish& finish) {
+void scatter(const Layer& layer, const Aperture& aperture, MakeKernel make, Image& front, const Finish& finish) {
   const int height = layer.rgba.height;
   tbb::enumerable_thread_specific<Strip> strips([&] { return make_strip(layer, aperture, make); });
   tbb::parallel_for(0, (height + kStripRows - 1) / kStripRows, [&](int s) {
@@ -224,7 +224,7 @@ void scatter(const Layer& layer, const Aperture& aperture, MakeKernel make, Imag
     Strip& strip = strips.local();
     std::fill(strip.data.begin(), strip.data.end(), 0.0f);
     scatter_into(strip, layer, y0, y1);
-    for (int y = y0; y < y1; ++y) finish(strip.row(y - y0), strip.margin, behind.row(y));
+    for (int y = y0; y < y1; ++y) finish(strip.row(y - y0), strip.margin, front.row(y));
   });
 }
 
@@ -232,22 +232,22 @@ constexpr float kTraces = 1e-5f;  // alpha that rounding may leave where no disc
 
 }  // namespace
 
-void scatter_direct(const Layer& layer, Image& behind, const Aperture& aperture) {
-  scatter(layer, aperture, antialiased, behind, [&](const float* from, int margin, float* to) {
+void scatter_direct(const Layer& layer, Image& front, const Aperture& aperture) {
+  scatter(layer, aperture, antialiased, front, [&](const float* from, int margin, float* to) {
     for (int x = 0; x < layer.rgba.width; ++x) {
       const Rgba blurred = load_rgba(from + 4 * (x + margin));
-      if (blurred[3] > kTraces) composite(blurred, to + 4 * x);
+      if (blurred[3] > kTraces) lay_behind(to + 4 * x, blurred);
     }
   });
 }
 
-void scatter_gradient(const Layer& layer, Image& behind, const Aperture& aperture) {
-  scatter(layer, aperture, gradient, behind, [&](const float* from, int margin, float* to) {
+void scatter_gradient(const Layer& layer, Image& front, const Aperture& aperture) {
+  scatter(layer, aperture, gradient, front, [&](const float* from, int margin, float* to) {
     using Sum = double __attribute__((vector_size(32)));  // single precision would drift over a row
     Sum sum{};
     for (int x = -margin; x < layer.rgba.width; ++x) {
       sum += __builtin_convertvector(load_rgba(from + 4 * (x + margin)), Sum);
-      if (x >= 0 && sum[3] > kTraces) composite(__builtin_convertvector(sum, Rgba), to + 4 * x);
+      if (x >= 0 && sum[3] > kTraces) lay_behind(to + 4 * x, __builtin_convertvector(sum, Rgba));
     }
   });
 }

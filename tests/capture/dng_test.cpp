@@ -196,13 +196,15 @@ void set_field(std::string& file, std::uint16_t tag, std::uint32_t value) {
   std::memcpy(&file[entry + 8], &value, 4);
 }
 
-/// A lossless JPEG (ITU T.81, Annex H) of 64 x 64 pixels of 12 bits, each predicted by its left neighbor. Of its two
-/// codes, 0 is no difference, and 10 has 12 bits more.
-std::string lossless_jpeg(const std::string& data) {
+/// A lossless JPEG (ITU T.81, Annex H), 64 px wide, of 9 bits: the first pixel is predicted as 256, others by their
+/// left neighbor. Of its two codes, 0 is no difference, and 10 has 9 bits more.
+std::string lossless_jpeg(const std::string& data, int rows = 64) {
   using namespace std::string_literals;
   return "\xff\xd8"
-         "\xff\xc3\0\x0b\x0c\0\x40\0\x40\1\1\x11\0"                // frame: 12 bits, 64 x 64, one component
-         "\xff\xc4\0\x15\0\1\1\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x0c"  // table: a code of one bit, one of two
+         "\xff\xc3\0\x0b\x09\0"s +
+         static_cast<char>(rows) +
+         "\0\x40\1\1\x11\0"                                        // frame: one component
+         "\xff\xc4\0\x15\0\1\1\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x09"  // table: a code of one bit, one of two
          "\xff\xda\0\x08\1\1\0\1\0\0"s +                           // scan: predictor 1
          data +
          "\xff\xd9";
@@ -225,30 +227,48 @@ TEST(Dng, ReadsNoneThatEndsBeforeItsPicture) {
   }
 }
 
-// LibRaw alone would print a line and give garbage.
+// LibRaw alone would print a line and give garbage, or leave its memory as it found it.
 TEST(Dng, ReadsNoneWhoseCompressedDataAreBroken) {
   const TemporaryFolder folder;
   const std::string path = folder / "a.dng";
-  write_dng(path, ramp(64, 64), capture_of("RGGB"), DngImage::mosaic);
+  Capture capture = capture_of("RGGB");
+  capture.exposure.mosaic_white_level_dn = 544;
+  write_dng(path, ramp(64, 64), capture, DngImage::mosaic);
   std::string file = read_bytes(path);
   const auto strip = static_cast<std::size_t>(Directory(path)[kStripOffsets].at(0));
-  const auto compressed = [&](const std::string& data) {
-    const std::string jpeg = lossless_jpeg(data);
+  const auto compressed = [&](const std::string& jpeg, std::uint32_t compression) {
     file.replace(strip, jpeg.size(), jpeg);
     set_field(file, kStripBytes, static_cast<std::uint32_t>(jpeg.size()));
-    set_field(file, kCompression, 7);
+    set_field(file, kCompression, compression);
     write_bytes(path, file);
   };
+  constexpr int kLossless = 7, kLossy = 34892;
   const std::string flat(64 * 64 / 8, '\0');  // one bit a pixel
-  compressed(flat);
+  compressed(lossless_jpeg(flat), kLossless);
   const Image gray = read_dng(path);
   EXPECT_EQ(gray.width, 64);
-  EXPECT_NEAR(gray.at(30, 30, 1), 1, 1e-3) << "2048 DN, beyond white";
-  compressed("\xbf\xfc" + flat);  // adds 4095 DN to 2048, where 12 bits end at 4095
-  ::testing::internal::CaptureStderr();
-  const std::string refusal = message_of<InputError>([&] { read_dng(path); });
-  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
-  EXPECT_EQ(refusal, path + ": cannot be read: its raw data are broken");
+  EXPECT_NEAR(gray.at(30, 30, 1), (256.0 - 64) / (544 - 64), 1e-3);
+  std::string without_start = lossless_jpeg(flat), without_scan = without_start, of_20_bits = without_start;
+  without_start[1] = '\0';
+  without_scan.resize(30);
+  of_20_bits[6] = 20;
+  const struct {
+    std::string jpeg;
+    std::uint32_t compression;
+    std::string said;
+  } broken[] = {{lossless_jpeg("\xbf\xe0" + flat), kLossless, "raw data are broken"},  // adds 511 to 256, of 9 bits
+                {without_start, kLossless, "is no JPEG"},
+                {without_scan, kLossless, "no scan"},
+                {of_20_bits, kLossless, "1 components of 20 bits"},
+                {lossless_jpeg(flat, 60), kLossless, "has 3840 samples of 4096"},
+                {lossless_jpeg(flat), kLossy, "its compression, 34892, is not supported"}};
+  for (const auto& [jpeg, compression, said] : broken) {
+    compressed(jpeg, compression);
+    ::testing::internal::CaptureStderr();
+    const std::string refusal = message_of<InputError>([&] { read_dng(path); });
+    EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+    EXPECT_TRUE(refusal.starts_with(path + ": cannot be read: ") && refusal.find(said) != std::string::npos) << refusal;
+  }
 }
 
 // LibRaw makes pixels square: 8000 rows of pixels nine times as high as wide are 72 000.

@@ -274,10 +274,10 @@ TEST(SlowCli, EndsAtItsTimeLimitAndLeavesNothing) {
 TEST(SlowCli, TheFirstSignalSaysThatTheSetGoesOnToItsNextWholeShard) {
   const TemporaryFolder folder;
   const std::string out = "'" + (folder / "set") + "' 2>'" + (folder / "said") + "'";
-  // once it has computed for a second, twice what it takes to start, signals are noted, and seconds of work are left
+  // once it has computed for three seconds, six times what it takes to start, it is drawing people
   run_program("--version >/dev/null; '" DUALPIXEL_PROGRAM "' people --count 64 -o " + out +
-              " & for i in $(seq 600); do [ $(cut -d' ' -f14 /proc/$!/stat) -gt $(getconf CLK_TCK) ] && break; "
-              "sleep 0.05; done; kill -TERM $!; wait $!");
+              " & for i in $(seq 600); do [ $(cut -d' ' -f14 /proc/$!/stat) -gt $((3 * $(getconf CLK_TCK))) ] && "
+              "break; sleep 0.05; done; kill -TERM $!; wait $!");
   EXPECT_EQ(read_bytes(folder / "said"),
             "dualpixel: stopping when what is being made is whole; a second signal ends it at once\n");
 }

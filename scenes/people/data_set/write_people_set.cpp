@@ -1,6 +1,8 @@
 #include "scenes/people/data_set/write_people_set.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -105,12 +107,15 @@ void refuse_another(const std::string& folder, nlohmann::json written, const nlo
   }
 }
 
-/// Refuses a folder that cannot be made. It is made with the first shard, not before: that may take minutes.
+/// Refuses a folder that cannot be made or written to. It is made with the first shard, minutes later, so that a run
+/// that ends before leaves nothing.
 void require_folder(const std::string& folder) {
   std::error_code error;
-  const bool made = fs::create_directories(folder, error);
-  if (!fs::is_directory(folder)) throw InputError(fmt::format("{}: cannot be made a folder", printable(folder)));
-  if (made) fs::remove(folder, error);
+  fs::path there = fs::absolute(folder, error);
+  while (!fs::exists(there, error) && there.has_relative_path()) there = there.parent_path();
+  if (!fs::is_directory(there, error) || access(there.c_str(), W_OK | X_OK) != 0) {
+    throw InputError(fmt::format("{}: cannot be made a folder", printable(folder)));
+  }
 }
 
 /// Refuses a folder that holds a set of other options, or something that is not a set.
@@ -185,8 +190,8 @@ bool write_people_set(const PeopleOptions& options, const std::string& folder,
     const nlohmann::ordered_json recipe = shard_recipe(options, shard);
     if (!is_there(path, recipe)) {
       if (stopped && *stopped != 0) return false;
-      std::error_code none;
-      fs::remove(folder + "/" + kSetFile, none);  // the set is incomplete until it is written again
+      std::error_code ignored;
+      fs::remove(folder + "/" + kSetFile, ignored);  // the set is incomplete until it is written again
       const auto samples = make_people_shard(options, shard, samples_of_shard(options, shard), [&](double fraction) {
         if (progress) progress((shard + fraction) / shards);
       });

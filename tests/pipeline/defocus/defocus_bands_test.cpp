@@ -52,7 +52,8 @@ struct Plane {
 /// there already ("ordered"), or added. At the working resolution, enlarged, of colors for display in 1/255.
 Image exact(const Plane& plane, bool ordered) {
   Layer layer;
-  cut_band(plane.rgb, plane.disparity, plane.radius, {{-100, 100, 1, false}}, 0, layer);
+  const Band all{-100, 100, 1, false};
+  cut_band(plane.rgb, plane.disparity, plane.radius, sums_of_tents(plane.disparity, {all}), all, layer);
   const int width = layer.rgba.width, height = layer.rgba.height;
   Image sums(width, height, 4);
   for (int i = 0; i < width; ++i) {

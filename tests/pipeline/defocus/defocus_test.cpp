@@ -213,7 +213,7 @@ TEST(Layers, BlocksAreMeansAlsoAtOddBorders) {
   disparity.at(0, 0) = 1.25f;  // alpha 1/2
   radius.at(0, 0) = 11;
   Layer layer;
-  cut_band(rgb, disparity, radius, {band}, 0, layer);
+  cut_band(rgb, disparity, radius, Image(3, 5, 1, 1.0f), band, layer);
   ASSERT_EQ(layer.rgba.width, 2);
   ASSERT_EQ(layer.rgba.height, 3);
   for (const auto& [x, y] : {std::pair{1, 0}, {0, 2}, {1, 2}}) {
@@ -233,8 +233,8 @@ TEST(Layers, SharesOfEveryPixelAddUpToOne) {
   const std::vector<Band> bands = make_bands(-2, 1, mapping);
   Layer layer;
   std::vector<float> sums(32);
-  for (std::size_t j = 0; j < bands.size(); ++j) {
-    cut_band(rgb, disparity, radius, bands, j, layer);
+  for (const Band& band : bands) {
+    cut_band(rgb, disparity, radius, sums_of_tents(disparity, bands), band, layer);
     for (int x = 0; x < 32; ++x) sums[x] += layer.rgba.at(x, 0, 3);
   }
   for (const float sum : sums) EXPECT_NEAR(sum, 1, 1e-6);
@@ -425,6 +425,7 @@ TEST(Render, SubjectDoesNotBleedIntoTheBackgroundButABlurredFrontCoversTheSubjec
     // Red spreads over green: a disc whose center is 1.5 px beyond an edge has 43 % of its area across it.
     EXPECT_NEAR(out.rgb.at(41, y, 0), 0.43f, 0.04f);
     EXPECT_NEAR(out.rgb.at(41, y, 1), 0.57f, 0.04f);
+    EXPECT_NEAR(out.blurred.at(41, y), 0.43f, 0.04f);  // the subject keeps its own noise
   }
 }
 
@@ -444,7 +445,32 @@ TEST(Render, WhatIsSeenThroughGapsHasItsShareOfTheLight) {
   for (const int bands : {3, 5, 9}) {
     const Image blurred = render_defocus(rgb, disparity, radius, mapping, {.bands = bands}).rgb;
     for (int y = 60; y < 100; ++y) {
+      // of the checkers' contrast a disc of 20 px leaves .81 * 2 J1(22) / 22, .015 at most
       for (int x = 60; x < 100; ++x) ASSERT_NEAR(blurred.at(x, y), 0.5, 0.02) << bands << " bands";
+    }
+  }
+}
+
+// A slanted fence before a wall: along the outline of its top half of the light is the fence's, wherever bands end.
+TEST(Render, OutlinesCoverHalfHoweverManyBandsCutThem) {
+  constexpr int kWidth = 300, kHeight = 160;
+  const BlurMapping mapping = make_blur_mapping(1, 0, 2688, false);
+  for (const double side : {1.0, -1.0}) {  // behind and in front of the focus
+    Image rgb(kWidth, kHeight, 3), disparity(kWidth, kHeight), radius(kWidth, kHeight, 1, 20.0f);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const bool fence = y >= kHeight / 2;
+        const double deep = fence ? 0.3 + 0.4 * x / kWidth : 1.2;
+        disparity.at(x, y) = static_cast<float>(side > 0 ? deep : deep - 1.5);
+        if (fence) std::fill_n(&rgb.at(x, y), 3, 1.0f);
+      }
+    }
+    for (const int bands : {3, 5, 9}) {
+      const Image blurred = render_defocus(rgb, disparity, radius, mapping, {.bands = bands}).rgb;
+      for (int x = 40; x < kWidth - 40; ++x) {
+        const float middle = 0.5f * (blurred.at(x, kHeight / 2 - 1) + blurred.at(x, kHeight / 2));
+        EXPECT_NEAR(middle, 0.5, 0.005) << bands << " bands, " << side << ", at " << x;
+      }
     }
   }
 }
