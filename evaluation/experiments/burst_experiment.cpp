@@ -21,9 +21,9 @@ constexpr int kMostFrames = 15;
 constexpr int kBorder_px = 16;  // DP px: windows and tiles are cut short there
 
 /// A card of 96 DP px before a wall, the focus between them; the card moves to the right by so much a frame.
-AtlasScene card_before_wall(double lux, double dp_px_a_frame) {
+AtlasScene card_before_wall(double lux, double dp_px_a_frame, unsigned draw = 0) {
   constexpr double kBlur = 3, kHalfCard = 48, kInterval_s = 1.0 / 15;
-  AtlasScene scene{focused_for(atlas_camera("thin"), 24), 0};
+  AtlasScene scene{focused_for(atlas_camera("thin"), 24), draw};
   scene.illumination_lux = lux;
   scene.document["burst"] = {{"frames", kMostFrames}, {"interval_s", kInterval_s}};
   add_wall(scene, add_paint(scene, pink_paint(scene, 0)), kBlur);
@@ -41,11 +41,7 @@ AtlasScene card_before_wall(double lux, double dp_px_a_frame) {
 
 Capture take_still(double lux) { return take_burst(card_before_wall(lux, 0)); }
 
-Capture take_in_hand(double lux) {
-  AtlasScene scene = card_before_wall(lux, 0);
-  scene.document["burst"].update({{"hand_shake", 1}, {"exposure_poses", 4}});
-  return take_burst(scene);
-}
+Capture take_in_hand(double lux) { return take_shaken_burst(lux, 0); }
 
 /// As fast as a hand that is raised in some 1.5 s.
 Capture take_arm(double lux) { return take_burst(card_before_wall(lux, 4)); }
@@ -164,29 +160,53 @@ Image portrait_of(const Capture& burst, int frames) {
   return result.base_frame == 0 ? std::move(result.portrait_srgb) : Image();
 }
 
-}  // namespace
+struct Merged {
+  BurstPoint point;
+  ViewSample views;
+};
 
-std::vector<BurstPoint> measure_burst(const Capture& burst, const Capture& registered, const std::vector<int>& frames) {
+std::vector<Merged> merged_bursts(const Capture& burst, const std::vector<int>& frames) {
   constexpr double kSquare = 4;  // a square's mean has a quarter of a pixel's noise: 4 sigma of it are one of a pixel's
   const double first_rms = Errors(merged_views(burst, {burst.frames.front()}), burst).rms();
-  const Image reference = portrait_of(registered, static_cast<int>(registered.frames.size()));
-  std::vector<BurstPoint> points;
+  std::vector<Merged> all;
   for (const int count : frames) {
-    BurstPoint& point = points.emplace_back();
+    auto& [point, views] = all.emplace_back();
     point.frames = count;
     const std::clock_t start = std::clock();
-    const ViewSample views =
-        merged_views(burst, std::vector<Frame>(burst.frames.begin(), burst.frames.begin() + count));
+    views = merged_views(burst, std::vector<Frame>(burst.frames.begin(), burst.frames.begin() + count));
     point.merge_cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     const Errors errors(views, burst);
     point.error_kept = errors.rms() / first_rms;
     point.ghost_share = errors.squares_beyond(4 * first_rms / kSquare);
+  }
+  return all;
+}
+
+}  // namespace
+
+Capture take_shaken_burst(double lux, unsigned draw) {
+  AtlasScene scene = card_before_wall(lux, 0, draw);
+  scene.document["burst"].update({{"hand_shake", 1}, {"exposure_poses", 4}});
+  return take_burst(scene);
+}
+
+std::vector<BurstPoint> measure_merge(const Capture& burst, const std::vector<int>& frames) {
+  std::vector<BurstPoint> points;
+  for (Merged& merged : merged_bursts(burst, frames)) points.push_back(std::move(merged.point));
+  return points;
+}
+
+std::vector<BurstPoint> measure_burst(const Capture& burst, const Capture& registered, const std::vector<int>& frames) {
+  const Image reference = portrait_of(registered, static_cast<int>(registered.frames.size()));
+  std::vector<BurstPoint> points;
+  for (auto& [point, views] : merged_bursts(burst, frames)) {
     for (const pipeline::Matcher& matcher : pipeline::matchers()) {
       const MethodRun run = method_of(matcher).run(views.left, views.right, views.sensor);
       point.disparity.push_back({std::string(matcher.name), error_68(views, run.found.disparity_dp_px)});
     }
-    const Image portrait = portrait_of(burst, count);
+    const Image portrait = portrait_of(burst, point.frames);
     if (!portrait.empty()) point.portrait_db = psnr_db(portrait, reference);
+    points.push_back(std::move(point));
   }
   return points;
 }

@@ -40,6 +40,13 @@ inline constexpr int kBurstFrames[] = {1, 2, 3, 4, 6, 8, 10, 15};
 /// threads.
 std::vector<BurstSweep> measure_bursts(const std::function<void(double fraction)>& progress = {});
 
+/// The burst of "shake". Draws differ in textures and in noise.
+Capture take_shaken_burst(double lux, unsigned draw);
+
+/// What aligning and merging leaves and costs, without what is made of it: no disparity, no portrait. The burst has
+/// truth.
+std::vector<BurstPoint> measure_merge(const Capture& burst, const std::vector<int>& frames);
+
 /// Points of one burst; `registered`: a burst of the same scene at rest. Both hold truth.
 std::vector<BurstPoint> measure_burst(const Capture& burst, const Capture& registered, const std::vector<int>& frames);
 

@@ -29,6 +29,18 @@ TEST(SlowBurstExperiment, AtRestTheMergeKeepsTheNoiseThatItStates) {
   EXPECT_GT(points[1].portrait_db.value(), points[0].portrait_db.value());
 }
 
+// The likeness of moved tiles is doubted: half of the frames may be lost so, but no more.
+TEST(SlowBurstExperiment, AShakenBurstGainsByMoreFrames) {
+  const Capture burst = take_shaken_burst(5, 1);
+  const std::vector<BurstPoint> points = measure_merge(burst, {1, 2, 4, 15});
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const int frames = points[i].frames;
+    EXPECT_LT(points[i].error_kept, points[i - 1].error_kept);
+    EXPECT_LT(points[i].error_kept, std::sqrt(2.0 / frames)) << frames;
+  }
+  EXPECT_NE(take_shaken_burst(5, 2).frames[0].left.data, burst.frames[0].left.data);
+}
+
 // 64 of 1920 squares of the first frame are off by some twelve times their noise.
 TEST(SlowBurstExperiment, CountsGhosts) {
   Capture burst = wall_at_rest(1);
