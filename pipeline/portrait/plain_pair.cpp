@@ -10,6 +10,7 @@
 
 #include "capture/error.h"
 #include "capture/image/image_io.h"
+#include "capture/image/picture_encoding.h"
 #include "capture/json_fields.h"
 #include "pipeline/disparity/noise_model.h"
 #include "pipeline/portrait/photograph.h"
@@ -18,13 +19,14 @@ namespace dualpixel::pipeline {
 namespace {
 
 constexpr double kLeastRange = 1e-3;  // of the values that a file may hold, between black and white
+constexpr double kAssumedFocus_m = 1;
 constexpr double kFullScale = 65535;  // of the digital numbers that the views become
 
 struct Metadata {
-  std::string encoding = "srgb";
+  std::string encoding;  ///< none: what the picture's file declares
   double black = 0, white = 1;
   std::optional<ViewNoise> noise;
-  double focus_distance_m = 1;
+  std::optional<double> focus_distance_m;
   std::optional<std::array<double, 4>> face_px;
   double alpha = 0, focal_length_mm = 0, f_number = 0;  // unknown
 };
@@ -46,7 +48,9 @@ Metadata read_metadata(const std::string& path) {
     metadata.noise.emplace();
     noise.number("shot", metadata.noise->shot, 0, 1).number("read", metadata.noise->read, 0, 1).done();
   }
-  fields.number("focus_distance_m", metadata.focus_distance_m, 0.01, INFINITY);
+  if (fields.has("focus_distance_m")) {
+    fields.number("focus_distance_m", metadata.focus_distance_m.emplace(), 0.01, INFINITY);
+  }
   fields.number("alpha", metadata.alpha, 1e-6, 10);
   fields.number("focal_length_mm", metadata.focal_length_mm, 0.01, 1e5);
   fields.number("f_number", metadata.f_number, 0.1, 1e6);
@@ -63,6 +67,21 @@ Metadata read_metadata(const std::string& path) {
   return metadata;
 }
 
+bool is_linear(const std::string& path, const Metadata& metadata) {
+  return metadata.encoding.empty() ? picture_encoding(path).linear : metadata.encoding == "linear";
+}
+
+/// What neither the metadata nor the files say.
+std::vector<std::string> assumptions(const PlainPair& pair, const Metadata& metadata) {
+  std::vector<std::string> assumed;
+  if (metadata.encoding.empty() && !(is_linear(pair.left, metadata) && is_linear(pair.right, metadata))) {
+    assumed.emplace_back("values are sRGB where a file does not declare linear light");
+  }
+  if (!metadata.noise) assumed.emplace_back("the views' noise is what they show");
+  if (!metadata.focus_distance_m) assumed.push_back(fmt::format("the focus is at {:g} m", kAssumedFocus_m));
+  return assumed;
+}
+
 /// Linear RGB (or gray), 0 black and 1 clipped.
 Image read_view(const std::string& path, const Metadata& metadata, bool vertical) {
   const PictureSize size = picture_size(path);
@@ -70,6 +89,7 @@ Image read_view(const std::string& path, const Metadata& metadata, bool vertical
     throw InputError(fmt::format("{}: {}: a view must be a PNG, TIFF or JPEG", printable(path), size.format));
   }
   const Image picture = read_image(path);
+  const bool linear = is_linear(path, metadata);
   Image view(picture.width, picture.height, picture.channels < 3 ? 1 : 3);
   const auto black = static_cast<float>(metadata.black);
   const auto range = static_cast<float>(metadata.white - metadata.black);
@@ -80,7 +100,7 @@ Image read_view(const std::string& path, const Metadata& metadata, bool vertical
         throw InputError(fmt::format("{}: pixel ({}, {}): {}: a view's values must lie in [0, 1]", printable(path),
                                      i % view.width, i / view.width, stored));
       }
-      const float signal = ((metadata.encoding == "srgb" ? linear_from_srgb(stored) : stored) - black) / range;
+      const float signal = ((linear ? stored : linear_from_srgb(stored)) - black) / range;
       view.data[i * view.channels + c] = std::clamp(signal, 0.0f, 1.0f);
     }
   }
@@ -168,7 +188,7 @@ PlainPairCapture read_plain_pair(const PlainPair& pair) {
                     .dp_downsample_y = 1,
                     .focal_length_mm = metadata.focal_length_mm,
                     .f_number = metadata.f_number,
-                    .focus_distance_m = metadata.focus_distance_m,
+                    .focus_distance_m = metadata.focus_distance_m.value_or(kAssumedFocus_m),
                     .alpha = metadata.alpha};
   capture.exposure = {.bits = 16,
                       .white_level_dn = kFullScale,
@@ -187,7 +207,8 @@ PlainPairCapture read_plain_pair(const PlainPair& pair) {
     picture.data[i] = 0.5f * (left.data[stored] + right.data[stored]);
   }
   capture.exposure.mosaic_noise = noise_of(picture);
-  PlainPairCapture result{std::move(capture), even_sided(picture), left.width, left.height};
+  PlainPairCapture result{std::move(capture), even_sided(picture), left.width, left.height,
+                          assumptions(pair, metadata)};
   if (pair.vertical_split) std::swap(result.width, result.height);
   return result;
 }

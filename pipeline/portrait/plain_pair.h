@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <vector>
 
 #include "capture/capture.h"
 #include "capture/image/image.h"
@@ -17,6 +18,7 @@ struct PlainPairCapture {
   Capture capture;
   Image picture;              ///< linear RGB, the mean of the two, for the portrait to blur: see PortraitOptions
   int width = 0, height = 0;  ///< of the pictures as they are stored
+  std::vector<std::string> assumed = {};  ///< what neither metadata nor files say, as sentences without a full stop
 };
 
 /// One frame without mosaic or truth, each pixel of the pictures a DP pixel. A view is (R + 2 G + B) / 4 in linear
@@ -25,7 +27,7 @@ struct PlainPairCapture {
 /// sides get their last column or row twice.
 ///
 /// The metadata's fields, all optional; others are refused:
-///   encoding               "srgb" (default: what 8-bit files and most 16-bit ones hold) or "linear"
+///   encoding               "srgb" or "linear"; default: linear where a picture's file declares it, else sRGB
 ///   black_level            linear signal of darkness, of the file's full scale, [0, 1); default 0
 ///   white_level            linear signal at which pixels clip, (black_level, 1]; default 1
 ///   noise {shot, read}     variance shot * x + read of a view's pixel whose mean is x, 0 black and 1 clipped; default:

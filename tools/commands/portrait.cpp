@@ -171,12 +171,14 @@ void require_lens(const pipeline::PlainPair& pair, const Camera& camera) {
                    "pixels of the pair, and the lens that took it");
 }
 
-/// The capture, whose picture goes to the options where it is given apart. `assumed`: what a photograph does not say.
+/// The capture, whose picture goes to the options where it is given apart. `assumed`: what a photograph or a pair does
+/// not say.
 Capture read_input(const PortraitCommand& command, PortraitOptions& options, std::vector<std::string>& assumed) {
   if (command.plain()) {
     pipeline::PlainPairCapture pair = pipeline::read_plain_pair(command.pair);
     if (options.match_pupil_mm) require_lens(command.pair, pair.capture.camera);
     options.picture = std::move(pair.picture);
+    assumed = std::move(pair.assumed);
     if (options.disparity) make_even(*options.disparity, pair);
     return std::move(pair.capture);
   }
@@ -310,7 +312,8 @@ void run(const PortraitCommand& command) {
   nlohmann::ordered_json provenance = provenance_of(command, capture, options, result);
   if (!assumed.empty()) {
     provenance["assumed"] = assumed;
-    std::cerr << fmt::format("{}: assumed: {}\n", printable(command.capture), fmt::join(assumed, "; "));
+    std::cerr << fmt::format("{}: assumed: {}\n", printable(command.plain() ? command.pair.left : command.capture),
+                             fmt::join(assumed, "; "));
   }
   pipeline::write_result(result, provenance, command.output);
 }
