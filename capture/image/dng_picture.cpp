@@ -6,16 +6,21 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <climits>
 #include <cmath>
 #include <cstdint>
 #include <exception>
+#include <fstream>
 #include <istream>
 #include <memory>
 #include <mutex>
 #include <new>
+#include <optional>
+#include <string_view>
 
 #include "capture/error.h"
 #include "capture/files.h"
+#include "capture/image/faults/dng_fault.h"
 #include "capture/image/faults/tiff_fault.h"
 #include "capture/image/picture_limits.h"
 
@@ -24,6 +29,7 @@ namespace {
 
 constexpr int kFieldBytes = 12;
 constexpr std::uint32_t kDngVersion = 50706;
+constexpr unsigned kFloatingPoint = 3;  // TIFF's SampleFormat
 
 /// Set to give what OpenImageIO's raw reader gives. It is not used, as LibRaw then prints a line about broken data, and
 /// the reader takes them as they are.
@@ -52,6 +58,36 @@ void require(int status, const std::string& path) {
   if (status != LIBRAW_SUCCESS) throw InputError(printable(path) + ": cannot be read: " + libraw_strerror(status));
 }
 
+/// Of the data that an opened file is about to give. What LibRaw reads without a word about faults is refused.
+std::optional<std::string> fault_of_raw_data(LibRaw& raw, const std::string& path) {
+  const unpacker_data_t& unpacker = raw.get_internal_data_pointer()->unpacker_data;
+  const libraw_image_sizes_t& sizes = raw.imgdata.sizes;
+  DngData data{unpacker.data_offset, unpacker.order == 0x4d4d, sizes.raw_width, sizes.raw_height};
+  if (raw.imgdata.idata.filters == 0) data.samples = static_cast<int>(unpacker.tiff_samples);
+  if (unpacker.tile_length < INT_MAX) {
+    data.tile_width = static_cast<int>(std::min<unsigned>(unpacker.tile_width, INT_MAX));
+    data.tile_height = static_cast<int>(unpacker.tile_length);
+  }
+  require_allowed_size(path, data.width, data.height, data.samples);
+  libraw_decoder_info_t decoder{};
+  raw.get_decoder_info(&decoder);
+  const std::string_view name = decoder.decoder_name != nullptr ? decoder.decoder_name : "";
+  if (name == "lossless_dng_load_raw()") {
+    std::ifstream file(path, std::ios::binary);
+    return fault_of_lossless_dng(file, data);
+  }
+  if (name != "packed_dng_load_raw()") {
+    return fmt::format("its compression, {}, is not supported; raw data must have none or be lossless JPEG",
+                       unpacker.tiff_compress);
+  }
+  if (data.tile_height > 0) return "its raw data are tiles without compression, which is not supported";
+  if (unpacker.tiff_bps > 16 || unpacker.tiff_sampleformat == kFloatingPoint) {
+    return fmt::format("its raw data have {} bits{}; at most 16, without a point, are supported", unpacker.tiff_bps,
+                       unpacker.tiff_sampleformat == kFloatingPoint ? " with a point" : "");
+  }
+  return {};
+}
+
 Image develop(LibRaw& raw, const std::string& path) {
   require(raw.open_file(path.c_str()), path);
   const libraw_image_sizes_t& sizes = raw.imgdata.sizes;
@@ -63,6 +99,9 @@ Image develop(LibRaw& raw, const std::string& path) {
                        std::llround(sizes.height / std::min(aspect, 1.0)), colors);
   if (colors != 3) {
     throw InputError(fmt::format("{}: has {} channels; a DNG in color is needed", printable(path), colors));
+  }
+  if (const auto fault = fault_of_raw_data(raw, path)) {
+    throw InputError(printable(path) + ": cannot be read: " + *fault);
   }
   require(raw.unpack(), path);
   if (raw.error_count() > 0) throw InputError(printable(path) + ": cannot be read: its raw data are broken");

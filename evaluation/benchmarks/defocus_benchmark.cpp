@@ -49,10 +49,10 @@ std::vector<RadiusTime> time_radii(int width, int height) {
   for (const double radius_px : {3.0, 4.0, 5.5, 8.0, 11.0, 15.0, 20.0, 30.0, 40.0, 60.0}) {
     const pipeline::Layer layer{Image(width / 2, height / 2, 4, 0.5f),
                                 Image(width / 2, height / 2, 1, static_cast<float>(radius_px / 2))};
-    Image behind(width / 2, height / 2, 4);
+    Image front(width / 2, height / 2, 4);
     const bool direct = radius_px <= kLargestDirectPx;
-    std::vector<std::function<void()>> work = {[&] { scatter_gradient(layer, behind); }};
-    if (direct) work.emplace_back([&] { scatter_direct(layer, behind); });
+    std::vector<std::function<void()>> work = {[&] { scatter_gradient(layer, front); }};
+    if (direct) work.emplace_back([&] { scatter_direct(layer, front); });
     const Times best = times(work, 3);
     RadiusTime& row = rows.emplace_back(RadiusTime{radius_px, best.ms[0], best.cpu_ms[0], {}, {}});
     if (direct) row.direct_ms = best.ms[1], row.direct_cpu_ms = best.cpu_ms[1];

@@ -95,10 +95,10 @@ Image disc(float radius_px, bool by_gradient) {
   pipeline::Layer layer{Image(side, side, 4), Image(side, side)};
   for (int c = 0; c < 4; ++c) layer.rgba.at(side / 2, side / 2, c) = 1;
   layer.radius_px.at(side / 2, side / 2) = radius_px;
-  Image behind(side, side, 4);
-  by_gradient ? pipeline::scatter_gradient(layer, behind) : pipeline::scatter_direct(layer, behind);
+  Image scattered(side, side, 4);
+  by_gradient ? pipeline::scatter_gradient(layer, scattered) : pipeline::scatter_direct(layer, scattered);
   Image alpha(side, side);
-  for (std::size_t i = 0; i < alpha.data.size(); ++i) alpha.data[i] = behind.data[4 * i + 3];
+  for (std::size_t i = 0; i < alpha.data.size(); ++i) alpha.data[i] = scattered.data[4 * i + 3];
   return alpha;
 }
 

@@ -24,7 +24,7 @@ Defocused blur_by_mask(const DefocusInput& input, const DefocusOptions& options)
 }
 
 constexpr DefocusMethod kMethods[] = {
-    {"layers", "bands of disparity, blurred from back to front", false, blur_layers},
+    {"layers", "bands of disparity, blurred and laid from front to back", false, blur_layers},
     {"mask", "the background of a person mask, by one radius", true, blur_by_mask},
 };
 

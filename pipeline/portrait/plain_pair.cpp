@@ -67,15 +67,32 @@ Metadata read_metadata(const std::string& path) {
   return metadata;
 }
 
-bool is_linear(const std::string& path, const Metadata& metadata) {
-  return metadata.encoding.empty() ? picture_encoding(path).linear : metadata.encoding == "linear";
+void require_format(const std::string& path) {
+  const std::string format = picture_size(path).format;
+  if (format == "png" || format == "tiff" || format == "jpeg") return;
+  throw InputError(fmt::format("{}: {}: a view must be a PNG, TIFF or JPEG", printable(path), format));
+}
+
+/// What both views declare. Halves of one exposure that differ cannot both be right.
+PictureEncoding encoding_of(const PlainPair& pair, const Metadata& metadata) {
+  for (const std::string& path : {pair.left, pair.right}) require_format(path);
+  const PictureEncoding left = picture_encoding(pair.left), right = picture_encoding(pair.right);
+  for (const auto& [encoding, path] : {std::pair(left, pair.left), {right, pair.right}}) {
+    if (encoding.dng) throw InputError(printable(path) + ": a DNG: a view must be a PNG, TIFF or JPEG");
+  }
+  if (metadata.encoding.empty() && left.linear != right.linear) {
+    throw InputError(
+        fmt::format("{}: {} linear light, unlike the left view: --metadata with \"encoding\" says what both are",
+                    printable(pair.right), right.linear ? "declares" : "does not declare"));
+  }
+  return {.linear = left.linear, .profile = left.profile || right.profile};
 }
 
 /// What neither the metadata nor the files say.
-std::vector<std::string> assumptions(const PlainPair& pair, const Metadata& metadata) {
+std::vector<std::string> assumptions(const PictureEncoding& files, const Metadata& metadata) {
   std::vector<std::string> assumed;
-  if (metadata.encoding.empty() && !(is_linear(pair.left, metadata) && is_linear(pair.right, metadata))) {
-    assumed.emplace_back("values are sRGB where a file does not declare linear light");
+  if (metadata.encoding.empty() && !files.linear) {
+    assumed.emplace_back(files.profile ? "values are sRGB (color profiles are not applied)" : "values are sRGB");
   }
   if (!metadata.noise) assumed.emplace_back("the views' noise is what they show");
   if (!metadata.focus_distance_m) assumed.push_back(fmt::format("the focus is at {:g} m", kAssumedFocus_m));
@@ -83,13 +100,8 @@ std::vector<std::string> assumptions(const PlainPair& pair, const Metadata& meta
 }
 
 /// Linear RGB (or gray), 0 black and 1 clipped.
-Image read_view(const std::string& path, const Metadata& metadata, bool vertical) {
-  const PictureSize size = picture_size(path);
-  if (size.format != "png" && size.format != "tiff" && size.format != "jpeg") {
-    throw InputError(fmt::format("{}: {}: a view must be a PNG, TIFF or JPEG", printable(path), size.format));
-  }
+Image read_view(const std::string& path, const Metadata& metadata, bool linear, bool vertical) {
   const Image picture = read_image(path);
-  const bool linear = is_linear(path, metadata);
   Image view(picture.width, picture.height, picture.channels < 3 ? 1 : 3);
   const auto black = static_cast<float>(metadata.black);
   const auto range = static_cast<float>(metadata.white - metadata.black);
@@ -166,8 +178,10 @@ Image even_sided(const Image& image) {
 
 PlainPairCapture read_plain_pair(const PlainPair& pair) {
   const Metadata metadata = read_metadata(pair.metadata);
-  const Image left = read_view(pair.left, metadata, pair.vertical_split);
-  const Image right = read_view(pair.right, metadata, pair.vertical_split);
+  const PictureEncoding files = encoding_of(pair, metadata);
+  const bool linear = metadata.encoding.empty() ? files.linear : metadata.encoding == "linear";
+  const Image left = read_view(pair.left, metadata, linear, pair.vertical_split);
+  const Image right = read_view(pair.right, metadata, linear, pair.vertical_split);
   if (!left.same_size(right) || left.channels != right.channels) {
     const auto described = [&](const Image& view) {
       const auto [width, height] = pair.vertical_split ? std::pair{view.height, view.width}  // as in the file
@@ -208,7 +222,7 @@ PlainPairCapture read_plain_pair(const PlainPair& pair) {
   }
   capture.exposure.mosaic_noise = noise_of(picture);
   PlainPairCapture result{std::move(capture), even_sided(picture), left.width, left.height,
-                          assumptions(pair, metadata)};
+                          assumptions(files, metadata)};
   if (pair.vertical_split) std::swap(result.width, result.height);
   return result;
 }

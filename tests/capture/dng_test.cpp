@@ -7,11 +7,13 @@
 #include <cstdint>
 #include <cstring>
 #include <map>
+#include <sstream>
 #include <vector>
 
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/image/dng_picture.h"
+#include "capture/image/faults/dng_fault.h"
 #include "tests/temporary_folder.h"
 
 namespace dualpixel {
@@ -234,9 +236,10 @@ TEST(Dng, ReadsNoneWhoseCompressedDataAreBroken) {
   Capture capture = capture_of("RGGB");
   capture.exposure.mosaic_white_level_dn = 544;
   write_dng(path, ramp(64, 64), capture, DngImage::mosaic);
-  std::string file = read_bytes(path);
+  const std::string whole = read_bytes(path);
   const auto strip = static_cast<std::size_t>(Directory(path)[kStripOffsets].at(0));
   const auto compressed = [&](const std::string& jpeg, std::uint32_t compression) {
+    std::string file = whole;
     file.replace(strip, jpeg.size(), jpeg);
     set_field(file, kStripBytes, static_cast<std::uint32_t>(jpeg.size()));
     set_field(file, kCompression, compression);
@@ -257,18 +260,77 @@ TEST(Dng, ReadsNoneWhoseCompressedDataAreBroken) {
     std::uint32_t compression;
     std::string said;
   } broken[] = {{lossless_jpeg("\xbf\xe0" + flat), kLossless, "raw data are broken"},  // adds 511 to 256, of 9 bits
-                {without_start, kLossless, "is no JPEG"},
-                {without_scan, kLossless, "no scan"},
-                {of_20_bits, kLossless, "1 components of 20 bits"},
-                {lossless_jpeg(flat, 60), kLossless, "has 3840 samples of 4096"},
+                {without_start, kLossless, "no lossless JPEG"},
+                {without_scan, kLossless, "no lossless JPEG"},
+                {of_20_bits, kLossless, "no lossless JPEG"},
+                {lossless_jpeg(flat, 60), kLossless, "has 64 x 60 pixels of 1 samples, where 64 x 64 of 1 are needed"},
                 {lossless_jpeg(flat), kLossy, "its compression, 34892, is not supported"}};
   for (const auto& [jpeg, compression, said] : broken) {
     compressed(jpeg, compression);
     ::testing::internal::CaptureStderr();
     const std::string refusal = message_of<InputError>([&] { read_dng(path); });
     EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
-    EXPECT_TRUE(refusal.starts_with(path + ": cannot be read: ") && refusal.find(said) != std::string::npos) << refusal;
+    EXPECT_TRUE(refusal.starts_with(path + ": cannot be read: ") && refusal.find(said) != std::string::npos)
+        << said << ": " << refusal;
   }
+}
+
+std::string two_bytes(int value) { return {static_cast<char>(value >> 8), static_cast<char>(value)}; }
+
+/// The headers of a lossless JPEG: `frame` is 0xc3 for a lossless one; `sampling` 0x11 for samples of one density.
+struct JpegHeaders {
+  int frame = 0xc3, bits = 12, rows = 64, columns = 32, components = 2, sampling = 0x11;
+  int predictor = 1, shift = 0, restart = -1;
+};
+
+std::string bytes_of(const JpegHeaders& h) {
+  std::string jpeg = "\xff\xd8";
+  jpeg += std::string("\xff\xe0") + two_bytes(4) + "ab";  // an application's
+  jpeg += std::string("\xff") + static_cast<char>(h.frame) + two_bytes(8 + 3 * h.components) +
+          static_cast<char>(h.bits) + two_bytes(h.rows) + two_bytes(h.columns) + static_cast<char>(h.components);
+  for (int c = 0; c < h.components; ++c) jpeg += {static_cast<char>(c), static_cast<char>(h.sampling), 0};
+  jpeg += std::string("\xff\xc4") + two_bytes(20) + std::string(1, 0) + '\1' + std::string(16, 0);
+  if (h.restart >= 0) jpeg += std::string("\xff\xdd") + two_bytes(4) + two_bytes(h.restart);
+  jpeg += std::string("\xff\xda") + two_bytes(6 + 2 * h.components) + static_cast<char>(h.components);
+  for (int c = 0; c < h.components; ++c) jpeg += {static_cast<char>(c), 0};
+  return jpeg + static_cast<char>(h.predictor) + std::string(1, 0) + static_cast<char>(h.shift);
+}
+
+TEST(DngFault, HeadersMustBeThoseOfTheTiles) {
+  const auto fault = [](const JpegHeaders& headers, int samples = 1) {
+    // 100 x 64 in two tiles, whose offsets come first
+    std::istringstream file(std::string("\0\0\0\x08\0\0\0\x08", 8) + bytes_of(headers));
+    return fault_of_lossless_dng(file, {0, true, 100, 64, samples, 64, 64}).value_or("");
+  };
+  EXPECT_EQ(fault({}), "");  // two components, as Adobe's converter writes a mosaic
+  EXPECT_EQ(fault({.restart = 32}), "");
+  EXPECT_EQ(fault({.columns = 64, .components = 1}), "");
+  EXPECT_EQ(fault({.rows = 32, .columns = 64}), "");  // two rows in one
+  EXPECT_EQ(fault({.columns = 64, .components = 3}, 3), "");
+  const std::string none = "a part of its raw data is no lossless JPEG that can be read";
+  for (const JpegHeaders& broken : {JpegHeaders{.frame = 0xc0},
+                                    {.frame = 0xc9},
+                                    {.bits = 1},
+                                    {.bits = 17},
+                                    {.rows = 0},
+                                    {.components = 5},
+                                    {.sampling = 0x22},
+                                    {.predictor = 0},
+                                    {.predictor = 8},
+                                    {.shift = 12},
+                                    {.restart = 0}}) {
+    EXPECT_EQ(fault(broken), none);
+  }
+  for (const JpegHeaders& other :
+       {JpegHeaders{.rows = 63}, {.columns = 31}, {.columns = 33}, {.rows = 65535, .columns = 65535}}) {
+    EXPECT_NE(fault(other).find("where 64 x 64 of 1 are needed"), std::string::npos) << fault(other);
+  }
+  EXPECT_NE(fault({.columns = 192, .components = 1}, 3), "");  // LibRaw would take pixels for samples
+  std::istringstream file(bytes_of({}));
+  EXPECT_NE(fault_of_lossless_dng(file, {0, true, 60000, 60000, 1, 1, 1}).value_or("").find("tiles"),
+            std::string::npos);
+  EXPECT_NE(fault_of_lossless_dng(file, {0, true, 100, 64, 1, 1 << 30, 64}).value_or("").find("in tiles of"),
+            std::string::npos);
 }
 
 // LibRaw makes pixels square: 8000 rows of pixels nine times as high as wide are 72 000.

@@ -321,7 +321,9 @@ void run(const PortraitCommand& command) {
 /// --left, --right and what goes with them. Returns --left.
 CLI::Option* add_pair_options(CLI::App& command, pipeline::PlainPair& pair, CLI::Option* capture) {
   CLI::Option* left =
-      command.add_option("--left", pair.left, "Instead of a capture, the left view: PNG, TIFF or JPEG, sRGB-encoded")
+      command
+          .add_option("--left", pair.left,
+                      "Instead of a capture, the left view: PNG, TIFF or JPEG, sRGB unless it declares linear light")
           ->type_name("FILE")
           ->excludes(capture);
   CLI::Option* right =

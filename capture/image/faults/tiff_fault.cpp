@@ -3,22 +3,19 @@
 #include <fmt/format.h>
 #include <tiffio.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <vector>
 
 #include "capture/error.h"
-#include "capture/image/faults/lossless_jpeg_fault.h"
 #include "capture/image/picture_limits.h"
 #include "capture/image/quiet_tiff.h"
 
 namespace dualpixel {
 namespace {
 
-constexpr std::uint64_t kMostHeaderBytes = 1 << 16;  // that are looked at of a lossless JPEG
-constexpr std::uint16_t kLinearRaw = 34892;          // a photometric interpretation of DNG 1.4
+constexpr std::size_t kMostDirectories = 32;                                      // of a DNG, each of which is read
 constexpr std::int64_t kLargestPartBytes = std::int64_t{4} * kMostPictureValues;  // what a picture takes as float
 
 /// Of a strip or tile of the directory that the file stands at, decoded; 0 where libtiff cannot tell.
@@ -49,45 +46,14 @@ bool holds_its_parts(TIFF* file, std::uint64_t file_bytes) {
   return true;
 }
 
-/// The last strip of a picture may have fewer than the others.
-std::uint64_t rows_of_strip(std::uint64_t strip, std::uint64_t rows, std::uint64_t height) {
-  return std::min(rows, height - std::min(height, strip * rows));
-}
-
-/// What is wrong with the strips or tiles of a DNG's raw data that are lossless JPEGs.
-std::optional<std::string> fault_of_jpeg_parts(TIFF* file, std::uint32_t width, std::uint32_t height,
-                                               std::uint16_t channels) {
-  const bool tiled = TIFFIsTiled(file) != 0;
-  std::uint32_t part_width = width, part_height = height;
-  if (tiled) {
-    TIFFGetField(file, TIFFTAG_TILEWIDTH, &part_width);
-    TIFFGetField(file, TIFFTAG_TILELENGTH, &part_height);
-  } else {
-    TIFFGetFieldDefaulted(file, TIFFTAG_ROWSPERSTRIP, &part_height);
+/// Whether strips follow each other in the file, as LibRaw takes for granted.
+bool is_in_one_piece(TIFF* file) {
+  const std::uint32_t strips = TIFFIsTiled(file) != 0 ? 0 : TIFFNumberOfStrips(file);
+  for (std::uint32_t i = 1; i < strips; ++i) {
+    if (TIFFGetStrileOffset(file, i) != TIFFGetStrileOffset(file, i - 1) + TIFFGetStrileByteCount(file, i - 1))
+      return false;
   }
-  const std::uint32_t parts = tiled ? TIFFNumberOfTiles(file) : TIFFNumberOfStrips(file);
-  std::string part;
-  for (std::uint32_t i = 0; i < parts; ++i) {
-    part.resize(std::min<std::uint64_t>(TIFFGetStrileByteCount(file, i), kMostHeaderBytes));
-    const auto bytes = static_cast<tmsize_t>(part.size());
-    if ((tiled ? TIFFReadRawTile(file, i, part.data(), bytes) : TIFFReadRawStrip(file, i, part.data(), bytes)) != bytes)
-      return "its raw data cannot be read";
-    const std::uint64_t rows = tiled ? part_height : rows_of_strip(i, part_height, height);
-    if (auto fault = fault_of_lossless_jpeg(part, part_width * rows * channels)) return fault;
-  }
-  return {};
-}
-
-/// What is wrong with a compressed picture of a DNG. Its previews are not read.
-std::optional<std::string> fault_of_compressed_dng(TIFF* file, std::uint32_t width, std::uint32_t height,
-                                                   std::uint16_t channels, std::uint16_t compression) {
-  std::uint16_t photometric = 0;
-  TIFFGetField(file, TIFFTAG_PHOTOMETRIC, &photometric);
-  if (photometric != PHOTOMETRIC_CFA && photometric != kLinearRaw) return {};
-  if (compression == COMPRESSION_JPEG) return fault_of_jpeg_parts(file, width, height, channels);
-  if (compression == COMPRESSION_ADOBE_DEFLATE) return {};  // LibRaw says what is wrong with it
-  return fmt::format("its compression, {}, is not supported; a DNG's raw data must have none, lossless JPEG or Deflate",
-                     compression);
+  return true;
 }
 
 /// Where a DNG keeps the pictures that its first directory has not.
@@ -110,9 +76,8 @@ std::optional<std::string> fault_of_directory(TIFF* file, std::uint64_t file_byt
   if (channels == 0 || std::uint64_t{width} * height > static_cast<std::uint64_t>(kMostPictureValues) / channels)
     return {};
   if (!holds_its_parts(file, file_bytes)) return "the file ends before its picture does";
-  if (is_dng && compression != COMPRESSION_NONE) {
-    return fault_of_compressed_dng(file, width, height, channels, compression);
-  }
+  if (is_dng && compression != COMPRESSION_NONE) return {};
+  if (is_dng && !is_in_one_piece(file)) return "its strips do not follow each other";
   if (TIFFIsCODECConfigured(compression) == 0) return fmt::format("its compression, {}, is not supported", compression);
   if (part_bytes(file) > kLargestPartBytes) {
     return fmt::format("a strip or tile of it takes {} bytes: at most {} are allowed", part_bytes(file),
@@ -135,7 +100,9 @@ std::optional<std::string> fault_of_tiff(const std::string& path) {
     const std::uint8_t* dng_version = nullptr;
     const bool is_dng = TIFFGetField(file.get(), TIFFTAG_DNGVERSION, &dng_version) != 0;
     fault = fault_of_directory(file.get(), file_bytes, is_dng);
-    for (const std::uint64_t offset : is_dng ? directories_within(file.get()) : std::vector<std::uint64_t>()) {
+    const std::vector<std::uint64_t> within = is_dng ? directories_within(file.get()) : std::vector<std::uint64_t>();
+    if (!fault && within.size() > kMostDirectories) fault = fmt::format("it has {} pictures", within.size());
+    for (const std::uint64_t offset : within) {
       if (fault) break;
       fault = TIFFSetSubDirectory(file.get(), offset) != 0 ? fault_of_directory(file.get(), file_bytes, true)
                                                            : std::optional<std::string>("a picture of it is missing");

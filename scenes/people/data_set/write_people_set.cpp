@@ -112,7 +112,8 @@ void refuse_another(const std::string& folder, nlohmann::json written, const nlo
 void require_folder(const std::string& folder) {
   std::error_code error;
   fs::path there = fs::absolute(folder, error);
-  while (!fs::exists(there, error) && there.has_relative_path()) there = there.parent_path();
+  // a dangling link is there
+  while (fs::symlink_status(there, error).type() == fs::file_type::not_found) there = there.parent_path();
   if (!fs::is_directory(there, error) || access(there.c_str(), W_OK | X_OK) != 0) {
     throw InputError(fmt::format("{}: cannot be made a folder", printable(folder)));
   }

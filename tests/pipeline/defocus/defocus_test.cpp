@@ -469,7 +469,8 @@ TEST(Render, OutlinesCoverHalfHoweverManyBandsCutThem) {
       const Image blurred = render_defocus(rgb, disparity, radius, mapping, {.bands = bands}).rgb;
       for (int x = 40; x < kWidth - 40; ++x) {
         const float middle = 0.5f * (blurred.at(x, kHeight / 2 - 1) + blurred.at(x, kHeight / 2));
-        EXPECT_NEAR(middle, 0.5, 0.005) << bands << " bands, " << side << ", at " << x;
+        // symmetric, so that only rounding is left: 1e-5; "over" errs by .17
+        EXPECT_NEAR(middle, 0.5, 1e-4) << bands << " bands, " << side << ", at " << x;
       }
     }
   }

@@ -62,6 +62,11 @@ TEST(PlainPair, FilesThatDeclareLinearLightAreLinear) {
   const pipeline::PlainPairCapture stated = pipeline::read_plain_pair(files);
   EXPECT_NEAR(stated.picture.at(1, 1), linear_from_srgb(0.25f), 1e-4);
   EXPECT_TRUE(stated.assumed.empty());
+  write_png16(folder / "r.png", ImageU16(4, 4, 1, 16384), true);
+  EXPECT_NEAR(pipeline::read_plain_pair(files).picture.at(1, 1), linear_from_srgb(0.25f), 1e-4);
+  files.metadata = "";
+  const std::string refusal = message_of<InputError>([&] { pipeline::read_plain_pair(files); });
+  EXPECT_NE(refusal.find("r.png: does not declare linear light, unlike the left view"), std::string::npos) << refusal;
 }
 
 // Blurred parts get the noise of the picture that is shown, half of one view's in each of its colors.
