@@ -348,6 +348,12 @@ TEST(Cli, AChartOfLargerPicturesIsNoneToCompareAQuickOneWith) {
   EXPECT_NE(chart.err.find("older.json: was measured without --quick"), std::string::npos) << chart.err;
 }
 
+TEST(Cli, InfoDoesNotTakeACapturesFileForAScene) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "capture.json", R"({"format": "dualpixel-capture", "camera": {}})");
+  EXPECT_NE(run_program("info '" + (folder / "capture.json") + "'").out.find("give its folder"), std::string::npos);
+}
+
 TEST(Cli, AFullDiskOnStandardOutputIsNoSuccess) {
   const TemporaryFolder folder;
   write_png8(folder / "a.png", Image(5, 3, 3, 0.5f));

@@ -138,7 +138,8 @@ json describe_picture(const std::string& path) {
           {"channels", size.channels}};
 }
 
-/// A JSON file by what it holds: a scene names its glTF file and its camera, a lens its model or another lens.
+/// A JSON file by what it holds: a scene names its glTF file and its camera, a lens its model or another lens. Files of
+/// a folder that is written as a whole are named by their format, which is checked with the folder.
 json describe_json(const std::string& path) {
   const nlohmann::json document = read_json_file(path);
   json description = {{"kind", "JSON"}};
@@ -149,7 +150,10 @@ json describe_json(const std::string& path) {
     simulator::read_lens_file(path, std::numeric_limits<double>::infinity());  // throws where it is not a lens
     description["kind"] = "lens";
   }
-  if (document.contains("format") && document["format"] == "dualpixel-result") description["kind"] = "portrait result";
+  if (document.contains("format")) {
+    if (document["format"] == "dualpixel-result") description["kind"] = "portrait result";
+    if (document["format"] == "dualpixel-capture") description["kind"] = "file of a capture; give its folder";
+  }
   for (const auto& [key, value] : document.items()) description.emplace(key, value);
   return description;
 }
