@@ -30,6 +30,7 @@ bool is_frame(int marker) {
   return marker >= 0xffc0 && marker <= 0xffcf && marker != kHuffmanTables && marker != 0xffc8 && marker != 0xffcc;
 }
 
+/// Reads a JPEG's segments, one after another.
 class Segments {
  public:
   explicit Segments(std::istream& file) : file_(file) {}

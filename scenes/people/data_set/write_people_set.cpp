@@ -111,9 +111,11 @@ void refuse_another(const std::string& folder, nlohmann::json written, const nlo
 /// that ends before leaves nothing.
 void require_folder(const std::string& folder) {
   std::error_code error;
-  fs::path there = fs::absolute(folder, error);
+  fs::path there = fs::absolute(folder, error);  // empty where there is no working folder any more
   // a dangling link is there
-  while (fs::symlink_status(there, error).type() == fs::file_type::not_found) there = there.parent_path();
+  while (!there.empty() && fs::symlink_status(there, error).type() == fs::file_type::not_found) {
+    there = there.parent_path();
+  }
   if (!fs::is_directory(there, error) || access(there.c_str(), W_OK | X_OK) != 0) {
     throw InputError(fmt::format("{}: cannot be made a folder", printable(folder)));
   }

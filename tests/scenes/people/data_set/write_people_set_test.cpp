@@ -33,6 +33,7 @@ TEST(SlowWritePeopleSet, BadOptionsAreRefused) {
     EXPECT_THROW(check_people_options({.count = count, .composites = composites}), InputError);
   }
   expect_one_line_refusal(run_program("people -o /dev/null/x --count 1"));
+  EXPECT_THROW(write_people_set({.count = 1}, ""), InputError);
 }
 
 TEST(SlowWritePeopleSet, APreviewThatIsNoPngIsRefusedBeforeTheWork) {
