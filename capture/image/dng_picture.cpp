@@ -27,8 +27,8 @@
 namespace dualpixel {
 namespace {
 
-constexpr int kFieldBytes = 12;
-constexpr std::uint32_t kDngVersion = 50706;
+constexpr std::uint32_t kOrientation = 274, kDngVersion = 50706;
+constexpr std::uint32_t kShort = 3;     // a field's type: 16 bits
 constexpr unsigned kFloatingPoint = 3;  // TIFF's SampleFormat
 
 /// Set to give what OpenImageIO's raw reader gives. It is not used, as LibRaw then prints a line about broken data, and
@@ -48,6 +48,7 @@ std::unique_ptr<LibRaw> make_developer() {
   wanted.use_camera_wb = 1;
   wanted.no_auto_bright = 1;
   wanted.adjust_maximum_thr = 0;  // white is where the file says
+  wanted.user_flip = 0;           // LibRaw takes any number for an orientation
   wanted.user_qual = 3;           // adaptive homogeneity-directed demosaicking
   return raw;
 }
@@ -120,7 +121,7 @@ Image develop(LibRaw& raw, const std::string& path) {
 
 }  // namespace
 
-bool is_dng(std::istream& tiff) {
+std::optional<int> dng_orientation(std::istream& tiff) {
   std::array<char, 4> bytes{};
   bool little = true;
   const auto number = [&](std::size_t count) {
@@ -135,11 +136,17 @@ bool is_dng(std::istream& tiff) {
   number(2);
   tiff.seekg(number(4));
   const std::uint32_t fields = number(2);
+  bool has_version = false;
+  int orientation = 1;
   for (std::uint32_t i = 0; i < fields && tiff; ++i) {
-    if (number(2) == kDngVersion && tiff) return true;
-    tiff.ignore(kFieldBytes - 2);
+    const std::uint32_t tag = number(2), type = number(2);
+    tiff.ignore(4);  // how many values
+    const std::uint32_t value = number(2);
+    tiff.ignore(2);
+    has_version |= tag == kDngVersion && tiff;
+    if (tag == kOrientation && type == kShort && value >= 1 && value <= 8) orientation = static_cast<int>(value);
   }
-  return false;
+  return has_version ? std::optional(orientation) : std::nullopt;
 }
 
 Image read_dng(const std::string& path) {

@@ -236,8 +236,11 @@ PictureEncoding picture_encoding(const std::string& path) {
     PictureEncoding encoding;
     if (format_of(path) == "tiff") {
       std::ifstream file(path, std::ios::binary);
-      encoding.dng = is_dng(file);
-      if (encoding.dng) return encoding;
+      if (const auto orientation = dng_orientation(file)) {
+        encoding.orientation = *orientation;
+        encoding.dng = true;
+        return encoding;
+      }
     }
     const std::unique_ptr<ImageInput> input = open_picture(path);
     const ImageSpec& spec = input->spec();

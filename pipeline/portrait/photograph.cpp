@@ -91,7 +91,7 @@ Photograph read_photograph(const std::string& path) {
   const PictureEncoding encoding = picture_encoding(path);
   Photograph photograph;
   if (encoding.dng) {
-    photograph.picture = read_dng(path);
+    photograph.picture = turned_upright(read_dng(path), encoding.orientation);
     require_size(path, photograph.picture.width, photograph.picture.height);
   } else {
     require_usable(path);

@@ -357,8 +357,13 @@ TEST(Cli, InfoDoesNotTakeACapturesFileForAScene) {
 TEST(Cli, AFullDiskOnStandardOutputIsNoSuccess) {
   const TemporaryFolder folder;
   write_png8(folder / "a.png", Image(5, 3, 3, 0.5f));
-  const std::string command = "'" DUALPIXEL_PROGRAM "' info '" + (folder / "a.png") + "' >/dev/full 2>/dev/null";
-  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
+  const std::string more_than_is_buffered = "info '" DUALPIXEL_SOURCE_DIR "/lens_models/lens.schema.json'";
+  for (const std::string& words : {"info '" + (folder / "a.png") + "'", more_than_is_buffered, std::string("--help"),
+                                   std::string("scene --options")}) {
+    const std::string command = "'" DUALPIXEL_PROGRAM "' " + words + " 2>'" + (folder / "err") + "' >/dev/full";
+    EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
+    EXPECT_EQ(read_bytes(folder / "err"), "dualpixel: standard output cannot be written\n") << words;
+  }
 }
 
 TEST(SlowCli, AFilePastTheShellsLimitIsRefusedAndLeavesNothing) {

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <cstdio>
 #include <exception>
 #include <fstream>
 #include <iostream>
@@ -42,7 +43,8 @@ int report_no_memory(int argc, char** argv) {
 
 /// `status`, unless what was printed did not reach its reader.
 int printed(int status) {
-  return std::cout.flush() ? status : report(kInternalError, "standard output cannot be written");
+  const bool whole = std::cout.flush() && std::ferror(stdout) == 0;
+  return whole ? status : report(kInternalError, "standard output cannot be written");
 }
 
 /// What to say of the first word that is not a command, at the top or under `experiment` and its like.
@@ -201,6 +203,7 @@ int program_main(int argc, char** argv) {
     return report(kBadInput, file_fault(error));
   } catch (const std::system_error& error) {  // a thread that has no room for its stack
     if (error.code() == std::errc::resource_unavailable_try_again) return report_no_memory(argc, argv);
+    if (std::ferror(stdout) != 0) return printed(kInternalError);  // what fmt::print() throws
     return report(kInternalError, printable(error.what()));
   } catch (const std::exception& error) {
     return report(kInternalError, printable(error.what()));

@@ -94,7 +94,7 @@ std::optional<std::string> fault_of_tiff(const std::string& path) {
   const std::unique_ptr<TIFF, void (*)(TIFF*)> file(TIFFOpenExt(path.c_str(), "r", quiet_tiff(error).get()), TIFFClose);
   std::optional<std::string> fault;
   if (!file) {
-    fault = "it is no TIFF";
+    fault = "its directory of pictures is broken";
   } else {
     const std::uint64_t file_bytes = std::filesystem::file_size(path);
     const std::uint8_t* dng_version = nullptr;

@@ -93,6 +93,14 @@ TEST(Photograph, DngIsDeveloped) {
   ASSERT_EQ(developed.width, 64);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(developed.at(32, 24, c), (500.0 - 64) / (1023 - 64), 0.01) << c;
   const std::string whole = read_bytes(folder / "a.dng");
+  const std::size_t field = whole.find(std::string("\x12\1\3\0\1\0\0\0\1\0", 10));  // orientation, one short: 1
+  ASSERT_NE(field, std::string::npos);
+  for (const int orientation : {0, 6, 9, 128}) {
+    std::string turned = whole;
+    turned[field + 8] = static_cast<char>(orientation);
+    write_bytes(folder / "turned.dng", turned);
+    EXPECT_EQ(read_photograph(folder / "turned.dng").picture.width, orientation == 6 ? 48 : 64) << orientation;
+  }
   for (const std::size_t size : {whole.size() / 2, std::size_t{300}, std::size_t{20}}) {
     write_bytes(folder / "cut.dng", whole.substr(0, size));
     expect_one_line_refusal(run_command("portrait '" + (folder / "cut.dng") + "' -o '" + (folder / "out") + "'"));
