@@ -30,6 +30,7 @@ import numpy as np
 
 REFERENCE_SAMPLES = 2048
 SAMPLES = (64, 128, 256, 512)
+THIN_LENS = "phone_thin_4.4mm_f1.8.json"  # a prescription's distortion and vignetting are not Cycles's
 NITS = 1e-4  # Cycles' unit of radiance: keeps its numbers near 1
 
 
@@ -80,7 +81,8 @@ def our_scene(source, out, width):
     with open(source) as file:
         scene = json.load(file)
     folder = os.path.dirname(os.path.abspath(source))
-    scene["lens"]["file"] = os.path.join(folder, scene["lens"]["file"])
+    lenses = os.path.dirname(os.path.join(folder, scene["lens"]["file"]))
+    scene["lens"] = {"file": os.path.join(lenses, THIN_LENS)}
     scene["environment"] = {"model": "file", "path": "sky.exr"}
     scene["gltf"] = "matte.glb"
     scene["burst"] = {"frames": 1}

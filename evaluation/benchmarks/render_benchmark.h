@@ -24,6 +24,7 @@ struct RenderRun {
   double time_s = 0;   ///< CPU time of all cores
   double error = 0;    ///< of both views
   double left = 0, right = 0, left_minus_right = 0;
+  double memory_mb = 0;  ///< at most, besides what was held before: the scene, and Embree's structure over it
   std::optional<RenderTarget> target;  ///< of adaptive sampling
 };
 

@@ -8,6 +8,7 @@ struct ChartInput {
   bool quick = false;
   std::string scenes_folder, lenses_folder;  ///< the shipped scenes, as built; lens_models/
   std::string scratch;                       ///< an empty folder, for captures that a benchmark reads
+  std::string program;                       ///< dualpixel itself, for what another process has to do
 };
 
 }  // namespace dualpixel::evaluation

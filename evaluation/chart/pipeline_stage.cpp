@@ -9,6 +9,7 @@
 
 #include "capture/capture.h"
 #include "capture/timing.h"
+#include "evaluation/chart/bf16_masks.h"
 #include "evaluation/chart/trials.h"
 #include "evaluation/experiments/defocus_experiment.h"
 #include "evaluation/metrics/scoring.h"
@@ -161,6 +162,7 @@ ChartPart measure_pipeline(const ChartInput& input) {
     }
     defocus.push_back(try_defocus(capture));
     masks.push_back(try_masks(capture, picture));
+    if (!masks.back().empty()) keep_for_bf16(input, seed, picture, capture.truth->person_mask);
     if (seed > 1) continue;
     const std::string one = fmt::format("A burst of portrait.json, {} photosites.", size);
     part.bars = {time_bar(modes, one), error_bar(capture, one)};
@@ -188,9 +190,13 @@ ChartPart measure_pipeline(const ChartInput& input) {
   part.sections[2].default_reason = "as many frames as the scene shoots.";
   part.sections[3].default_reason = "five bands, as the paper has.";
   if (!masks.front().empty()) {
+    const std::vector<Trial> bf16 = try_bf16(input, seeds);
+    for (std::size_t i = 0; i < bf16.size(); ++i) masks[i].push_back(bf16[i]);
     part.sections.push_back({"Person mask",
-                             bursts + " From the merged picture, the network in f32 on one core; error: 100 % − IoU "
-                                      "with the true mask at the picture's size.",
+                             bursts + fmt::format(" From the merged picture, the network on one core, in f32{}; error: "
+                                                  "100 % − IoU with the true mask at the picture's size.",
+                                                  bf16.empty() ? " (bf16 needs a processor with AVX-512)"
+                                                               : " and, by another process, in bf16"),
                              "%", "CPU ms", points_of(masks)});
     part.sections.back().default_reason = "unfiltered where disparity is known, as the paper has it; mode seg filters.";
   }

@@ -9,6 +9,7 @@
 #include "evaluation/benchmarks/lens_benchmark.h"
 #include "evaluation/benchmarks/render_benchmark.h"
 #include "evaluation/benchmarks/smoothing_benchmark.h"
+#include "evaluation/chart/cycles_stage.h"
 #include "evaluation/chart/pipeline_stage.h"
 #include "evaluation/chart/trials.h"
 #include "evaluation/experiments/burst_experiment.h"
@@ -37,9 +38,10 @@ std::vector<Trial> trials_of(const SceneRenderBenchmark& benchmark) {
   std::vector<Trial> trials;
   for (const RenderCurve& curve : benchmark.curves) {
     for (const RenderRun& run : curve.runs) {
-      Trial& trial = trials.emplace_back(Trial{name_of(curve, run), run.error, run.time_s});
+      Trial& trial = trials.emplace_back(Trial{name_of(curve, run), run.error, run.time_s, run.memory_mb});
       trial.is_default = curve.name == "light cache" && run.samples == simulator::RenderOptions().samples_per_pixel;
       trial.is_bound = curve.name == "Embree alone";
+      if (trial.is_bound) trial.memory_mb.reset();
     }
   }
   return trials;
@@ -58,7 +60,8 @@ ChartPart measure_renderer(const ChartInput& input) {
   ChartSection section{"Renderer",
                        "24 patches of slanted_planes.json, each way of sampling at growing counts, against a reference "
                        "of many more, whose own error is subtracted; means over three seeds of all camera samples (in "
-                       "short, one). Points of light are the scene's own, and the same with each.",
+                       "short, one). Points of light are the scene's own, and the same with each. Memory is besides "
+                       "the scene's own.",
                        "of the sensor's noise",
                        "CPU s",
                        points_of(by_seed),
@@ -77,7 +80,7 @@ std::vector<Trial> trials_of(const std::vector<RenderCurve>& light_points) {
   for (const RenderCurve& curve : light_points) {
     for (const RenderRun& run : curve.runs) {
       const bool is_default = &curve == &light_points.back() && run.samples == 16;  // as portrait.json has it
-      trials.push_back({name_of(curve, run), run.error, run.time_s, {}, is_default});
+      trials.push_back({name_of(curve, run), run.error, run.time_s, run.memory_mb, is_default});
     }
   }
   return trials;
@@ -97,7 +100,7 @@ ChartPart measure_light(const ChartInput& input) {
                        "24 patches of portrait.json: where the light of a surface is known, at points so many "
                        "photosites apart or by every sample; making the points is in the time. Against a reference of "
                        "many more samples, whose own error is subtracted; means over three seeds of all camera samples "
-                       "(in short, one), the points being the same with each.",
+                       "(in short, one), the points being the same with each. Memory is besides the scene's own.",
                        "of the sensor's noise",
                        "CPU s",
                        points_of(by_seed),
@@ -253,7 +256,8 @@ ChartPart measure_calibration(const ChartInput& input) {
   const CalibrationCost cost = measure_calibration_cost(simulator::read_simulation(json, file), [](double) {});
   ChartSection section{"Calibration",
                        "Deviation of a plane's disparity over the field that is left after correction, over the "
-                       "photographs that were taken.",
+                       "photographs that were taken. Memory is of drawing and measuring the targets that one "
+                       "correction needs.",
                        "DP px",
                        "photographs",
                        {}};
@@ -262,7 +266,8 @@ ChartPart measure_calibration(const ChartInput& input) {
     section.points.push_back({effort.axis + " " + effort.value,
                               {effort.residual_dp_px},
                               {static_cast<double>(effort.photographs())},
-                              is_default});
+                              is_default,
+                              effort.memory_mb});
   }
   section.default_reason = "the paper's twenty focus distances (section 4.2), with eight targets at each.";
   return {{section}};
@@ -276,17 +281,22 @@ const std::vector<ChartStage>& chart_stages() {
       {"light", true, measure_light},       {"lens models", true, measure_lens_models},
       {"merge", true, measure_merges},      {"matchers", true, measure_matchers},
       {"solver", true, measure_solver},     {"calibration", false, measure_calibration},
-      {"growth", false, measure_growth},    {"pipeline growth", false, measure_pipeline_growth}};
+      {"growth", false, measure_growth},    {"pipeline growth", false, measure_pipeline_growth},
+      {"Cycles", false, measure_cycles}};
   return stages;
 }
 
-std::vector<std::string> chart_left_out(bool quick) {
+std::vector<std::string> chart_left_out(const ChartInput& input) {
   std::vector<std::string> lines = {
-      "The network in bf16: a process can run it in one precision only; bench_segmentation and experiment segmentation "
-      "--bf16 have it.",
-      "Cycles: tools/compare_cycles.py runs it."};
+      "Networks of other sizes: one is built in; `dualpixel experiment segmentation "
+      "--weights` judges others."};
   if (!pipeline::has_person_network()) lines.emplace_back("Person masks: this build has no oneDNN.");
-  if (quick) lines.insert(lines.begin(), "Calibration and growth: take minutes; without --quick they are here.");
+  if (input.quick) {
+    lines.insert(lines.begin(), "Calibration, growth and Cycles: take minutes; without --quick they are here.");
+  } else if (!can_measure_cycles()) {
+    lines.emplace_back(
+        fmt::format("Cycles: needs Blender, and {} in the folder that the program is started in.", kCyclesScript));
+  }
   return lines;
 }
 

@@ -18,6 +18,6 @@ struct ChartStage {
 const std::vector<ChartStage>& chart_stages();
 
 /// What no section shows, and why.
-std::vector<std::string> chart_left_out(bool quick);
+std::vector<std::string> chart_left_out(const ChartInput& input);
 
 }  // namespace dualpixel::evaluation

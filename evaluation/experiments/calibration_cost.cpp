@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "capture/timing.h"
 #include "pipeline/calibration/correction.h"
 #include "simulator/lens/disparity_field.h"
 
@@ -86,7 +87,8 @@ CalibrationCost measure_calibration_cost(const simulator::Simulation& simulation
   const simulator::DisparityField field(FocusSweep(simulation, kCostFocus_m, {}).lens());
   cost.uncorrected_dp_px = residual_dp_px(field, describe_camera(simulation), nullptr);
   for (std::size_t i = 0; i < cost.efforts.size(); ++i) {
-    measure_effort(simulation, field, cost.efforts[i]);
+    CalibrationEffort& effort = cost.efforts[i];
+    effort.memory_mb = peak_mb([&] { measure_effort(simulation, field, effort); });
     progress(static_cast<double>(i + 1) / static_cast<double>(cost.efforts.size()));
   }
   return cost;
@@ -101,7 +103,8 @@ nlohmann::ordered_json to_json(const CalibrationCost& cost) {
                     {"residual_sigma_dp_px", e.residual_dp_px},
                     {"tilt_found_deg", e.tilt.x_deg},
                     {"tilt_standard_error_deg", e.tilt.x_error_deg},
-                    {"tilt_warning", e.warned}});
+                    {"tilt_warning", e.warned},
+                    {"memory_mb", e.memory_mb}});
   }
   return {{"format", "dualpixel-experiment-calibration"},
           {"version", 2},

@@ -13,6 +13,7 @@
 #include "capture/image/image_io.h"
 #include "capture/image/read_mask.h"
 #include "capture/image/resample.h"
+#include "capture/timing.h"
 #include "evaluation/metrics/mask_metrics.h"
 #include "evaluation/report/report_images.h"
 #include "pipeline/segmentation/person_mask.h"
@@ -73,7 +74,8 @@ Scored score(const MaskedPicture& pair, pipeline::PersonNetwork& network) {
   scored.picture = read_linear(pair.picture);
   scored.truth = read_true_mask(pair.mask, scored.picture);
   const int width = scored.picture.width, height = scored.picture.height;
-  const pipeline::FoundPeople found = pipeline::find_people(scored.picture, {}, network);
+  pipeline::FoundPeople found;
+  s.find_cpu_ms = 1e3 * cpu_seconds([&] { found = pipeline::find_people(scored.picture, {}, network); });
   s.faces = found.faces.size();
   if (found.faces.empty()) {
     scored.filtered = Image(width, height);
@@ -164,6 +166,12 @@ MaskMeans means_of(const std::vector<PictureMaskScore>& scores) {
        {&means.iou_found, &means.filtered_iou_found, &means.gradient_error, &means.filtered_gradient_error}) {
     *sum /= found;
   }
+  std::vector<double> times;
+  for (const PictureMaskScore& p : scores) times.push_back(p.find_cpu_ms);
+  if (!times.empty()) {
+    std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
+    means.find_cpu_ms = times[times.size() / 2];
+  }
   return means;
 }
 
@@ -208,7 +216,8 @@ Json to_json(const std::vector<PictureMaskScore>& pictures, const NetworkId& net
                {"count", means.count},
                {"without_face", means.count - means.with_face},
                {"mean_iou", means.iou},
-               {"mean_iou_filtered", means.filtered_iou}};
+               {"mean_iou_filtered", means.filtered_iou},
+               {"median_find_cpu_ms", means.find_cpu_ms}};
   if (means.with_face > 0) {
     json["mean_iou_where_found"] = means.iou_found;
     json["mean_iou_filtered_where_found"] = means.filtered_iou_found;
@@ -217,7 +226,11 @@ Json to_json(const std::vector<PictureMaskScore>& pictures, const NetworkId& net
   }
   json["pictures"] = Json::array();
   for (const PictureMaskScore& p : pictures) {
-    Json picture = {{"name", printable(p.name)}, {"faces", p.faces}, {"iou", p.iou}, {"iou_filtered", p.filtered_iou}};
+    Json picture = {{"name", printable(p.name)},
+                    {"faces", p.faces},
+                    {"iou", p.iou},
+                    {"iou_filtered", p.filtered_iou},
+                    {"find_cpu_ms", p.find_cpu_ms}};
     if (p.faces > 0) {
       picture["gradient_error"] = p.gradient_error;
       picture["gradient_error_filtered"] = p.filtered_gradient_error;

@@ -28,6 +28,7 @@ struct PictureMaskScore {
   double iou = 0, filtered_iou = 0;
   /// At the network's size, of the same two; 0 without a face.
   double gradient_error = 0, filtered_gradient_error = 0;
+  double find_cpu_ms = 0;  ///< faces and network, without the filter; in the first picture with what is made once
 };
 
 struct MaskMeans {
@@ -35,6 +36,7 @@ struct MaskMeans {
   double iou = 0, filtered_iou = 0;              ///< over all
   double iou_found = 0, filtered_iou_found = 0;  ///< over those with a face, as the following; 0 if there are none
   double gradient_error = 0, filtered_gradient_error = 0;
+  double find_cpu_ms = 0;  ///< median over all
 };
 MaskMeans means_of(const std::vector<PictureMaskScore>& scores);
 

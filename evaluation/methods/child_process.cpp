@@ -113,6 +113,12 @@ ScratchFolder::~ScratchFolder() {
   scratch_folders.erase(path_);
 }
 
+std::string shell_quoted(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted + "'";
+}
+
 Ended run_shell(const std::string& command) {
   constexpr std::chrono::milliseconds kLookEvery(10);
   const pid_t child = start_shell(command);

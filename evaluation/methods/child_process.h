@@ -19,6 +19,9 @@ class ScratchFolder {
   std::string path_;
 };
 
+/// One word for the shell, whatever it holds.
+std::string shell_quoted(const std::string& text);
+
 struct Ended {
   int status = 0;  ///< as wait(2) gives it
   double cpu_s = 0, peak_rss_mb = 0;

@@ -27,13 +27,6 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 double own_cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-/// One word for the shell, whatever it holds.
-std::string shell_quoted(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
-  return quoted + "'";
-}
-
 /// All {placeholders} replaced by quoted paths in `folder`.
 std::string filled_in(std::string command, const std::string& folder) {
   constexpr std::pair<const char*, const char*> kFiles[] = {

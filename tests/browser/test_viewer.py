@@ -331,7 +331,7 @@ class Viewer(unittest.TestCase):
                            check=True, stdout=subprocess.DEVNULL)
         self.browser.requests.clear()
         self.browser.open(page)
-        large, title = "document.querySelector('.enlarged img')", "document.querySelector('.enlarged p').textContent"
+        large, title = "document.querySelector('.enlarged img')", "document.querySelector('.enlarged span').textContent"
         captions = self.browser.run("[...document.querySelectorAll('figure:has(img) figcaption')].map(c => c.textContent)")
         self.assertGreater(len(captions), 1)
         self.browser.run("document.querySelector('img[role=button]').focus()")
@@ -340,6 +340,26 @@ class Viewer(unittest.TestCase):
         self.assertEqual(self.browser.run(title), captions[0] + ": left view")
         self.browser.press("ArrowLeft")  # from the first to the last
         self.assertEqual(self.browser.run(title), captions[-1] + ": right view")
+        # the pixel under the pointer, as a canvas of the picture's own size has it
+        x, y, codes = self.browser.run(f"""(async () => {{
+          const image = {large}, box = image.getBoundingClientRect(), canvas = document.createElement('canvas');
+          await image.decode();
+          canvas.width = image.naturalWidth;
+          canvas.height = image.naturalHeight;
+          const context = canvas.getContext('2d'), scale = Math.min(box.width / canvas.width, box.height / canvas.height);
+          context.drawImage(image, 0, 0);
+          const column = Math.floor(canvas.width / 3), row = Math.floor(canvas.height / 2);
+          return [box.left + (box.width - canvas.width * scale) / 2 + (column + 0.5) * scale,
+                  box.top + (box.height - canvas.height * scale) / 2 + (row + 0.5) * scale,
+                  `${{column}}, ${{row}}: ${{[...context.getImageData(column, row, 1, 1).data].slice(0, 3).join(' ')}}`];
+        }})()""")
+        self.browser.mouse("mouseMoved", x, y)
+        self.assertEqual(self.browser.run("""new Promise((done, fail) => {
+          const readout = document.querySelector('.enlarged .readout'), start = performance.now();
+          const wait = () => readout.textContent ? done(readout.textContent)
+              : performance.now() - start > 60000 ? fail(new Error('nothing was read out')) : setTimeout(wait, 10);
+          wait();
+        })"""), codes)
         # twice as large, about the pointer
         self.browser.mouse("mouseWheel", 300, 200, deltaX=0, deltaY=-240)
         box = self.browser.run(f"(({{left, top, width}}) => [left, top, width / document.documentElement.clientWidth])"

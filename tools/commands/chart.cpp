@@ -74,9 +74,10 @@ void run(const ChartOptions& options) {
   evaluation::require_page_path(options.page);  // before the work, not after it
   require_writable(json_file);
   evaluation::Chart chart = interrupted(json_file, {options.quick, DUALPIXEL_VERSION, DUALPIXEL_LIBRARIES, machine()});
-  chart.left_out = evaluation::chart_left_out(options.quick);
   const NewFolder scratch(options.page + ".captures", "capture");  // never made: it goes when the page is there
-  const evaluation::ChartInput input{options.quick, options.scenes, options.lenses, scratch.path()};
+  const evaluation::ChartInput input{options.quick, options.scenes, options.lenses, scratch.path(),
+                                     fs::read_symlink("/proc/self/exe").string()};
+  chart.left_out = evaluation::chart_left_out(input);
   const auto write = [&](const std::optional<evaluation::ChartComparison>& since = {}) {
     evaluation::write_page(options.page, to_page(chart, since));
     replace_file(json_file, to_json(chart).dump(2) + "\n");

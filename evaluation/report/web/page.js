@@ -774,13 +774,17 @@ class Viewer {
 
 const kMostEnlarged = 64;  // times as large as the window shows it
 
-/// A click on one of the pictures opens it in the whole window, where the wheel zooms, a drag moves, and arrow keys show
-/// the others.
+/// A click on one of the pictures opens it in the whole window, where the wheel zooms, a drag moves, arrow keys show the
+/// others, and the pixel under the pointer is read out: its column and row, and its sRGB codes.
 function makeEnlargeable(pictures) {
   let shown = 0, zoom = 1, x = 0, y = 0;  // where its top left corner lies, CSS pixels
-  const large = element('img', {draggable: 'false'}), title = element('p', {'aria-live': 'polite'});
+  let pointer = null;  // where it was last seen in the window
+  let pixels = null;   // of the picture that is shown, once they are decoded
+  const large = element('img', {draggable: 'false'}), title = element('span', {'aria-live': 'polite'});
+  const readout = element('span', {class: 'readout'});
   const close = element('button', {type: 'button', onclick: () => dialog.close()}, 'Close (Esc)');
-  const dialog = element('dialog', {class: 'enlarged', 'aria-label': 'Enlarged picture'}, large, title, close);
+  const dialog = element('dialog', {class: 'enlarged', 'aria-label': 'Enlarged picture'}, large,
+                         element('p', {}, title, readout), close);
   document.body.append(dialog);
 
   const place = () => { large.style.transform = `translate(${x}px, ${y}px) scale(${zoom})`; };
@@ -799,6 +803,23 @@ function makeEnlargeable(pictures) {
     large.alt = title.textContent = [(caption ?? row)?.textContent, picture.alt].filter(Boolean).join(': ');
     zoomBy(0);
     if (!dialog.open) dialog.showModal();
+    pixels = null;
+    readout.textContent = '';
+    pixelsOf(picture).then(decoded => {
+      if (picture !== pictures[shown]) return;
+      pixels = decoded;
+      read();
+    });
+  };
+  /// What is fitted into the element, and as large as it can be, lies in its middle.
+  const read = () => {
+    if (!pixels || !pointer) return;
+    const {w, h, rgba} = pixels, box = large.getBoundingClientRect();
+    const scale = Math.min(box.width / w, box.height / h);
+    const column = Math.floor((pointer.x - box.left - (box.width - w * scale) / 2) / scale);
+    const row = Math.floor((pointer.y - box.top - (box.height - h * scale) / 2) / scale);
+    const inside = column >= 0 && column < w && row >= 0 && row < h, at = 4 * (row * w + column);
+    readout.textContent = inside ? `${column}, ${row}: ${rgba.slice(at, at + 3).join(' ')}` : '';
   };
 
   large.addEventListener('wheel', event => {
@@ -807,6 +828,8 @@ function makeEnlargeable(pictures) {
   }, {passive: false});
   large.addEventListener('pointerdown', event => large.setPointerCapture(event.pointerId));
   large.addEventListener('pointermove', event => {
+    pointer = {x: event.clientX, y: event.clientY};
+    read();
     if (!event.buttons || zoom === 1) return;
     x += event.movementX;
     y += event.movementY;

@@ -23,6 +23,7 @@ void print(const std::vector<evaluation::PictureMaskScore>& pictures) {
   fmt::print("{:<34}{:>12}{:>12}\n", "", "network", "filtered");
   fmt::print("{:<34}{:12.4f}{:12.4f}\n", fmt::format("mean IoU, {} pictures", means.count), means.iou,
              means.filtered_iou);
+  fmt::print("{:<34}{:12.0f}\n", "CPU ms to find people, median", means.find_cpu_ms);
   if (means.with_face == 0) {
     fmt::print("no face was found\n");
     return;
