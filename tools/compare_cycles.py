@@ -5,7 +5,7 @@
 PROGRAM is build/release/tools/dualpixel; OUT, a new folder, gets cycles.json; WIDTH in photosites divides the scene's (96:
 five minutes on two cores). Needs Debian's blender (3.4) and python3-numpy; nothing else does.
 
-What is matched: thin lens, its pupil and focus; one environment picture, read by both; the sun without a width; direct
+What is matched: a thin lens (lens_models/phone_thin_4.4mm_f1.8.json) in place of the scene's own, its pupil and focus; one environment picture, read by both; the sun without a width; direct
 light alone; a photosite's own area as the pixel's filter. All materials are made matte (roughness 1, no metal) in a copy
 of the scene, as the two programs' glossy surfaces follow different models. Ours is the capture's `photograph` at an
 aperture scale of 1: the undivided picture.
@@ -30,6 +30,7 @@ import numpy as np
 
 REFERENCE_SAMPLES = 2048
 SAMPLES = (64, 128, 256, 512)
+SEEDS = (3, 4, 5)
 THIN_LENS = "phone_thin_4.4mm_f1.8.json"  # a prescription's distortion and vignetting are not Cycles's
 NITS = 1e-4  # Cycles' unit of radiance: keeps its numbers near 1
 
@@ -205,12 +206,24 @@ def time_at(rows, error):
     return None
 
 
+def standard_error(values):
+    return float(np.std(values, ddof=1) / math.sqrt(len(values)))
+
+
 def measure(render, fewest, reference):
     """`fewest`: of CPU seconds, what counts for nothing."""
     rows = []
     for samples in SAMPLES:
-        picture, cpu_s = render(samples, 3)
-        rows.append({"samples": samples, "cpu_s": max(cpu_s - fewest, 1e-3), "rmse_nits": rms(picture - reference)})
+        runs = [render(samples, seed) for seed in SEEDS]
+        times = [max(cpu_s - fewest, 1e-3) for _, cpu_s in runs]
+        errors = [rms(picture - reference) for picture, _ in runs]
+        rows.append({
+            "samples": samples,
+            "cpu_s": float(np.mean(times)),
+            "cpu_s_standard_error": standard_error(times),
+            "rmse_nits": float(np.mean(errors)),
+            "rmse_standard_error": standard_error(errors),
+        })
     return rows
 
 
@@ -242,6 +255,8 @@ def main():
     mean = float(np.mean(theirs))
     result = {
         "scene": os.path.basename(source),
+        "reference_samples": REFERENCE_SAMPLES,
+        "seeds": len(SEEDS),
         "mean_nits": {"ours": float(np.mean(reference)), "cycles": mean},
         "difference_of_means": float(np.mean(reference)) / mean - 1,
         "mean_absolute_difference": float(np.mean(np.abs(reference - theirs))) / mean,

@@ -189,18 +189,8 @@ double pair_over_undivided(const Patches& patches) {
   return pair_s / undivided_s;
 }
 
-struct RunCost {
-  double time_s = 0, memory_mb = 0;
-};
-
-RunCost cost_of_run(const std::function<void()>& work) {
-  RunCost cost;
-  cost.memory_mb = peak_mb([&] { cost.time_s = cpu_seconds(work); });
-  return cost;
-}
-
-RenderRun run_of(double samples, const RunCost& cost, const Error& e) {
-  return {samples, cost.time_s, e.halves(), e.left, e.right, e.difference, cost.memory_mb, {}};
+RenderRun run_of(double samples, double time_s, const Error& e) {
+  return {samples, time_s, e.halves(), e.left, e.right, e.difference, {}};
 }
 
 /// Time at which the curve comes down to `error`, interpolated on log axes; 0: never.
@@ -257,8 +247,8 @@ std::vector<RenderCurve> measure_uniform(const Patches& patches, const Reference
   for (int samples = 16; samples <= most_samples; samples *= 2) {
     for (std::size_t i = 0; i < curves.size(); ++i) {
       Halves halves;
-      const RunCost cost = cost_of_run([&] { halves = render(patches, kSamplings[i].second, 3, uniform(samples)); });
-      curves[i].runs.push_back(run_of(samples, cost, error_of(patches, halves, reference.mean, reference.apart)));
+      const double time_s = cpu_seconds([&] { halves = render(patches, kSamplings[i].second, 3, uniform(samples)); });
+      curves[i].runs.push_back(run_of(samples, time_s, error_of(patches, halves, reference.mean, reference.apart)));
     }
     progress(0.6 + 0.3 * samples / most_samples);
   }
@@ -277,8 +267,8 @@ RenderCurve measure_light_cache(const std::string& name, LightCacheOptions light
     if (count == LightSamples::as_camera) light.light_samples = samples;
     if (light.light_spacing_px > 0) patches.world.light_cache = std::make_unique<LightCache>(light);
     Halves halves;
-    const RunCost cost = cost_of_run([&] { halves = render(patches, Sampling::mirrored, 3, uniform(samples)); });
-    curve.runs.push_back(run_of(samples, cost, error_of(patches, halves, reference.mean, reference.apart)));
+    const double time_s = cpu_seconds([&] { halves = render(patches, Sampling::mirrored, 3, uniform(samples)); });
+    curve.runs.push_back(run_of(samples, time_s, error_of(patches, halves, reference.mean, reference.apart)));
   }
   patches.world.light_cache.reset();
   return curve;
@@ -291,13 +281,13 @@ RenderCurve measure_adaptive(const Patches& patches, const Reference& reference,
   for (std::size_t i = 1; i < uniform_runs.size(); ++i) {
     Halves halves;
     std::vector<SampleMap> maps;
-    const RunCost cost = cost_of_run([&] {
+    const double time_s = cpu_seconds([&] {
       maps = adapt(patches, uniform_runs[i].error, 4);
       halves = render(patches, Sampling::mirrored, 5, maps);
     });
     double samples = 0;
     for (const SampleMap& map : maps) samples += map.total_samples();
-    curve.runs.push_back(run_of(samples / (double{kPatches} * kPatchSide * kPatchSide), cost,
+    curve.runs.push_back(run_of(samples / (double{kPatches} * kPatchSide * kPatchSide), time_s,
                                 error_of(patches, halves, reference.mean, reference.apart)));
     curve.runs.back().target = {uniform_runs[i].error, uniform_runs[i].samples};
     progress(0.9 + 0.1 * static_cast<double>(i + 1) / static_cast<double>(uniform_runs.size()));
@@ -327,21 +317,35 @@ RenderCurve measure_adaptive_with_cache(Patches& patches, const Reference& refer
                                         const std::vector<RenderRun>& uniform_runs) {
   RenderCurve curve{"light cache, adaptive", {}};
   for (const RenderRun& run : uniform_runs) {
+    patches.world.light_cache.reset();
+    patches.world.spare_light.clear();  // points that are there already would take no time
     Halves halves;
     std::vector<SampleMap> maps;
-    const RunCost cost = cost_of_run([&] {
+    const double time_s = cpu_seconds([&] {
       const double left = std::max(fit_light_cache(patches, run.error), 0.25);
       maps = adapt(patches, run.error * std::sqrt(left), 4);
       halves = render(patches, Sampling::mirrored, 5, maps);
     });
     double samples = 0;
     for (const SampleMap& map : maps) samples += map.total_samples();
-    curve.runs.push_back(run_of(samples / (double{kPatches} * kPatchSide * kPatchSide), cost,
+    curve.runs.push_back(run_of(samples / (double{kPatches} * kPatchSide * kPatchSide), time_s,
                                 error_of(patches, halves, reference.mean, reference.apart)));
     curve.runs.back().target = {run.error, run.samples};
   }
   patches.world.light_cache.reset();
+  patches.world.spare_light.clear();
   return curve;
+}
+
+/// Of points so far apart, with what rendering the patches takes besides; sample counts do not change it.
+double memory_of_points(const LightCacheOptions& light, Patches& patches) {
+  constexpr int kSamples = 1;
+  const double memory_mb = peak_mb([&] {
+    if (light.light_spacing_px > 0) patches.world.light_cache = std::make_unique<LightCache>(light);
+    render(patches, Sampling::mirrored, 3, uniform(kSamples));
+  });
+  patches.world.light_cache.reset();
+  return memory_mb;
 }
 
 nlohmann::ordered_json to_json(const EmbreeShare& share) {
@@ -355,10 +359,9 @@ nlohmann::ordered_json to_json(const EmbreeShare& share) {
 }
 
 nlohmann::ordered_json to_json(const RenderRun& run) {
-  nlohmann::ordered_json json = {{"samples", run.samples},    {"time_s", run.time_s},
-                                 {"error", run.error},        {"left", run.left},
-                                 {"right", run.right},        {"left_minus_right", run.left_minus_right},
-                                 {"memory_mb", run.memory_mb}};
+  nlohmann::ordered_json json = {{"samples", run.samples}, {"time_s", run.time_s},
+                                 {"error", run.error},     {"left", run.left},
+                                 {"right", run.right},     {"left_minus_right", run.left_minus_right}};
   if (run.target) json["requested_error"] = run.target->error;
   return json;
 }
@@ -393,11 +396,13 @@ std::vector<RenderCurve> measure_light_points(const std::string& scene_file, con
   std::vector<RenderCurve> curves;
   for (const double spacing : spacings_px) {
     const std::string name = spacing > 0 ? fmt::format("points {:g} px apart", spacing) : "light of every sample";
-    curves.push_back(measure_light_cache(name, LightCacheOptions{.light_spacing_px = spacing}, made.patches, reference,
-                                         options.most_samples));
+    const LightCacheOptions light{.light_spacing_px = spacing};
+    curves.push_back(measure_light_cache(name, light, made.patches, reference, options.most_samples));
+    curves.back().memory_mb = memory_of_points(light, made.patches);
   }
   const std::string name = fmt::format("as by default, {} light samples", LightCacheOptions{}.light_samples);
   curves.push_back(measure_light_cache(name, {}, made.patches, reference, options.most_samples, LightSamples::given));
+  curves.back().memory_mb = memory_of_points({}, made.patches);
   return curves;
 }
 

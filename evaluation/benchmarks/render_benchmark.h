@@ -24,7 +24,6 @@ struct RenderRun {
   double time_s = 0;   ///< CPU time of all cores
   double error = 0;    ///< of both views
   double left = 0, right = 0, left_minus_right = 0;
-  double memory_mb = 0;  ///< at most, besides what was held before: the scene, and Embree's structure over it
   std::optional<RenderTarget> target;  ///< of adaptive sampling
 };
 
@@ -34,6 +33,8 @@ struct RenderCurve {
   /// cache, adaptive": light at points of surfaces, as `simulate` has it by default
   std::string name;
   std::vector<RenderRun> runs;
+  /// Of measure_light_points(): at most, besides the scene and Embree's structure over it.
+  std::optional<double> memory_mb = {};
 };
 
 /// The renderer and Embree alone, on the same rays and one thread.

@@ -37,14 +37,14 @@ void keep_for_bf16(const ChartInput& input, int seed, const Image& picture, cons
   }
 }
 
-std::vector<Trial> try_bf16(const ChartInput& input, int seeds) {
-  if (input.program.empty()) return {};
+Bf16Masks try_bf16(const ChartInput& input, int seeds) {
+  if (!__builtin_cpu_supports("avx512bw")) return {{}, "The person network in bf16: needs a processor with AVX-512."};
   const std::string out = input.scratch + "/bf16";
   const std::string command =
       fmt::format("exec {} experiment segmentation --bf16 --images {} --masks {} -o {} >/dev/null 2>&1",
                   shell_quoted(input.program), shell_quoted(pictures_folder(input)), shell_quoted(masks_folder(input)),
                   shell_quoted(out));
-  if (run_shell(command).status != 0) return {};
+  if (run_shell(command).status != 0) return {{}, "The person network in bf16: its process ended with an error."};
   const nlohmann::json pictures = read_json_file(out + "/segmentation.json").at("pictures");
   std::vector<Trial> trials;
   for (int seed = 0; seed < seeds; ++seed) {
@@ -56,7 +56,7 @@ std::vector<Trial> try_bf16(const ChartInput& input, int seeds) {
       trial.time = repeat == 0 ? cpu_ms : std::min(trial.time, cpu_ms);
     }
   }
-  return trials;
+  return {trials, ""};
 }
 
 }  // namespace dualpixel::evaluation

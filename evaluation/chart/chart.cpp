@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kFormat = "dualpixel-chart";
-constexpr int kVersion = 4;
+constexpr int kVersion = 5;
 constexpr double kLeastTimeChange = 0.10, kLeastErrorChange = 0.01;
 constexpr double kStandardErrors = 3;
 
@@ -153,6 +153,10 @@ void add(Chart& chart, ChartPart part, const std::string& stage) {
   append(chart.sections, part.sections);
   append(chart.bars, part.bars);
   append(chart.growths, part.growths);
+  for (const std::string& line : part.left_out) {
+    const bool is_new = std::find(chart.left_out.begin(), chart.left_out.end(), line) == chart.left_out.end();
+    if (is_new) chart.left_out.push_back(line);  // a stage that measured nothing is tried again by a resumed run
+  }
 }
 
 std::vector<FrontStep> front_steps(const std::vector<ChartPoint>& points) {

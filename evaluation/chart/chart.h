@@ -57,6 +57,7 @@ struct ChartPart {
   std::vector<ChartSection> sections;
   std::vector<ChartBar> bars = {};
   std::vector<ChartGrowth> growths = {};
+  std::vector<std::string> left_out = {};  ///< what it could not measure here, and why
 };
 
 struct Chart {

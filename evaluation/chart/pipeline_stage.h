@@ -11,7 +11,7 @@ namespace dualpixel::evaluation {
 /// its error and time come from; defocus and person masks by themselves, on the same captures.
 ChartPart measure_pipeline(const ChartInput& input);
 
-/// How the time of mode dp+seg grows with the photosites, stage by stage.
+/// How the time of mode dp+seg grows with the photosites, stage by stage; the memory of the whole, and the simulator's.
 ChartPart measure_pipeline_growth(const ChartInput& input);
 
 /// The folder of one of the captures that measure_pipeline() works on, of seed 1 and up, in the scratch folder;

@@ -38,10 +38,9 @@ std::vector<Trial> trials_of(const SceneRenderBenchmark& benchmark) {
   std::vector<Trial> trials;
   for (const RenderCurve& curve : benchmark.curves) {
     for (const RenderRun& run : curve.runs) {
-      Trial& trial = trials.emplace_back(Trial{name_of(curve, run), run.error, run.time_s, run.memory_mb});
+      Trial& trial = trials.emplace_back(Trial{name_of(curve, run), run.error, run.time_s});
       trial.is_default = curve.name == "light cache" && run.samples == simulator::RenderOptions().samples_per_pixel;
       trial.is_bound = curve.name == "Embree alone";
-      if (trial.is_bound) trial.memory_mb.reset();
     }
   }
   return trials;
@@ -60,8 +59,7 @@ ChartPart measure_renderer(const ChartInput& input) {
   ChartSection section{"Renderer",
                        "24 patches of slanted_planes.json, each way of sampling at growing counts, against a reference "
                        "of many more, whose own error is subtracted; means over three seeds of all camera samples (in "
-                       "short, one). Points of light are the scene's own, and the same with each. Memory is besides "
-                       "the scene's own.",
+                       "short, one). Points of light are the scene's own, and the same with each.",
                        "of the sensor's noise",
                        "CPU s",
                        points_of(by_seed),
@@ -80,7 +78,7 @@ std::vector<Trial> trials_of(const std::vector<RenderCurve>& light_points) {
   for (const RenderCurve& curve : light_points) {
     for (const RenderRun& run : curve.runs) {
       const bool is_default = &curve == &light_points.back() && run.samples == 16;  // as portrait.json has it
-      trials.push_back({name_of(curve, run), run.error, run.time_s, run.memory_mb, is_default});
+      trials.push_back({name_of(curve, run), run.error, run.time_s, curve.memory_mb, is_default});
     }
   }
   return trials;
@@ -100,7 +98,7 @@ ChartPart measure_light(const ChartInput& input) {
                        "24 patches of portrait.json: where the light of a surface is known, at points so many "
                        "photosites apart or by every sample; making the points is in the time. Against a reference of "
                        "many more samples, whose own error is subtracted; means over three seeds of all camera samples "
-                       "(in short, one), the points being the same with each. Memory is besides the scene's own.",
+                       "(in short, one), the points being the same with each. Memory excludes the scene's own.",
                        "of the sensor's noise",
                        "CPU s",
                        points_of(by_seed),
@@ -256,8 +254,8 @@ ChartPart measure_calibration(const ChartInput& input) {
   const CalibrationCost cost = measure_calibration_cost(simulator::read_simulation(json, file), [](double) {});
   ChartSection section{"Calibration",
                        "Deviation of a plane's disparity over the field that is left after correction, over the "
-                       "photographs that were taken. Memory is of drawing and measuring the targets that one "
-                       "correction needs.",
+                       "photographs that were taken. Memory is that of two focus distances' targets, drawn and "
+                       "measured one after another, so that it does not grow with their number.",
                        "DP px",
                        "photographs",
                        {}};
@@ -286,17 +284,12 @@ const std::vector<ChartStage>& chart_stages() {
   return stages;
 }
 
-std::vector<std::string> chart_left_out(const ChartInput& input) {
-  std::vector<std::string> lines = {
-      "Networks of other sizes: one is built in; `dualpixel experiment segmentation "
-      "--weights` judges others."};
+std::vector<std::string> chart_left_out(bool quick) {
+  std::vector<std::string> lines;
+  if (quick) lines.emplace_back("Calibration, growth and Cycles: take minutes; without --quick they are here.");
+  lines.emplace_back(
+      "Networks of other sizes: one is built in; `dualpixel experiment segmentation --weights` judges others.");
   if (!pipeline::has_person_network()) lines.emplace_back("Person masks: this build has no oneDNN.");
-  if (input.quick) {
-    lines.insert(lines.begin(), "Calibration, growth and Cycles: take minutes; without --quick they are here.");
-  } else if (!can_measure_cycles()) {
-    lines.emplace_back(
-        fmt::format("Cycles: needs Blender, and {} in the folder that the program is started in.", kCyclesScript));
-  }
   return lines;
 }
 

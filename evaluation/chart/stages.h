@@ -17,7 +17,7 @@ struct ChartStage {
 
 const std::vector<ChartStage>& chart_stages();
 
-/// What no section shows, and why.
-std::vector<std::string> chart_left_out(const ChartInput& input);
+/// What no stage measures, and why; stages add what they could not (ChartPart).
+std::vector<std::string> chart_left_out(bool quick);
 
 }  // namespace dualpixel::evaluation

@@ -20,7 +20,7 @@ struct CalibrationEffort {
   double residual_dp_px = 0;  ///< deviation of a plane's disparity over the field after correction
   pipeline::TargetTilt tilt;  ///< as the calibration estimates it
   bool warned = false;        ///< of a tilted target
-  double memory_mb = 0;       ///< at most, besides what was held before; drawing the target takes part of it
+  double memory_mb = 0;       ///< at most, besides what was held before; part of it goes into drawing the target
 
   int photographs() const { return sweep.focuses * sweep.targets; }
 };

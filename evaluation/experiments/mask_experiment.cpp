@@ -15,6 +15,7 @@
 #include "capture/image/resample.h"
 #include "capture/timing.h"
 #include "evaluation/metrics/mask_metrics.h"
+#include "evaluation/metrics/statistics.h"
 #include "evaluation/report/report_images.h"
 #include "pipeline/segmentation/person_mask.h"
 
@@ -168,10 +169,7 @@ MaskMeans means_of(const std::vector<PictureMaskScore>& scores) {
   }
   std::vector<double> times;
   for (const PictureMaskScore& p : scores) times.push_back(p.find_cpu_ms);
-  if (!times.empty()) {
-    std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
-    means.find_cpu_ms = times[times.size() / 2];
-  }
+  if (!times.empty()) means.find_cpu_ms = median(times);
   return means;
 }
 

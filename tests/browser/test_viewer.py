@@ -354,12 +354,17 @@ class Viewer(unittest.TestCase):
                   `${{column}}, ${{row}}: ${{[...context.getImageData(column, row, 1, 1).data].slice(0, 3).join(' ')}}`];
         }})()""")
         self.browser.mouse("mouseMoved", x, y)
+        readout = "document.querySelector('.enlarged .readout').textContent"
         self.assertEqual(self.browser.run("""new Promise((done, fail) => {
           const readout = document.querySelector('.enlarged .readout'), start = performance.now();
           const wait = () => readout.textContent ? done(readout.textContent)
               : performance.now() - start > 60000 ? fail(new Error('nothing was read out')) : setTimeout(wait, 10);
           wait();
         })"""), codes)
+        self.browser.press("+")  # about the window's middle: another pixel comes under the pointer
+        self.assertNotEqual(self.browser.run(readout).split(":")[0], codes.split(":")[0])
+        self.browser.press("f")
+        self.assertEqual(self.browser.run(readout), codes)
         # twice as large, about the pointer
         self.browser.mouse("mouseWheel", 300, 200, deltaX=0, deltaY=-240)
         box = self.browser.run(f"(({{left, top, width}}) => [left, top, width / document.documentElement.clientWidth])"

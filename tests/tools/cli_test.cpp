@@ -340,7 +340,7 @@ TEST(Cli, AChartOfLargerPicturesIsNoneToCompareAQuickOneWith) {
   const std::string older = folder / "older.json";
   write_bytes(
       older,
-      R"({"format": "dualpixel-chart", "version": 4, "program": "0.1", "libraries": "", "machine": "m", "quick": false,
+      R"({"format": "dualpixel-chart", "version": 5, "program": "0.1", "libraries": "", "machine": "m", "quick": false,
                          "complete": true, "sections": [], "bars": [], "growths": [], "left_out": []})");
   const Outcome chart =
       run_program("--max-time 60 chart --quick -o '" + (folder / "new.html") + "' --compare '" + older + "'");

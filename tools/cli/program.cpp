@@ -187,7 +187,7 @@ int program_main(int argc, char** argv) {
     program.parse(argc, argv);
     return printed(0);
   } catch (const CLI::RuntimeError& status) {
-    return status.get_exit_code();
+    return printed(status.get_exit_code());
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return printed(program.exit(error));  // --help, --version
     for (const auto& explain : {unknown_command, unknown_option}) {

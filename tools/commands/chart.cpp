@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -24,6 +25,7 @@ namespace fs = std::filesystem;
 struct ChartOptions {
   std::string page, older;
   std::string scenes = "build/release/scenes", lenses = "lens_models";
+  std::string cycles_script;
   bool quick = false;
 };
 
@@ -73,11 +75,16 @@ void run(const ChartOptions& options) {
   if (json_file == options.page) throw InputError(printable(options.page) + ": must not end in .json");
   evaluation::require_page_path(options.page);  // before the work, not after it
   require_writable(json_file);
-  evaluation::Chart chart = interrupted(json_file, {options.quick, DUALPIXEL_VERSION, DUALPIXEL_LIBRARIES, machine()});
   const NewFolder scratch(options.page + ".captures", "capture");  // never made: it goes when the page is there
-  const evaluation::ChartInput input{options.quick, options.scenes, options.lenses, scratch.path(),
-                                     fs::read_symlink("/proc/self/exe").string()};
-  chart.left_out = evaluation::chart_left_out(input);
+  const evaluation::ChartInput input{
+      options.quick,        options.scenes, options.lenses, scratch.path(), fmt::format("/proc/{}/exe", getpid()),
+      options.cycles_script};
+  evaluation::Chart chart = interrupted(json_file, {options.quick,
+                                                    DUALPIXEL_VERSION,
+                                                    DUALPIXEL_LIBRARIES,
+                                                    machine(),
+                                                    {},
+                                                    evaluation::chart_left_out(options.quick)});
   const auto write = [&](const std::optional<evaluation::ChartComparison>& since = {}) {
     evaluation::write_page(options.page, to_page(chart, since));
     replace_file(json_file, to_json(chart).dump(2) + "\n");
@@ -107,13 +114,20 @@ void add_chart(CLI::App& program) {
   command->add_option("-o,--output", options->page, "Page to write; its figures go into a .json file beside it")
       ->required()
       ->type_name("PAGE.html");
-  command->add_flag("--quick", options->quick, "Small pictures, few repetitions: minutes");
+  CLI::Option* const quick = command->add_flag("--quick", options->quick, "Small pictures, few repetitions: minutes");
   command->add_option("--compare", options->older, "Say what differs from an older chart by more than noise")
       ->type_name("OLD.json");
   command->add_option("--scenes", options->scenes, "Folder of the shipped scenes")
       ->type_name("DIR")
       ->capture_default_str();
   command->add_option("--lenses", options->lenses, "Folder of lens files")->type_name("DIR")->capture_default_str();
+  command
+      ->add_option("--cycles", options->cycles_script,
+                   "Measure Blender's Cycles beside the renderer, by this script (five minutes more): "
+                   "tools/compare_cycles.py of the sources, which is run by `blender`")
+      ->check(CLI::ExistingFile)
+      ->excludes(quick)
+      ->type_name("SCRIPT");
   add_threads_option(*command);
   command->footer(
       "An interrupted run goes on where it stopped.\nExample:\n  dualpixel chart --quick -o out/chart.html\n"

@@ -787,7 +787,10 @@ function makeEnlargeable(pictures) {
                          element('p', {}, title, readout), close);
   document.body.append(dialog);
 
-  const place = () => { large.style.transform = `translate(${x}px, ${y}px) scale(${zoom})`; };
+  const place = () => {
+    large.style.transform = `translate(${x}px, ${y}px) scale(${zoom})`;
+    read();
+  };
   const zoomBy = (factor, at = {x: innerWidth / 2, y: innerHeight / 2}) => {
     const to = clamp(zoom * factor, 1, kMostEnlarged);
     x = to === 1 ? 0 : at.x - (at.x - x) * to / zoom;
@@ -801,25 +804,25 @@ function makeEnlargeable(pictures) {
     const row = picture.closest('tr')?.cells[0];
     large.src = picture.src;
     large.alt = title.textContent = [(caption ?? row)?.textContent, picture.alt].filter(Boolean).join(': ');
+    pixels = null;
     zoomBy(0);
     if (!dialog.open) dialog.showModal();
-    pixels = null;
-    readout.textContent = '';
     pixelsOf(picture).then(decoded => {
       if (picture !== pictures[shown]) return;
       pixels = decoded;
       read();
     });
   };
-  /// What is fitted into the element, and as large as it can be, lies in its middle.
+  /// `object-fit: contain` centers the picture in the element.
   const read = () => {
+    readout.textContent = '';
     if (!pixels || !pointer) return;
     const {w, h, rgba} = pixels, box = large.getBoundingClientRect();
     const scale = Math.min(box.width / w, box.height / h);
     const column = Math.floor((pointer.x - box.left - (box.width - w * scale) / 2) / scale);
     const row = Math.floor((pointer.y - box.top - (box.height - h * scale) / 2) / scale);
     const inside = column >= 0 && column < w && row >= 0 && row < h, at = 4 * (row * w + column);
-    readout.textContent = inside ? `${column}, ${row}: ${rgba.slice(at, at + 3).join(' ')}` : '';
+    if (inside) readout.textContent = `${column}, ${row}: ${rgba.slice(at, at + 3).join(' ')}`;
   };
 
   large.addEventListener('wheel', event => {
@@ -829,12 +832,18 @@ function makeEnlargeable(pictures) {
   large.addEventListener('pointerdown', event => large.setPointerCapture(event.pointerId));
   large.addEventListener('pointermove', event => {
     pointer = {x: event.clientX, y: event.clientY};
-    read();
-    if (!event.buttons || zoom === 1) return;
-    x += event.movementX;
-    y += event.movementY;
+    if (event.buttons && zoom > 1) {
+      x += event.movementX;
+      y += event.movementY;
+    }
     place();
   });
+  const forget = () => {
+    pointer = null;
+    read();
+  };
+  large.addEventListener('pointerleave', forget);
+  dialog.addEventListener('close', forget);
   const acts = {ArrowLeft: () => show(shown - 1), ArrowRight: () => show(shown + 1), '+': () => zoomBy(1.5),
                 '=': () => zoomBy(1.5), '-': () => zoomBy(1 / 1.5), f: () => zoomBy(0)};
   document.addEventListener('keydown', event => {  // wherever a click has left the focus

@@ -16,7 +16,8 @@ void add_experiment_figures(CLI::App& experiment) {
   };
   auto command = std::make_shared<FiguresCommand>();
   CLI::App* sub = experiment.add_subcommand(
-      "figures", "The paper's figures of single steps, of one capture: burst, calibration, sharp range, discs, noise");
+      "figures",
+      "The paper's figures of single steps, of one capture: burst, calibration, sharp range, discs, noise, people");
   sub->add_option("capture", command->capture, "Capture with views and a mosaic, best a burst")
       ->required()
       ->type_name("CAPTURE");
