@@ -23,8 +23,10 @@ broken=0
 for name in "${names[@]}"; do
   corpus=build/fuzz/corpus/$name
   mkdir -p "$corpus"
+  dictionary=build/fuzz/$name.dict
+  cat tests/fuzz/dictionaries/json.dict $(ls tests/fuzz/dictionaries/"$name".dict 2>/dev/null) >"$dictionary"
   # A leak's report would be OpenImageIO's own (tests/lsan_suppressions.txt); a picture may be of 2 GB.
-  if ASAN_OPTIONS=detect_leaks=0 "build/fuzz/tests/fuzz_$name" "$corpus" "tests/fuzz/seeds/$name" -dict=tests/fuzz/json.dict \
+  if ASAN_OPTIONS=detect_leaks=0 "build/fuzz/tests/fuzz_$name" "$corpus" "tests/fuzz/seeds/$name" -dict="$dictionary" \
     -max_total_time="$seconds" -timeout=20 -rss_limit_mb=6000 -malloc_limit_mb=3000 -max_len=65536 \
     -artifact_prefix="build/fuzz/found/$name-" -print_final_stats=1 >"build/fuzz/$name.log" 2>&1; then
     echo "$name: $(sed -n 's/^stat::number_of_executed_units: *//p' "build/fuzz/$name.log") inputs, nothing found"

@@ -1,22 +1,18 @@
 #include "evaluation/benchmarks/defocus_benchmark.h"
 
 #include <algorithm>
-#include <ctime>
 #include <functional>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "capture/timing.h"
 #include "evaluation/simulated_scene.h"
 #include "pipeline/defocus/mask_blur.h"
 #include "pipeline/defocus/render.h"
 #include "pipeline/defocus/scatter.h"
+#include "pipeline/portrait/run_portrait.h"
 
 namespace dualpixel::evaluation {
 namespace {
-
-using pipeline::Mode;
 
 constexpr double kLargestDirectPx = 20;
 
@@ -25,23 +21,6 @@ constexpr double kLargestDirectPx = 20;
 Capture render_burst(const std::string& scene_file) {
   return simulate_scene(scene_file, {"render.samples_per_pixel=16", "render.photograph_samples_per_pixel=1",
                                      "render.all_in_focus_samples_per_pixel=1"});
-}
-
-ModeTime time_mode(const Capture& capture, Mode mode, const Image& mask) {
-  pipeline::PortraitOptions options;  // the paper's method, whose times stand beside these
-  options.mode = mode;
-  ModeTime best;
-  best.ms = best.cpu_ms = std::numeric_limits<double>::infinity();
-  for (int repeat = 0; repeat < 5; ++repeat) {
-    pipeline::PortraitResult result;
-    const std::clock_t start = std::clock();
-    const double ms = 1e3 * seconds([&] { result = pipeline::run_portrait(capture, options, mask); });
-    best.cpu_ms = std::min(best.cpu_ms, 1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
-    if (ms < best.ms) best.stages = std::move(result.stages);
-    best.ms = std::min(best.ms, ms);
-  }
-  best.peak_mb = peak_mb([&] { pipeline::run_portrait(capture, options, mask); });
-  return best;
 }
 
 std::vector<RadiusTime> time_radii(int width, int height) {
@@ -92,56 +71,14 @@ DefocusBenchmark measure_defocus_time(const std::string& scene_file) {
   Capture capture = render_burst(scene_file);
   const Image mask = capture.truth->person_mask;
   capture.truth.reset();
-  constexpr struct {
-    const char* name;
-    Mode mode;
-    double paper_ms;
-  } kModes[] = {{"dp", Mode::dp, 2134}, {"seg", Mode::seg, 3343}, {"dp+seg", Mode::dp_seg, 3854}};
   DefocusBenchmark benchmark;
-  for (const auto& [name, mode, paper_ms] : kModes) {
-    ModeTime& time = benchmark.modes.emplace_back(time_mode(capture, mode, mask));
-    time.mode = name;
-    time.paper_ms = paper_ms;
-  }
   benchmark.renderers = time_renderers(capture, mask);
   benchmark.radii = time_radii(capture.camera.width_px, capture.camera.height_px);
   return benchmark;
 }
 
-std::vector<TableFourRow> table_four(const DefocusBenchmark& benchmark) {
-  const struct {
-    const char* name;
-    double paper_ms;
-    const char* mode;
-    std::vector<std::string> stages;
-  } rows[] = {{"burst", 190, "dp", {"merge"}},
-              {"disparity", 817, "dp", {"disparity", "smooth", "upsample"}},
-              {"depth renderer", 1241, "dp", {"blur", "noise"}},
-              {"mask filtering", 1048, "seg", {"mask"}},
-              {"mask renderer", 546, "seg", {"blur", "noise"}},
-              {"not counted by the paper", std::numeric_limits<double>::quiet_NaN(), "dp", {"demosaic", "display"}}};
-  std::vector<TableFourRow> table;
-  for (const auto& row : rows) {
-    double ms = 0;
-    for (const ModeTime& mode : benchmark.modes) {
-      if (mode.mode != row.mode) continue;
-      for (const pipeline::StageTime& stage : mode.stages) {
-        if (std::count(row.stages.begin(), row.stages.end(), stage.name) > 0) ms += stage.ms;
-      }
-    }
-    table.push_back({row.name, row.paper_ms, ms});
-  }
-  return table;
-}
-
 nlohmann::ordered_json to_json(const DefocusBenchmark& benchmark) {
   nlohmann::ordered_json json;
-  for (const ModeTime& mode : benchmark.modes) {
-    nlohmann::ordered_json stages;
-    for (const pipeline::StageTime& stage : mode.stages) stages[stage.name] = stage.ms;
-    json["modes"][mode.mode] = {
-        {"ms", mode.ms}, {"cpu_ms", mode.cpu_ms}, {"stages_ms", stages}, {"peak_mb", mode.peak_mb}};
-  }
   for (const RendererTime& r : benchmark.renderers) {
     json["renderers"][r.name] = {{"ms", r.ms}, {"cpu_ms", r.cpu_ms}};
   }

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
@@ -19,8 +21,8 @@ ChartSection cycles_section(const nlohmann::json& measured) {
       "Beside Cycles",
       fmt::format("portrait.json, {} photosites wide, by Blender's Cycles and by ours: the same thin lens, focus and "
                   "light, direct alone; all materials matte. RMS error, of the mean, against a program's own reference "
-                  "of {} samples, whose own error is in it (at 512 samples about a tenth). Time is what a render takes "
-                  "more than one of a single sample, for ours with the points of light. Means over {} seeds. The two "
+                  "of {} samples, whose own error is in it (at 512 samples about a tenth). Time is CPU time minus that "
+                  "of a render with one sample; ours includes making the points of light. Means over {} seeds. The two "
                   "references differ by {:.2f} % on average, and by {:.1f} % in a pixel.",
                   kWidth, measured.at("reference_samples").get<int>(), measured.at("seeds").get<int>(),
                   100 * measured.at("difference_of_means").get<double>(),
@@ -41,7 +43,18 @@ ChartSection cycles_section(const nlohmann::json& measured) {
   return section;
 }
 
+std::string last_line(const std::string& path) {
+  std::ifstream file(path);
+  std::string last;
+  for (std::string line; std::getline(file, line);) {
+    if (!line.empty()) last = line;
+  }
+  return last;
+}
+
 }  // namespace
+
+bool has_blender() { return run_shell("command -v blender >/dev/null").status == 0; }
 
 ChartPart measure_cycles(const ChartInput& input) {
   if (input.cycles_script.empty()) return {.left_out = {"Cycles: with --cycles tools/compare_cycles.py it is here."}};
@@ -50,8 +63,9 @@ ChartPart measure_cycles(const ChartInput& input) {
       fmt::format("exec blender --background --factory-startup --python-exit-code 1 --python {} -- {} {} {} {}",
                   shell_quoted(input.cycles_script), shell_quoted(input.program),
                   shell_quoted(input.scenes_folder + "/portrait.json"), shell_quoted(out), kWidth);
-  if (run_shell(command + " >" + shell_quoted(out + ".log") + " 2>&1").status != 0) {
-    return {.left_out = {"Cycles: Blender (package blender) is missing, or ended with an error."}};
+  const std::string log = out + ".log";
+  if (run_shell(command + " >" + shell_quoted(log) + " 2>&1").status != 0) {
+    return {.left_out = {"Cycles: Blender ended with an error: " + last_line(log)}};
   }
   try {
     return {{cycles_section(read_json_file(out + "/cycles.json"))}};

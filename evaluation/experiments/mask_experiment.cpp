@@ -28,18 +28,6 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kWorst = 20;
 constexpr int kThumbnail_px = 360;
 
-/// The regular files of a folder, by name.
-std::vector<fs::path> files_of(const std::string& folder) {
-  std::error_code error, unreadable;
-  std::vector<fs::path> files;
-  for (fs::directory_iterator entry(folder, error), end; entry != end; entry.increment(error)) {
-    if (entry->is_regular_file(unreadable)) files.push_back(entry->path());  // a link to nowhere is none
-  }
-  if (error) throw InputError(printable(folder) + ": cannot be read as a folder: " + error.message());
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
 /// Linear, one or three channels. EXR and HDR files hold linear values, all others sRGB.
 Image read_linear(const std::string& path) {
   const std::string format = picture_size(path).format;
@@ -54,8 +42,12 @@ Image read_linear(const std::string& path) {
   return picture;
 }
 
-Image read_true_mask(const std::string& path, const Image& picture) {
+Image read_true_mask(const std::string& path, bool labels, const Image& picture) {
   Image mask = read_mask(path);
+  if (labels) {
+    const float largest = *std::max_element(mask.data.begin(), mask.data.end());
+    for (float& value : mask.data) value = largest > 0 && value > 0.5F * largest ? 1 : 0;
+  }
   if (!mask.same_size(picture)) {
     throw InputError(fmt::format("{}: {} x {} pixels; its picture has {} x {}", printable(path), mask.width,
                                  mask.height, picture.width, picture.height));
@@ -73,10 +65,10 @@ Scored score(const MaskedPicture& pair, pipeline::PersonNetwork& network) {
   PictureMaskScore& s = scored.score;
   s.name = pair.name;
   scored.picture = read_linear(pair.picture);
-  scored.truth = read_true_mask(pair.mask, scored.picture);
+  scored.truth = read_true_mask(pair.mask, pair.labels, scored.picture);
   const int width = scored.picture.width, height = scored.picture.height;
   pipeline::FoundPeople found;
-  s.find_cpu_ms = 1e3 * cpu_seconds([&] { found = pipeline::find_people(scored.picture, {}, network); });
+  s.find_cpu_ms = 1e3 * cpu_seconds([&] { found = pipeline::find_people(scored.picture, pair.faces, network); });
   s.faces = found.faces.size();
   if (found.faces.empty()) {
     scored.filtered = Image(width, height);
@@ -131,10 +123,21 @@ std::vector<std::size_t> worst_of(const std::vector<double>& iou) {
 
 }  // namespace
 
+std::vector<fs::path> regular_files(const std::string& folder) {
+  std::error_code error, unreadable;
+  std::vector<fs::path> files;
+  for (fs::directory_iterator entry(folder, error), end; entry != end; entry.increment(error)) {
+    if (entry->is_regular_file(unreadable)) files.push_back(entry->path());  // a link to nowhere is none
+  }
+  if (error) throw InputError(printable(folder) + ": cannot be read as a folder: " + error.message());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
 std::vector<MaskedPicture> pair_masks(const std::string& pictures_folder, const std::string& masks_folder) {
-  const std::vector<fs::path> masks = files_of(masks_folder);
+  const std::vector<fs::path> masks = regular_files(masks_folder);
   std::vector<MaskedPicture> pairs;
-  for (const fs::path& image : files_of(pictures_folder)) {
+  for (const fs::path& image : regular_files(pictures_folder)) {
     const auto mask =
         std::find_if(masks.begin(), masks.end(), [&](const fs::path& path) { return path.stem() == image.stem(); });
     if (mask == masks.end()) {

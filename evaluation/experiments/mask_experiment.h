@@ -1,4 +1,5 @@
 #pragma once
+#include <filesystem>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -6,6 +7,7 @@
 
 #include "capture/image/image.h"
 #include "evaluation/metrics/score_people.h"
+#include "pipeline/segmentation/face.h"
 #include "pipeline/segmentation/network.h"
 
 /// Person masks of pictures against true ones: IoU, gradient error, and the worst shown.
@@ -13,14 +15,19 @@ namespace dualpixel::evaluation {
 
 struct MaskedPicture {
   std::string name;
-  std::string picture, mask;  ///< paths
+  std::string picture, mask;               ///< paths
+  std::vector<pipeline::Face> faces = {};  ///< those given; none: they are to be found
+  bool labels = false;                     ///< the mask's largest value is the person, and not white
 };
+
+/// The regular files of a folder, by name. Throws InputError where it cannot be read.
+std::vector<std::filesystem::path> regular_files(const std::string& folder);
 
 /// Every picture of one folder with the mask of the same name in the other, whatever their extensions. Throws
 /// InputError where a folder cannot be read or a mask is missing.
 std::vector<MaskedPicture> pair_masks(const std::string& pictures_folder, const std::string& masks_folder);
 
-/// Where no face is found the mask is empty.
+/// Where no face is given or found the mask is empty.
 struct PictureMaskScore {
   std::string name;
   std::size_t faces = 0;

@@ -154,18 +154,20 @@ std::string noise_section(const PaperFigures& figures, PortraitOptions options, 
                  "maps");
 }
 
-/// Nothing where nobody is found. Mode dp leaves one depth sharp.
+/// Nothing where fewer than two people are found. Mode dp leaves one depth sharp.
 std::string people_section(const PaperFigures& figures, PortraitOptions options, const PortraitResult& dp) {
   if (!pipeline::has_person_network()) return "";
   pipeline::PersonNetwork network;
   const pipeline::FoundPeople found = pipeline::find_people(dp.input, {}, network);
-  if (!anybody_seen(found)) return "";
+  if (found.faces.size() < 2 || !anybody_seen(found)) return "";
   options.mode = pipeline::Mode::dp_seg;
+  options.faces = found.faces;
   const PortraitResult both = run_portrait(figures.capture, options, found.mask);
-  return section("Fig. 16b: people at several depths",
-                 fmt::format("All whose faces were found ({}) are sharp in mode dp+seg, however far apart they stand.",
-                             found.faces.size()),
-                 figure("dp", "portrait", dp.portrait_srgb) + figure("dp+seg", "portrait", both.portrait_srgb));
+  return section(
+      "Fig. 16b: people at several depths",
+      fmt::format("All whose faces are large enough ({}) are sharp in mode dp+seg, however far apart they stand.",
+                  found.faces.size()),
+      figure("dp", "portrait", dp.portrait_srgb) + figure("dp+seg", "portrait", both.portrait_srgb));
 }
 
 std::string normalization_section(const PaperFigures& figures, const PortraitOptions& options) {

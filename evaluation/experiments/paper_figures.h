@@ -18,8 +18,8 @@ struct PaperFigures {
 /// A page of: Fig. 7, disparity and portrait of one frame and of the burst (where it has several); Fig. 8, without and
 /// with calibration (where one is given); Fig. 11, the sharp range around the focus and the physical mapping; Fig. 13,
 /// the ideal disc, the one that is scattered and its derivative; Fig. 14, without and with synthetic noise; Fig. 16b,
-/// modes dp and dp+seg (where people are found); Fig. S2, the views' traces before and after normalization. All others
-/// in mode dp. Throws InputError as run_portrait() does.
+/// modes dp and dp+seg (where several people are found); Fig. S2, the views' traces before and after normalization. All
+/// others in mode dp. Throws InputError as run_portrait() does.
 std::string paper_figures_page(const PaperFigures& figures, const std::function<void(double fraction)>& progress = {});
 
 }  // namespace dualpixel::evaluation

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 namespace dualpixel::evaluation {
@@ -20,11 +21,13 @@ inline double robust_deviation(std::vector<double> values) {
   return 1.4826 * median(std::move(values));
 }
 
+/// 0 for one value. `values` must not be empty.
 inline double deviation(const std::vector<double>& values) {
-  double sum = 0, squares = 0;
-  for (const double value : values) sum += value, squares += value * value;
   const auto n = static_cast<double>(values.size());
-  return std::sqrt(std::max(squares / n - sum / n * (sum / n), 0.0));
+  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+  double squares = 0;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  return std::sqrt(squares / n);
 }
 
 }  // namespace dualpixel::evaluation

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <unsupported/Eigen/FFT>
+#include <vector>
 
 #include "pipeline/disparity/paper/match.h"
 #include "pipeline/disparity/tile_disparity.h"
@@ -26,26 +27,33 @@ void by_brute_force(benchmark::State& state) {
 }
 BENCHMARK(by_brute_force)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
 
+/// What one tile needs, kept for the next.
+struct Buffers {
+  Eigen::FFT<float> fft;
+  std::vector<std::complex<float>> rows, spectrum, product, correlation;
+  Buffers() : rows(kLength), spectrum(kLength), product(kLength), correlation(kLength) {}
+};
+
 /// The shift of the least sum of squared differences, whole pixels: those of the two windows by themselves, less twice
-/// their correlation, which is a product of spectra.
-int shift_of_tile(Eigen::FFT<float>& fft, const Image& left, const Image& right, int x0, int y0) {
-  using Signal = std::vector<std::complex<float>>;
-  Signal product(kLength), of_left(kLength), of_right(kLength), spectrum_left, spectrum_right, correlation;
+/// their correlation, which is a product of spectra. The left row is the real part of a signal and the right row the
+/// imaginary part, so that one transform gives both spectra.
+int shift_of_tile(Buffers& buffers, const Image& left, const Image& right, int x0, int y0) {
+  auto& [fft, rows, spectrum, product, correlation] = buffers;
+  std::fill(product.begin(), product.end(), 0);
   std::array<float, 2 * kRange + 1> squares{};
   for (int y = y0; y < y0 + kTile; ++y) {
     const float *l = left.row(y) + x0, *r = right.row(y) + x0 - kRange;
-    std::fill(of_left.begin(), of_left.end(), 0);
-    std::fill(of_right.begin(), of_right.end(), 0);
-    std::copy_n(l, kTile, of_left.begin());
-    std::copy_n(r, kTile + 2 * kRange, of_right.begin());
+    for (int x = 0; x < kTile + 2 * kRange; ++x) rows[x] = {x < kTile ? l[x] : 0, r[x]};
     for (int shift = 0; shift <= 2 * kRange; ++shift) {
       for (int x = 0; x < kTile; ++x) squares[shift] += r[x + shift] * r[x + shift];
     }
-    fft.fwd(spectrum_left, of_left);
-    fft.fwd(spectrum_right, of_right);
-    for (int k = 0; k < kLength; ++k) product[k] += std::conj(spectrum_left[k]) * spectrum_right[k];
+    fft.fwd(spectrum.data(), rows.data(), kLength);
+    for (int k = 0; k < kLength; ++k) {
+      const std::complex<float> a = spectrum[k], b = std::conj(spectrum[(kLength - k) % kLength]);
+      product[k] += std::conj(0.5F * (a + b)) * std::complex<float>(0, -0.5F) * (a - b);
+    }
   }
-  fft.inv(correlation, product);
+  fft.inv(correlation.data(), product.data(), kLength);
   int best = 0;
   for (int shift = 1; shift <= 2 * kRange; ++shift) {
     if (squares[shift] - 2 * correlation[shift].real() < squares[best] - 2 * correlation[best].real()) best = shift;
@@ -55,12 +63,12 @@ int shift_of_tile(Eigen::FFT<float>& fft, const Image& left, const Image& right,
 
 void by_fft(benchmark::State& state) {
   const Image left = view(0), right = view(1.2);
-  Eigen::FFT<float> fft;
+  Buffers buffers;
   Image shifts(kWidth / kTile, kHeight / kTile);
   for ([[maybe_unused]] auto _ : state) {
     for (int v = 0; v < shifts.height; ++v) {
       for (int u = 1; u < shifts.width - 1; ++u) {
-        shifts.at(u, v) = static_cast<float>(shift_of_tile(fft, left, right, u * kTile, v * kTile));
+        shifts.at(u, v) = static_cast<float>(shift_of_tile(buffers, left, right, u * kTile, v * kTile));
       }
     }
   }

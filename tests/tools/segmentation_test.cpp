@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "capture/error.h"
 #include "capture/files.h"
@@ -180,9 +181,71 @@ TEST_F(SlowSegmentationExperiment, ScoresWhatItFinds) {
   EXPECT_NEAR(json["mean_iou"].get<double>(), json["mean_iou_where_found"].get<double>() / 2, 1e-9);
   EXPECT_NE(read_bytes(folder / "out/segmentation.html").find("wall"), std::string::npos);
   const nlohmann::json &face_png = json["pictures"][0], &wall_png = json["pictures"][1];
+  for (const nlohmann::json* each : {&face_png, &wall_png}) EXPECT_GT(each->at("find_cpu_ms"), 0);
+  EXPECT_EQ(json["median_find_cpu_ms"], std::max(face_png["find_cpu_ms"], wall_png["find_cpu_ms"]));
   EXPECT_EQ(wall_png["faces"], 0);
   EXPECT_TRUE(face_png.contains("gradient_error"));
   EXPECT_FALSE(wall_png.contains("gradient_error"));  // of no mask
+}
+
+// Both layouts in which the set goes round; faces.json moves the toy network's disc.
+TEST_F(SlowSegmentationExperiment, PortraitsHaveThePapersTable) {
+  if (!pipeline::has_person_network()) GTEST_SKIP() << "built without oneDNN";
+  Image picture(256, 256, 3, 0.2F), truth(256, 256);
+  pipeline::draw_face(picture, 120, 100, 70);
+  const double radius = 21 * std::sqrt(2 * std::log(2.0));  // where the toy's Gaussian is above a half
+  for (int y = 0; y < 256; ++y) {
+    for (int x = 0; x < 256; ++x) truth.at(x, y) = std::hypot(x + 0.5 - 60, y + 0.5 - 180) < radius ? 1 : 0;
+  }
+  Image of_255ths = truth;
+  for (float& value : of_255ths.data) value /= 255;
+  const auto run_set = [&](const std::string& set) {
+    return run_command("experiment segmentation --portraits '" + (folder / set) + "' --weights '" +
+                       (folder / "toy.safetensors") + "'");
+  };
+  const auto write_set = [&](const std::string& pictures, const std::string& masks, const std::string& mask_suffix,
+                             const Image& mask) {
+    for (const std::string& name : {pictures, masks}) std::filesystem::create_directories(folder / name);
+    for (const char* name : {"00001", "00002"}) {
+      write_picture(folder / (pictures + "/" + name + ".png"), picture);
+      write_png8(folder / (masks + "/" + name + mask_suffix + ".png"), mask);
+    }
+  };
+  write_set("a/Images", "a/Labels", "", of_255ths);
+  write_bytes(folder / "a/faces.json", R"({"00001": [50, 170, 20, 20], "00002": [50, 170, 20, 20]})");
+  write_set("b/images_data_crop", "b/GT_png", "_mask", truth);
+  write_bytes(folder / "b/eg1800_test.txt", "00002.png\r\n");
+  write_bytes(folder / "b/faces.json", R"({"00002": [50, 170, 20, 20]})");
+  const Outcome found = run_set("a"), given = run_set("b");
+  EXPECT_EQ(found.status, 0) << found.err;
+  EXPECT_EQ(given.status, 0) << given.err;
+  EXPECT_NE(found.out.find("PortraitFCN+ (Shen et al. 2016)"), std::string::npos);
+  const auto row = [&](const Outcome& outcome, const std::string& name) {
+    std::istringstream line(outcome.out.substr(outcome.out.find(name) + name.size()));
+    std::string that, of, weights, percent;
+    double iou = 0, count = 0;
+    line >> that >> of >> weights >> iou >> percent >> count;
+    return std::pair{iou, count};
+  };
+  EXPECT_EQ(row(found, "dualpixel, faces found "), (std::pair{0.0, 2.0}));  // the drawn face is elsewhere
+  // A disc of radius 25 px of pixels in pairs has 96 % in common with one of single pixels.
+  EXPECT_EQ(row(found, "dualpixel, faces given ").second, 2);
+  EXPECT_EQ(row(given, "dualpixel, faces given ").second, 1);
+  for (const Outcome* outcome : {&found, &given}) EXPECT_GT(row(*outcome, "dualpixel, faces given ").first, 94);
+
+  for (const char* box : {"[50, 170, 0, 20]", "[5000, 0, 10, 10]", "7"}) {
+    write_bytes(folder / "b/faces.json", std::string(R"({"00002": )") + box + "}");
+    const Outcome no_box = run_set("b");
+    expect_one_line_refusal(no_box);
+    EXPECT_NE(no_box.err.find("faces.json: /00002"), std::string::npos) << no_box.err;
+  }
+  write_bytes(folder / "b/faces.json", "{}");
+  expect_one_line_refusal(run_set("b"));
+  for (const char* list : {"00003\n", "00002\n00002.png\n", " \n"}) {
+    write_bytes(folder / "b/eg1800_test.txt", list);
+    expect_one_line_refusal(run_set("b"));
+  }
+  expect_one_line_refusal(run_set("masks"));
 }
 
 TEST_F(SlowSegmentationExperiment, WithoutAnyFaceThereIsNoMeanOfThoseFound) {

@@ -13,6 +13,7 @@
 #include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
+#include "evaluation/chart/cycles_stage.h"
 #include "evaluation/chart/stages.h"
 #include "evaluation/report/page.h"
 #include "tools/commands/commands.h"
@@ -70,6 +71,9 @@ std::optional<evaluation::Chart> older_chart(const ChartOptions& options) {
 }
 
 void run(const ChartOptions& options) {
+  if (!options.cycles_script.empty() && !evaluation::has_blender()) {
+    throw InputError("--cycles: needs Blender (package blender): there is no command 'blender'");
+  }
   const std::optional<evaluation::Chart> older = older_chart(options);
   const std::string json_file = fs::path(options.page).replace_extension(".json").string();
   if (json_file == options.page) throw InputError(printable(options.page) + ": must not end in .json");
@@ -123,7 +127,7 @@ void add_chart(CLI::App& program) {
   command->add_option("--lenses", options->lenses, "Folder of lens files")->type_name("DIR")->capture_default_str();
   command
       ->add_option("--cycles", options->cycles_script,
-                   "Measure Blender's Cycles beside the renderer, by this script (five minutes more): "
+                   "Measure Blender's Cycles beside the renderer, by this script (some minutes more): "
                    "tools/compare_cycles.py of the sources, which is run by `blender`")
       ->check(CLI::ExistingFile)
       ->excludes(quick)

@@ -60,6 +60,7 @@ void add_bench_disparity(CLI::App& bench);
 void add_bench_lens(CLI::App& bench);
 void add_bench_render(CLI::App& bench);
 void add_bench_edges(CLI::App& bench);
+void add_bench_portrait(CLI::App& bench);
 
 /// A bar with time left, on stderr, only where stderr is a terminal. Call with the fraction done; 1 ends the line.
 class Progress {

@@ -31,24 +31,14 @@ Plot radius_plot(const std::vector<RadiusTime>& radii) {
 }  // namespace
 
 std::string to_page(const DefocusBenchmark& benchmark) {
-  Table paper{{"", "ms", "paper, ms"}, {}};
-  for (const TableFourRow& row : table_four(benchmark)) {
-    paper.rows.push_back({row.name, cell_of(row.ms, 0), cell_of(row.paper_ms, 0)});
-  }
   Table total{{"", "ms", "CPU ms"}, {}};
-  for (const ModeTime& mode : benchmark.modes) {
-    total.rows.push_back({"mode " + mode.mode, cell_of(mode.ms, 0), cell_of(mode.cpu_ms, 0)});
-  }
   for (const RendererTime& renderer : benchmark.renderers) {
     std::string words = renderer.name;
     std::replace(words.begin(), words.end(), '_', ' ');
     total.rows.push_back({words, cell_of(renderer.ms, 0), cell_of(renderer.cpu_ms, 0)});
   }
-  return html_page(
-      "Defocus: time",
-      "<h1>Defocus: time</h1><p>A burst at full size, all cores; the best of five. The paper's times are "
-      "those of its Table 4, on a phone with eight cores; they do not include faces and segmentation.</p>" +
-          html_table(paper) + html_table(total) + html_plots({radius_plot(benchmark.radii)}));
+  return html_page("Defocus: time", "<h1>Defocus: time</h1><p>A burst at full size, all cores; the best of five.</p>" +
+                                        html_table(total) + html_plots({radius_plot(benchmark.radii)}));
 }
 
 }  // namespace dualpixel::evaluation

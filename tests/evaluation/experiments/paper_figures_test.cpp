@@ -4,6 +4,9 @@
 
 #include "capture/error.h"
 #include "evaluation/failures/atlas_scene.h"
+#include "pipeline/segmentation/network.h"
+#include "tests/pipeline/portrait/synthetic.h"
+#include "tests/pipeline/segmentation/drawn_face.h"
 #include "tests/temporary_folder.h"
 
 namespace dualpixel::evaluation {
@@ -52,6 +55,23 @@ TEST(PaperFigures, AreThoseThatTheCaptureAllows) {
   EXPECT_EQ(paper_figures_page(figures).find("Fig. 7"), std::string::npos);
   figures.capture.frames[0].left = figures.capture.frames[0].right = {};
   EXPECT_NE(message_of<InputError>([&] { paper_figures_page(figures); }), "");
+}
+
+TEST(SlowPaperFigures, ShowSeveralPeople) {
+  if (!pipeline::has_person_network()) GTEST_SKIP() << "built without oneDNN";
+  constexpr int kWide = 480, kHigh = 320;
+  const auto page_of = [&](const std::vector<double>& faces_at) {
+    Image picture(kWide, kHigh, 1, 0.2F);
+    for (const double x : faces_at) pipeline::draw_face(picture, x, 150, 110);
+    Capture capture = pipeline::synthetic_capture(kWide, kHigh);
+    ImageU16& mosaic = capture.frames[0].mosaic;
+    for (std::size_t i = 0; i < mosaic.data.size(); ++i) {
+      mosaic.data[i] = static_cast<std::uint16_t>(64 + (1023 - 64) * picture.data[i]);
+    }
+    return paper_figures_page({std::move(capture)});
+  };
+  EXPECT_EQ(pictures_of(page_of({120, 340}), "Fig. 16b").size(), 2u);
+  EXPECT_EQ(page_of({120}).find("Fig. 16b"), std::string::npos);
 }
 
 }  // namespace

@@ -48,6 +48,7 @@ void add_bench(CLI::App& program) {
   add_bench_defocus(*command);
   add_bench_disparity(*command);
   add_bench_edges(*command);
+  add_bench_portrait(*command);
   add_bench_render(*command);
   add_threads_option(*command);
   for (CLI::App* subcommand : command->get_subcommands({})) add_threads_option(*subcommand);

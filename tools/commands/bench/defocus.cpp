@@ -19,14 +19,7 @@ struct BenchDefocusOptions {
 };
 
 std::string to_text(const evaluation::DefocusBenchmark& benchmark) {
-  std::string text = fmt::format("{:<34}{:>10}{:>12}{:>12}\n", "", "ms", "CPU ms", "paper ms");
-  for (const evaluation::TableFourRow& row : table_four(benchmark)) {
-    text += fmt::format("{:<34}{:>10.0f}{:>12}{:>12.0f}\n", row.name, row.ms, "", row.paper_ms);
-  }
-  for (const evaluation::ModeTime& mode : benchmark.modes) {
-    text += fmt::format("{:<34}{:>10.0f}{:>12.0f}{:>12.0f}   peak {:.0f} MB over the burst's\n", "mode " + mode.mode,
-                        mode.ms, mode.cpu_ms, mode.paper_ms, mode.peak_mb);
-  }
+  std::string text = fmt::format("{:<34}{:>10}{:>12}\n", "", "ms", "CPU ms");
   for (const evaluation::RendererTime& renderer : benchmark.renderers) {
     text += fmt::format("{:<34}{:>10.0f}{:>12.0f}\n", renderer.name, renderer.ms, renderer.cpu_ms);
   }
@@ -48,8 +41,8 @@ void run(const BenchDefocusOptions& options) {
 
 void add_bench_defocus(CLI::App& bench) {
   auto options = std::make_shared<BenchDefocusOptions>();
-  CLI::App* command = bench.add_subcommand(
-      "defocus", "Time the renderers and each stage beside the paper's Table 4; cost against radius; memory");
+  CLI::App* command =
+      bench.add_subcommand("defocus", "Time the renderers of defocus, and their cost against the radius");
   command->add_option("scene", options->scene, "Scene JSON file (default: build/release/scenes/portrait.json)")
       ->type_name("SCENE.json");
   command->add_option("-o,--output", options->page, "Write a page with the chart")->type_name("PAGE.html");

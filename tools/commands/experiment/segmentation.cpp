@@ -1,12 +1,14 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "capture/error.h"
 #include "capture/files.h"
 #include "evaluation/experiments/mask_experiment.h"
+#include "evaluation/experiments/portrait_set.h"
 #include "pipeline/segmentation/network.h"
 #include "tools/commands/commands.h"
 
@@ -14,7 +16,7 @@ namespace dualpixel::tools {
 namespace {
 
 struct Command {
-  std::string images, masks, people, weights, output;
+  std::string images, masks, people, portraits, weights, output;
   bool bf16 = false;
 };
 
@@ -55,15 +57,51 @@ void write_results(const std::string& output, const nlohmann::ordered_json& json
   out.commit();
 }
 
+/// The portraits of a set like Shen et al.'s.
+struct Portraits {
+  evaluation::PictureMasks found;
+  std::vector<evaluation::PictureMaskScore> with_faces;  ///< given ones; empty: there are none
+  std::vector<evaluation::PortraitSetRow> table;
+};
+
+Portraits run_portraits(const Command& command, pipeline::PersonNetwork& network) {
+  const std::vector<evaluation::MaskedPicture> given = evaluation::read_portrait_set(command.portraits);
+  const bool has_faces = !given.front().faces.empty();
+  std::vector<evaluation::MaskedPicture> to_find = given;
+  for (evaluation::MaskedPicture& portrait : to_find) portrait.faces.clear();
+  Progress bar("segmentation");
+  Portraits portraits;
+  portraits.found = score_pictures(to_find, network, [&](double done) { bar(has_faces ? 0.5 * done : done); });
+  if (has_faces) {
+    portraits.with_faces = score_pictures(given, network, [&](double done) { bar(0.5 + 0.5 * done); }).pictures;
+  }
+  const std::string training = command.weights.empty() ? "drawn people" : "that of --weights";
+  portraits.table = portrait_set_table(portraits.found.pictures, portraits.with_faces, training);
+  return portraits;
+}
+
 void run(const Command& command) {
-  if (command.people.empty() == (command.images.empty() || command.masks.empty())) {
-    throw InputError("experiment segmentation: needs --images and --masks, or --people");
+  const bool has_pairs = !command.images.empty() && !command.masks.empty();
+  if (has_pairs + !command.people.empty() + !command.portraits.empty() != 1) {
+    throw InputError("experiment segmentation: needs --images and --masks, or --people, or --portraits");
   }
   const pipeline::NetworkWeights weights =
       command.weights.empty() ? pipeline::built_in_weights() : pipeline::read_weights(command.weights);
   pipeline::PersonNetwork network(weights, 1, command.bf16 ? pipeline::Precision::bf16 : pipeline::Precision::f32);
   if (!command.output.empty()) const NewFolder writable(command.output, "segmentation.json");  // before the work
   const evaluation::NetworkId id{weights.file_hash, command.bf16 ? "bf16" : "f32"};
+  if (!command.portraits.empty()) {
+    const Portraits portraits = run_portraits(command, network);
+    std::cout << to_text(portraits.table);
+    if (command.output.empty()) return;
+    nlohmann::ordered_json json = to_json(portraits.found.pictures, id);
+    json["table"] = to_json(portraits.table);
+    if (!portraits.with_faces.empty()) {
+      json["pictures_with_faces_given"] = to_json(portraits.with_faces, id)["pictures"];
+    }
+    write_results(command.output, json, to_page(portraits.found));
+    return;
+  }
   if (command.people.empty()) {
     const auto pairs = evaluation::pair_masks(command.images, command.masks);
     Progress bar("segmentation");
@@ -97,6 +135,11 @@ void add_experiment_segmentation(CLI::App& experiment) {
                   "Instead of both: a held-out set of `dualpixel people`; its face boxes are the seeds")
       ->excludes(images)
       ->type_name("DIR");
+  sub->add_option("--portraits", command->portraits,
+                  "Instead of these: a folder of Shen et al.'s portraits (Images and Labels, or images_data_crop and "
+                  "GT_png; eg1800_test.txt; faces.json), for the paper's Table 1")
+      ->excludes(images)
+      ->type_name("DIR");
   sub->add_option("--weights", command->weights, "Other weights than the built-in ones: person.safetensors of a run")
       ->type_name("FILE");
   sub->add_flag("--bf16", command->bf16, "Run the network in 16-bit floats: see `dualpixel portrait --help`");
@@ -105,7 +148,8 @@ void add_experiment_segmentation(CLI::App& experiment) {
   add_threads_option(*sub);
   sub->footer(
       "Example:\n  dualpixel experiment segmentation --images portraits --masks masks -o out/segmentation\n"
-      "  dualpixel experiment segmentation --people out/people_held_out -o out/segmentation");
+      "  dualpixel experiment segmentation --people out/people_held_out -o out/segmentation\n"
+      "  dualpixel experiment segmentation --portraits EG1800 -o out/segmentation");
   sub->callback([command] { run(*command); });
 }
 
