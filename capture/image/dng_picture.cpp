@@ -105,6 +105,11 @@ Image develop(LibRaw& raw, const std::string& path) {
     throw InputError(printable(path) + ": cannot be read: " + *fault);
   }
   require(raw.unpack(), path);
+  const libraw_colordata_t& levels = raw.imgdata.color;
+  if (levels.maximum <= levels.black) {
+    throw InputError(fmt::format("{}: cannot be read: its white level, {}, is not above its black level, {}",
+                                 printable(path), levels.maximum, levels.black));
+  }
   if (raw.error_count() > 0) throw InputError(printable(path) + ": cannot be read: its raw data are broken");
   require(raw.dcraw_process(), path);
   int status = LIBRAW_SUCCESS;

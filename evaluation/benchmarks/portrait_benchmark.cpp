@@ -115,7 +115,8 @@ std::optional<TimeSpread> spread_of(const std::vector<StageMs>& captures, const 
     }
   }
   if (!has_any) return {};
-  return TimeSpread{std::accumulate(sums.begin(), sums.end(), 0.0) / static_cast<double>(sums.size()), deviation(sums)};
+  return TimeSpread{std::accumulate(sums.begin(), sums.end(), 0.0) / static_cast<double>(sums.size()), deviation(sums),
+                    sums.size()};
 }
 
 /// What the captures are, and whether they can be measured.
@@ -171,14 +172,23 @@ PortraitBenchmark measure_portraits(const std::vector<std::string>& captures, co
 }
 
 nlohmann::ordered_json to_json(const PortraitBenchmark& benchmark) {
-  nlohmann::ordered_json json = {{"captures", benchmark.captures},
+  nlohmann::ordered_json json = {{"format", "dualpixel-bench-portrait"},
+                                 {"version", 1},
+                                 {"matcher", benchmark.matcher},
+                                 {"threads", benchmark.threads},
+                                 {"sizes", benchmark.sizes},
+                                 {"captures", benchmark.captures},
                                  {"with_people", benchmark.with_people},
                                  {"rows", nlohmann::ordered_json::array()}};
   for (const TableFourRow& row : benchmark.rows) {
     nlohmann::ordered_json modes;
     for (std::size_t column = 0; column < kTimedModeCount; ++column) {
       nlohmann::ordered_json& mode = modes[kTableFourModes[column]];
-      if (row.ours[column]) mode = {{"ms", row.ours[column]->mean_ms}, {"sigma_ms", row.ours[column]->sigma_ms}};
+      mode = nlohmann::ordered_json::object();
+      if (const auto& ours = row.ours[column]) {
+        mode = {{"ms", ours->mean_ms}, {"captures", ours->captures}};
+        if (ours->captures > 1) mode["sigma_ms"] = ours->sigma_ms;
+      }
       if (row.paper_ms[column]) mode["paper_ms"] = *row.paper_ms[column];
     }
     json["rows"].push_back({{"name", row.name}, {"modes", modes}});
@@ -192,16 +202,16 @@ nlohmann::ordered_json to_json(const PortraitBenchmark& benchmark) {
 
 namespace {
 
-std::string text_of(const TimeSpread& time, std::size_t captures) {
-  return captures > 1 ? fmt::format("{:.1f} ± {:.1f}", time.mean_ms, time.sigma_ms)
-                      : fmt::format("{:.1f}", time.mean_ms);
+std::string text_of(const TimeSpread& time) {
+  return time.captures > 1 ? fmt::format("{:.1f} ± {:.1f}", time.mean_ms, time.sigma_ms)
+                           : fmt::format("{:.1f}", time.mean_ms);
 }
 
 }  // namespace
 
 std::string to_text(const PortraitBenchmark& benchmark) {
   std::string text = fmt::format(
-      "{} captures ({}), people found in {}; matcher {}, {} threads. Wall ms, mean ± σ; the paper's are of 5.4 "
+      "{} capture{} ({}), people found in {}; matcher {}, {} threads. Wall ms, mean ± σ; the paper's are of 5.4 "
       "megapixels, on a phone with eight cores\n{:<26}",
       benchmark.captures, benchmark.captures == 1 ? "" : "s", benchmark.sizes, benchmark.with_people, benchmark.matcher,
       benchmark.threads, "");
@@ -211,7 +221,7 @@ std::string to_text(const PortraitBenchmark& benchmark) {
     text += fmt::format("{:<26}", row.name);
     for (std::size_t column = 0; column < kTimedModeCount; ++column) {
       const auto& ours = row.ours[column];
-      text += fmt::format("{:>15}", ours ? text_of(*ours, benchmark.captures) : "-");
+      text += fmt::format("{:>15}", ours ? text_of(*ours) : "-");
       text += fmt::format("{:>8}", row.paper_ms[column] ? fmt::format("{:.0f}", *row.paper_ms[column]) : "-");
     }
     text += fmt::format("{:>9}\n", row.paper_sigma_ms ? fmt::format("{:.0f}", *row.paper_sigma_ms) : "-");

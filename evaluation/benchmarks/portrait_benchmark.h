@@ -16,6 +16,7 @@ inline constexpr const char* kTableFourModes[] = {"dp", "seg", "dp+seg"};
 /// Wall time over captures, all cores, milliseconds.
 struct TimeSpread {
   double mean_ms = 0, sigma_ms = 0;
+  std::size_t captures = 0;
 };
 
 /// A row of the table: a part of the work in each mode that has it.

@@ -127,7 +127,8 @@ std::vector<fs::path> regular_files(const std::string& folder) {
   std::error_code error, unreadable;
   std::vector<fs::path> files;
   for (fs::directory_iterator entry(folder, error), end; entry != end; entry.increment(error)) {
-    if (entry->is_regular_file(unreadable)) files.push_back(entry->path());  // a link to nowhere is none
+    const bool hidden = entry->path().filename().string().starts_with('.');
+    if (!hidden && entry->is_regular_file(unreadable)) files.push_back(entry->path());  // a link to nowhere is none
   }
   if (error) throw InputError(printable(folder) + ": cannot be read as a folder: " + error.message());
   std::sort(files.begin(), files.end());

@@ -20,7 +20,7 @@ struct MaskedPicture {
   bool labels = false;                     ///< the mask's largest value is the person, and not white
 };
 
-/// The regular files of a folder, by name. Throws InputError where it cannot be read.
+/// The regular files of a folder, by name, without hidden ones. Throws InputError where it cannot be read.
 std::vector<std::filesystem::path> regular_files(const std::string& folder);
 
 /// Every picture of one folder with the mask of the same name in the other, whatever their extensions. Throws

@@ -43,7 +43,9 @@ std::map<std::string, std::string> files_by_name(const std::string& folder) {
 /// One name a line, with or without an extension.
 std::vector<std::string> read_names(const std::string& path) {
   constexpr std::size_t kMostBytes = std::size_t{4} << 20;
-  std::istringstream lines(read_file(path, kMostBytes));
+  std::string text = read_file(path, kMostBytes);
+  if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);  // a byte order mark
+  std::istringstream lines(text);
   std::vector<std::string> names;
   for (std::string name; lines >> name;) {
     name = fs::path(name).stem().string();
@@ -57,9 +59,13 @@ std::vector<std::string> read_names(const std::string& path) {
 }
 
 pipeline::Face face_of(const nlohmann::json& faces, const MaskedPicture& portrait, const std::string& file) {
+  if (!faces.is_object() || !faces.contains(portrait.name)) {
+    throw InputError(fmt::format("{}: /{}: is missing: every portrait that is scored needs its face", printable(file),
+                                 printable(portrait.name)));
+  }
   double box[4] = {};
   Fields fields(faces, file);
-  fields.required(portrait.name).numbers(portrait.name, box, 4);
+  fields.numbers(portrait.name, box, 4);
   const PictureSize size = picture_size(portrait.picture);
   const double x = box[0] + box[2] / 2, y = box[1] + box[3] / 2;
   if (!(box[2] > 0 && box[3] > 0 && x >= 0 && x < size.width && y >= 0 && y < size.height)) {
@@ -80,6 +86,8 @@ const std::string& file_named(const std::map<std::string, std::string>& files, c
 }  // namespace
 
 std::vector<MaskedPicture> read_portrait_set(const std::string& folder) {
+  std::error_code missing;
+  if (!fs::is_directory(folder, missing)) throw InputError(printable(folder) + ": no such folder");
   const std::string pictures = first_of(folder, {"Images", "images_data_crop"});
   const std::string masks = first_of(folder, {"Labels", "GT_png"});
   if (pictures.empty() || masks.empty()) {

@@ -116,6 +116,7 @@ OnednnGraph::OnednnGraph(const NetworkWeights& weights, int channels, int side, 
 memory OnednnGraph::picture() {
   if (layout_.type == memory::data_type::f32) return input_;
   memory converted({dims_of(input_), layout_.type, layout_.format}, engine_);
+  const OpenMpThreads limit(threads_);
   steps_.emplace_back(dnnl::reorder(input_, converted),
                       std::unordered_map<int, memory>{{DNNL_ARG_FROM, input_}, {DNNL_ARG_TO, converted}});
   return converted;
@@ -140,6 +141,7 @@ void OnednnGraph::convolve_onto(const memory& source, const std::string& layer, 
   const memory::dims shape = {out, in, conv.kernel, conv.kernel};
   const memory::dim before = conv.kernel / 2, after = stride == 1 ? before : before - (stride - 1);
   const memory::dims strides = {stride, stride}, padding_before = {before, before}, padding_after = {after, after};
+  const OpenMpThreads limit(threads_);  // a primitive runs with as many threads as it was described for
   const auto primitive =
       describe<dnnl::convolution_forward>(engine_, attributes(then), dnnl::algorithm::convolution_direct,
                                           source.get_desc(), memory::desc(shape, layout_.type, memory::format_tag::any),
@@ -147,7 +149,6 @@ void OnednnGraph::convolve_onto(const memory& source, const std::string& layer, 
                                           destination.get_desc(), strides, padding_before, padding_after);
   std::vector<float> bias = conv.bias;
   bias.resize(out);
-  const OpenMpThreads limit(threads_);
   steps_.emplace_back(dnnl::convolution_forward(primitive),
                       std::unordered_map<int, memory>{
                           {DNNL_ARG_SRC, source},
@@ -158,10 +159,10 @@ void OnednnGraph::convolve_onto(const memory& source, const std::string& layer, 
 }
 
 void OnednnGraph::add_twice_as_large(const memory& source, const memory& destination) {
+  const OpenMpThreads limit(threads_);
   const auto primitive =
       describe<dnnl::resampling_forward>(engine_, attributes(Then::add_relu), dnnl::algorithm::resampling_nearest,
                                          source.get_desc(), destination.get_desc());
-  const OpenMpThreads limit(threads_);
   steps_.emplace_back(dnnl::resampling_forward(primitive),
                       std::unordered_map<int, memory>{{DNNL_ARG_SRC, source}, {DNNL_ARG_DST, destination}});
 }

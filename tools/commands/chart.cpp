@@ -134,7 +134,8 @@ void add_chart(CLI::App& program) {
       ->type_name("SCRIPT");
   add_threads_option(*command);
   command->footer(
-      "An interrupted run goes on where it stopped.\nExample:\n  dualpixel chart --quick -o out/chart.html\n"
+      "An interrupted run goes on with the first stage that it had not finished.\nExample:\n  dualpixel chart --quick "
+      "-o out/chart.html\n"
       "  dualpixel chart --quick -o out/new.html --compare out/chart.json");
   command->callback([options] { run(*options); });
 }

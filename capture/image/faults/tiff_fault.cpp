@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <vector>
 
@@ -56,6 +57,32 @@ bool is_in_one_piece(TIFF* file) {
   return true;
 }
 
+/// A number of `bytes` bytes.
+std::uint32_t number(std::istream& file, int bytes, bool little) {
+  std::uint32_t value = 0;
+  for (int i = 0; i < bytes; ++i) {
+    value |= (static_cast<std::uint32_t>(file.get()) & 0xff) << 8 * (little ? i : bytes - 1 - i);
+  }
+  return value;
+}
+
+/// Whether the file is long enough for what the fields of the directory at `offset` point to. Of missing values libtiff
+/// warns alone, and LibRaw reads zeros: colors and levels would be others.
+bool holds_its_fields(const std::string& path, std::uint64_t offset, std::uint64_t file_bytes) {
+  constexpr std::uint64_t kTypeBytes[] = {0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4};  // of TIFF's types 1 to 13
+  std::ifstream file(path, std::ios::binary);
+  const bool little = number(file, 2, true) == 0x4949;
+  file.seekg(static_cast<std::streamoff>(offset));
+  const std::uint32_t fields = number(file, 2, little);
+  for (std::uint32_t i = 0; i < fields && file; ++i) {
+    number(file, 2, little);  // the tag
+    const std::uint32_t type = number(file, 2, little), count = number(file, 4, little), at = number(file, 4, little);
+    const std::uint64_t bytes = type < std::size(kTypeBytes) ? kTypeBytes[type] * count : 0;
+    if (file && bytes > 4 && (at > file_bytes || bytes > file_bytes - at)) return false;
+  }
+  return static_cast<bool>(file);
+}
+
 /// Where a DNG keeps the pictures that its first directory has not.
 std::vector<std::uint64_t> directories_within(TIFF* file) {
   std::uint16_t count = 0;
@@ -76,6 +103,9 @@ std::optional<std::string> fault_of_directory(TIFF* file, std::uint64_t file_byt
   if (channels == 0 || std::uint64_t{width} * height > static_cast<std::uint64_t>(kMostPictureValues) / channels)
     return {};
   if (!holds_its_parts(file, file_bytes)) return "the file ends before its picture does";
+  if (is_dng && !holds_its_fields(TIFFFileName(file), TIFFCurrentDirOffset(file), file_bytes)) {
+    return "the file ends before what its fields point to";
+  }
   if (is_dng && compression != COMPRESSION_NONE) return {};
   if (is_dng && !is_in_one_piece(file)) return "its strips do not follow each other";
   if (TIFFIsCODECConfigured(compression) == 0) return fmt::format("its compression, {}, is not supported", compression);

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <random>
 
@@ -286,6 +289,25 @@ TEST(SlowPersonNetworkDeathTest, EitherPrecisionExcludesTheOther) {
   EXPECT_EXIT(
       (build(Precision::f32), build(Precision::bf16), std::exit(0)), testing::ExitedWithCode(0),
       "^\\|person network: bf16 needs a processor with AVX-512, and a process that has built no network in f32");
+}
+
+std::ptrdiff_t threads_of_process() {
+  return std::distance(std::filesystem::directory_iterator("/proc/self/task"), std::filesystem::directory_iterator());
+}
+
+// In a process of its own, in which no thread has been started. On a busy machine a second one costs ten times the
+// time.
+TEST(SlowPersonNetworkDeathTest, RunsOnOneThread) {
+  NEEDS_NETWORK();
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto print_started = [] {
+    const std::ptrdiff_t before = threads_of_process();
+    PersonNetwork network(random_network(2, 1), 1);
+    network(random_input(1));
+    std::fprintf(stderr, "started %td\n", threads_of_process() - before);
+    std::exit(0);
+  };
+  EXPECT_EXIT(print_started(), testing::ExitedWithCode(0), "started 0");
 }
 
 // In a process of its own, in which no network was built before. All widths are 8: oneDNN 3.7 needs multiples of 16.

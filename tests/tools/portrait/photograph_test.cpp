@@ -101,7 +101,17 @@ TEST(Photograph, DngIsDeveloped) {
     write_bytes(folder / "turned.dng", turned);
     EXPECT_EQ(read_photograph(folder / "turned.dng").picture.width, orientation == 6 ? 48 : 64) << orientation;
   }
-  for (const std::size_t size : {whole.size() / 2, std::size_t{300}, std::size_t{20}}) {
+  const std::size_t white = whole.find(std::string("\x1d\xc6", 2));  // the level's tag, and 8 bytes on its value
+  ASSERT_NE(white, std::string::npos);
+  std::string inverted = whole;
+  inverted.replace(white + 8, 4, std::string("\x20\0\0\0", 4));  // black is 64
+  write_bytes(folder / "inverted.dng", inverted);
+  const Outcome refused = run_command("portrait '" + (folder / "inverted.dng") + "' -o '" + (folder / "out") + "'");
+  expect_one_line_refusal(refused);
+  EXPECT_NE(refused.err.find("its white level"), std::string::npos) << refused.err;
+  // The last bytes are its colors and its black level.
+  for (const std::size_t size :
+       {whole.size() - 1, whole.size() - 60, whole.size() / 2, std::size_t{300}, std::size_t{20}}) {
     write_bytes(folder / "cut.dng", whole.substr(0, size));
     expect_one_line_refusal(run_command("portrait '" + (folder / "cut.dng") + "' -o '" + (folder / "out") + "'"));
   }

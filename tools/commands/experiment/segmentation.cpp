@@ -131,14 +131,15 @@ void add_experiment_segmentation(CLI::App& experiment) {
   sub->add_option("--masks", command->masks, "Folder of their masks, of the same names, white on the people")
       ->needs(images)
       ->type_name("DIR");
-  sub->add_option("--people", command->people,
-                  "Instead of both: a held-out set of `dualpixel people`; its face boxes are the seeds")
-      ->excludes(images)
-      ->type_name("DIR");
+  CLI::Option* const people =
+      sub->add_option("--people", command->people,
+                      "Instead of both: a held-out set of `dualpixel people`; its face boxes are the seeds");
+  people->excludes(images)->type_name("DIR");
   sub->add_option("--portraits", command->portraits,
                   "Instead of these: a folder of Shen et al.'s portraits (Images and Labels, or images_data_crop and "
                   "GT_png; eg1800_test.txt; faces.json), for the paper's Table 1")
       ->excludes(images)
+      ->excludes(people)
       ->type_name("DIR");
   sub->add_option("--weights", command->weights, "Other weights than the built-in ones: person.safetensors of a run")
       ->type_name("FILE");
