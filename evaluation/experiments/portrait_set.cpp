@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 std::string first_of(const std::string& folder, std::initializer_list<const char*> names) {
   std::error_code missing;
   for (const char* name : names) {
-    const std::string path = folder + "/" + name;
+    std::string path = folder + "/" + name;
     if (fs::exists(path, missing)) return path;
   }
   return "";
