@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "evaluation/baselines/six_channel_merge.h"
 #include "evaluation/failures/atlas_scene.h"
 #include "evaluation/methods/disparity_method.h"
 #include "evaluation/metrics/image_metrics.h"
@@ -94,29 +95,48 @@ Image clean_view(const Image& photosites, const Camera& camera) {
   return view;
 }
 
-/// Views less the clean ones.
-struct Errors {
-  Image left, right;
-
-  Errors(const ViewSample& views, const Capture& capture)
-      : left(clean_view(capture.truth->left, capture.camera)), right(clean_view(capture.truth->right, capture.camera)) {
-    for (std::size_t i = 0; i < left.data.size(); ++i) {
-      left.data[i] = views.left.data[i] - left.data[i];
-      right.data[i] = views.right.data[i] - right.data[i];
+/// The mosaic without noise: both views' light in each photosite's color, before white balance.
+Image clean_mosaic(const Capture& capture) {
+  const Truth& truth = *capture.truth;
+  Image mosaic(truth.left.width, truth.left.height);
+  for (int y = 0; y < mosaic.height; ++y) {
+    for (int x = 0; x < mosaic.width; ++x) {
+      const int color = x % 2 + y % 2;  // RGGB
+      mosaic.at(x, y) = static_cast<float>((truth.left.at(x, y, color) + truth.right.at(x, y, color)) /
+                                           capture.exposure.white_balance[color]);
     }
   }
+  return mosaic;
+}
 
-  double rms() const {
-    double squares = 0, count = 0;
-    for (const Image* view : {&left, &right}) {
-      for (int y = kBorder_px; y < view->height - kBorder_px; ++y) {
-        for (int x = kBorder_px; x < view->width - kBorder_px; ++x, ++count) {
-          squares += static_cast<double>(view->at(x, y)) * view->at(x, y);
-        }
+Image difference(const Image& picture, Image clean) {
+  for (std::size_t i = 0; i < clean.data.size(); ++i) clean.data[i] = picture.data[i] - clean.data[i];
+  return clean;
+}
+
+double inner_rms(const std::vector<const Image*>& pictures, int border_px) {
+  double squares = 0, count = 0;
+  for (const Image* picture : pictures) {
+    for (int y = border_px; y < picture->height - border_px; ++y) {
+      for (int x = border_px; x < picture->width - border_px; ++x, ++count) {
+        squares += static_cast<double>(picture->at(x, y)) * picture->at(x, y);
       }
     }
-    return std::sqrt(squares / count);
   }
+  return std::sqrt(squares / count);
+}
+
+/// Merged pictures less the clean ones.
+struct Errors {
+  Image left, right, mosaic;
+
+  Errors(const pipeline::MergedBurst& merged, const Capture& capture)
+      : left(difference(merged.left, clean_view(capture.truth->left, capture.camera))),
+        right(difference(merged.right, clean_view(capture.truth->right, capture.camera))),
+        mosaic(difference(merged.mosaic, clean_mosaic(capture))) {}
+
+  double views_rms() const { return inner_rms({&left, &right}, kBorder_px); }
+  double mosaic_rms() const { return inner_rms({&mosaic}, 4 * kBorder_px); }
 
   /// Share of squares of 4 x 4 whose mean is off by more than `limit`.
   double squares_beyond(double limit) const {
@@ -162,22 +182,34 @@ Image portrait_of(const Capture& burst, int frames) {
 
 struct Merged {
   BurstPoint point;
-  ViewSample views;
+  pipeline::MergedBurst burst;  ///< the pipeline's
 };
 
 std::vector<Merged> merged_bursts(const Capture& burst, const std::vector<int>& frames) {
   constexpr double kSquare = 4;  // a square's mean has a quarter of a pixel's noise: 4 sigma of it are one of a pixel's
-  const double first_rms = Errors(merged_views(burst, {burst.frames.front()}), burst).rms();
+  const Errors first(
+      {normalized(burst.frames[0].mosaic, burst.exposure), normalized(burst.frames[0].left, burst.exposure),
+       normalized(burst.frames[0].right, burst.exposure)},
+      burst);
+  const auto merge_with = [&](const auto& merge, int count, MergeError& error) {
+    const std::vector<Frame> part(burst.frames.begin(), burst.frames.begin() + count);
+    const std::clock_t start = std::clock();
+    pipeline::MergedBurst merged = merge(part, 0, pipeline::align_burst(part, 0, burst.exposure), burst.exposure);
+    error.cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    const Errors errors(merged, burst);
+    error.views_kept = errors.views_rms() / first.views_rms();
+    error.mosaic_kept = errors.mosaic_rms() / first.mosaic_rms();
+    error.ghost_share = errors.squares_beyond(4 * first.views_rms() / kSquare);
+    return merged;
+  };
+  const auto ours = [](const auto&... burst_parts) { return pipeline::merge_burst(burst_parts...); };
   std::vector<Merged> all;
   for (const int count : frames) {
-    auto& [point, views] = all.emplace_back();
+    BurstPoint point;
     point.frames = count;
-    const std::clock_t start = std::clock();
-    views = merged_views(burst, std::vector<Frame>(burst.frames.begin(), burst.frames.begin() + count));
-    point.merge_cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-    const Errors errors(views, burst);
-    point.error_kept = errors.rms() / first_rms;
-    point.ghost_share = errors.squares_beyond(4 * first_rms / kSquare);
+    merge_with(merge_six_channels, count, point.six_channels);
+    pipeline::MergedBurst merged = merge_with(ours, count, point.merge);
+    all.push_back({std::move(point), std::move(merged)});
   }
   return all;
 }
@@ -199,7 +231,8 @@ std::vector<BurstPoint> measure_merge(const Capture& burst, const std::vector<in
 std::vector<BurstPoint> measure_burst(const Capture& burst, const Capture& registered, const std::vector<int>& frames) {
   const Image reference = portrait_of(registered, static_cast<int>(registered.frames.size()));
   std::vector<BurstPoint> points;
-  for (auto& [point, views] : merged_bursts(burst, frames)) {
+  for (auto& [point, merged] : merged_bursts(burst, frames)) {
+    const ViewSample views = merged_views(burst, std::move(merged), point.frames);
     for (const pipeline::Matcher& matcher : pipeline::matchers()) {
       const MethodRun run = method_of(matcher).run(views.left, views.right, views.sensor);
       point.disparity.push_back({std::string(matcher.name), error_68(views, run.found.disparity_dp_px)});
@@ -228,15 +261,23 @@ std::vector<BurstSweep> measure_bursts(const std::function<void(double)>& progre
   return sweeps;
 }
 
+Json to_json(const MergeError& error) {
+  return {{"error_kept", error.views_kept},
+          {"mosaic_error_kept", error.mosaic_kept},
+          {"ghost_share", error.ghost_share},
+          {"merge_cpu_s", error.cpu_s}};
+}
+
 Json to_json(const std::vector<BurstSweep>& sweeps) {
   Json all = Json::array();
   for (const BurstSweep& sweep : sweeps) {
     Json points = Json::array();
     for (const BurstPoint& point : sweep.points) {
-      Json json = {{"frames", point.frames}, {"error_kept", point.error_kept}, {"ghost_share", point.ghost_share}};
+      Json json = {{"frames", point.frames}};
+      json.update(to_json(point.merge));
       for (const auto& [matcher, error] : point.disparity) json["error_68_percent_dp_px"][matcher] = error;
       json["portrait_db"] = point.portrait_db ? Json(*point.portrait_db) : Json();
-      json["merge_cpu_s"] = point.merge_cpu_s;
+      json["six_channels"] = to_json(point.six_channels);
       points.push_back(json);
     }
     all.push_back({{"condition", sweep.condition}, {"light_lux", sweep.lux}, {"points", points}});

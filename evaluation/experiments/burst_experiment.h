@@ -12,11 +12,19 @@
 /// before a wall, both textured, on each side of the focus, through the paper's phone.
 namespace dualpixel::evaluation {
 
+/// What a merge leaves. Errors are against the clean pictures: RMS, over that of the first frame.
+struct MergeError {
+  double views_kept = 0;
+  double mosaic_kept = 0;
+  double ghost_share = 0;  ///< of squares of 4 x 4 DP px: their mean is off by 4 sigma and more of the first frame's
+  double cpu_s = 0;        ///< aligning and merging
+};
+
 /// With so many frames of a burst.
 struct BurstPoint {
   int frames = 0;
-  double error_kept = 0;   ///< of the merged views against the clean ones: RMS, over that of the first frame
-  double ghost_share = 0;  ///< of squares of 4 x 4 DP px: their mean is off by 4 sigma and more of the first frame's
+  MergeError merge;         ///< the pipeline's
+  MergeError six_channels;  ///< merge_six_channels(), to compare with
   struct Disparity {
     std::string matcher;
     double error_68_dp_px = 0;  ///< what 68 % of the pixels stay under
@@ -25,7 +33,6 @@ struct BurstPoint {
   /// Of the portrait, without its synthetic noise, against that of all frames at rest: PSNR of the sRGB pictures.
   /// None where the portrait takes another frame than the first as its base: it shows another pose.
   std::optional<double> portrait_db;
-  double merge_cpu_s = 0;  ///< aligning and merging
 };
 
 struct BurstSweep {

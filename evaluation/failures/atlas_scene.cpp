@@ -145,17 +145,16 @@ Capture take_burst(const AtlasScene& scene) {
   return simulator::simulate(simulation, simulator::load_scene(simulation));
 }
 
-ViewSample merged_views(const Capture& capture, const std::vector<Frame>& frames) {
-  pipeline::MergedBurst merged =
-      pipeline::merge_burst(frames, 0, pipeline::align_burst(frames, 0, capture.exposure), capture.exposure);
-  const double noise_left = pipeline::merged_view_variance(static_cast<int>(frames.size()));
+ViewSample merged_views(const Capture& capture, pipeline::MergedBurst merged, int frames) {
   return view_sample(capture, std::move(merged.left), std::move(merged.right),
-                     pipeline::view_sensor(capture.exposure, noise_left));
+                     pipeline::view_sensor(capture.exposure, pipeline::merged_view_variance(frames)));
 }
 
 ViewSample take_views(const AtlasScene& scene) {
   const Capture capture = take_burst(scene);
-  return merged_views(capture, capture.frames);
+  const std::vector<pipeline::MotionField> motions = pipeline::align_burst(capture.frames, 0, capture.exposure);
+  return merged_views(capture, pipeline::merge_burst(capture.frames, 0, motions, capture.exposure),
+                      static_cast<int>(capture.frames.size()));
 }
 
 }  // namespace dualpixel::evaluation

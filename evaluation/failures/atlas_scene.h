@@ -4,6 +4,7 @@
 
 #include "evaluation/failures/atlas_camera.h"
 #include "evaluation/methods/set_samples.h"
+#include "pipeline/burst/merge.h"
 #include "scenes/gltf/glb.h"
 
 /// A scene of the failure atlas under construction, and the views that its camera takes of it. x and y: DP px from the
@@ -66,9 +67,9 @@ double relative_noise(const AtlasScene& scene);
 
 /// Rendered, and exposed as a burst of three where the scene does not say otherwise. Throws InputError.
 Capture take_burst(const AtlasScene& scene);
-/// `frames` of a capture, the first being its own, merged onto that one, whose truth it is.
-ViewSample merged_views(const Capture& capture, const std::vector<Frame>& frames);
-/// Both: all frames of a burst.
+/// The merged views of `frames` frames with the truth of the first one, which they show.
+ViewSample merged_views(const Capture& capture, pipeline::MergedBurst merged, int frames);
+/// All frames of a burst, aligned to the first one and merged.
 ViewSample take_views(const AtlasScene& scene);
 
 }  // namespace dualpixel::evaluation

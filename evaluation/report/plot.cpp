@@ -24,6 +24,7 @@ struct Axis {
   }
   void widen() {
     if (!(low <= high)) low = 0, high = 1;
+    if (!log && low == 0 && high == 0) high = 1;
     // what differs by rounding alone is drawn flat, and its ticks differ in the four digits that they have
     const double least = std::max(0.02 * std::max(std::abs(low), std::abs(high)), 1e-9);
     const double span = high - low;

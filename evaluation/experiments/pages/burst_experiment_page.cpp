@@ -26,10 +26,18 @@ std::vector<Plot> plots_of(const std::vector<BurstSweep>& sweeps, double lux) {
     plot.title = title, plot.y_label = unit, plot.x_label = "frames", plot.log_x = true, plot.log_y = log_y;
     return plot_of(sweeps, lux, plot, frames, value);
   };
-  const auto kept = [](const BurstPoint& point) { return point.error_kept; };
+  const auto kept = [](const BurstPoint& point) { return point.merge.views_kept; };
+  const auto six = [](const BurstPoint& point) { return point.six_channels.views_kept; };
+  const auto mosaic = [](const BurstPoint& point) { return point.merge.mosaic_kept; };
+  const auto six_mosaic = [](const BurstPoint& point) { return point.six_channels.mosaic_kept; };
+  const char* const over_first = "over the first frame's";
   std::vector<Plot> plots = {
-      over_frames("Error of the merged views against the clean ones", "over the first frame's", true, kept),
-      over_frames("Ghosts", "share of squares", false, [](const BurstPoint& point) { return point.ghost_share; })};
+      over_frames("Error of the merged views against the clean ones", over_first, true, kept),
+      over_frames("Error of the merged views, six channels by one weight", over_first, true, six),
+      over_frames("Error of the merged mosaic against the clean one", over_first, true, mosaic),
+      over_frames("Error of the merged mosaic, six channels by one weight", over_first, true, six_mosaic),
+      over_frames("Ghosts", "share of squares", false,
+                  [](const BurstPoint& point) { return point.merge.ghost_share; })};
   for (std::size_t m = 0; m < sweeps.front().points.front().disparity.size(); ++m) {
     const std::string matcher = sweeps.front().points.front().disparity[m].matcher;
     plots.push_back(over_frames(("Disparity, matcher " + matcher).c_str(), "68 % of errors under, DP px", true,
@@ -41,7 +49,7 @@ std::vector<Plot> plots_of(const std::vector<BurstSweep>& sweeps, double lux) {
   time.title = "Error over time", time.x_label = "CPU time of aligning and merging, s";
   time.y_label = "error over the first frame's", time.log_y = true;
   plots.push_back(plot_of(
-      sweeps, lux, time, [](const BurstPoint& point) { return point.merge_cpu_s; }, kept));
+      sweeps, lux, time, [](const BurstPoint& point) { return point.merge.cpu_s; }, kept));
   return plots;
 }
 
@@ -52,7 +60,8 @@ std::string to_page(const std::vector<BurstSweep>& sweeps) {
   std::string body = fmt::format(
       "<h1>{}</h1>\n<p>A card before a wall, one of them on each side of the focus, taken as 15 frames: at rest, by a "
       "hand that shakes as measured, with the card moving by 4 DP px a frame, and in light that flickers by a tenth. "
-      "The first 1 to 15 frames are aligned to the first one and merged.</p>",
+      "The first 1 to 15 frames are aligned to the first one and merged. Six channels by one weight: the merge as the "
+      "paper describes it, without our test of whole tiles.</p>",
       title);
   std::vector<double> lights;
   for (const BurstSweep& sweep : sweeps) {
