@@ -156,8 +156,8 @@ DisparityBenchmark measure_disparity(const std::vector<std::string>& scene_files
   for (const std::string& file : scene_files) {
     const Capture capture = render(file);
     StereoPair pair{normalized(capture.frames[0].left, capture.exposure),
-                    normalized(capture.frames[0].right, capture.exposure), pipeline::view_sensor(capture.exposure)};
-    pair.sensor.pixel_height = pipeline::pixel_height(capture.camera);
+                    normalized(capture.frames[0].right, capture.exposure),
+                    of_camera(pipeline::view_sensor(capture.exposure), capture.camera)};
     const StereoPair large = enlarged(pair);
     const std::vector<double> ms = times_ms(all, large);
     DisparityBenchmark::Scene& scene = benchmark.scenes.emplace_back();

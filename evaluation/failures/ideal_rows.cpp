@@ -154,8 +154,11 @@ ViewSample shifted(const Waves& waves, double d, Draw draw, double contrast = kC
 /// Out of focus. A point of the pupil at x moves the picture by b x / 2 to the right; the right view looks through the
 /// half that moves it by d / 2 and thus right(x + d) = left(x).
 ViewSample defocused(const Waves& waves, double blur_px, const Kernel& left, const Kernel& right, Draw draw) {
-  return with_noise(exposed(waves.seen(left, blur_px, 0)), exposed(waves.seen(right, blur_px, 0)),
-                    uniform_image(0.5 * blur_px * (right.centroid() - left.centroid())), draw);
+  const double alpha = 0.5 * (right.centroid() - left.centroid());
+  ViewSample views = with_noise(exposed(waves.seen(left, blur_px, 0)), exposed(waves.seen(right, blur_px, 0)),
+                                uniform_image(blur_px * alpha), draw);
+  views.sensor.alpha = static_cast<float>(alpha);
+  return views;
 }
 
 /// Through a hard split `split` beside the middle, and a pupil that vignetting cuts.
@@ -201,7 +204,9 @@ ViewSample layered(double front_blur_px, double back_blur_px, double bar_px, dou
     if (front_count.data[i] == 0) truth.data[i] = static_cast<float>(apart * back_blur_px);
     if (front_count.data[i] == static_cast<float>(points)) truth.data[i] = static_cast<float>(apart * front_blur_px);
   }
-  return with_noise(std::move(views[0]), std::move(views[1]), std::move(truth), draw);
+  ViewSample sample = with_noise(std::move(views[0]), std::move(views[1]), std::move(truth), draw);
+  sample.sensor.alpha = static_cast<float>(apart);
+  return sample;
 }
 
 ViewSample saturated(double clipped_share, Draw draw) {

@@ -69,7 +69,7 @@ ViewSample sample_of_data_set(const std::string& folder) {
     if (valid.data[i] != 1) sample.truth_dp_px.data[i] = kUnknownDpPx;
   }
   const Camera camera = read_camera(fields.required("camera").object("camera"));
-  sample.sensor.pixel_height = pipeline::pixel_height(camera);
+  sample.sensor = of_camera(sample.sensor, camera);
   return is_dense(camera) ? of_green_means(sample, camera.cfa) : sample;
 }
 
@@ -112,8 +112,7 @@ std::vector<std::string> sample_folders(const std::string& set, const std::strin
 ViewSample view_sample(const Capture& capture, Image left, Image right, const pipeline::ViewSensor& sensor) {
   const Camera& camera = capture.camera;
   ViewSample sample{"", std::move(left), std::move(right),
-                    Image(camera.dp_width(), camera.dp_height(), 1, kUnknownDpPx), sensor};
-  sample.sensor.pixel_height = pipeline::pixel_height(camera);
+                    Image(camera.dp_width(), camera.dp_height(), 1, kUnknownDpPx), of_camera(sensor, camera)};
   for (int y = 0; y < camera.dp_height(); ++y) {
     for (int x = 0; x < camera.dp_width(); ++x) {
       const int u = x * camera.dp_downsample_x + camera.dp_downsample_x / 2;

@@ -30,15 +30,14 @@ ViewSensor sensor_of_green_means(const ViewSensor& dense) {
 
 PixelDisparity match_pixels(const Capture& capture, const Image& left, const Image& right, const ViewSensor& sensor,
                             const Matcher& matcher, const MatcherOptions& options, const UpsampleOptions& upsampling) {
+  const ViewSensor own = of_camera(sensor, capture.camera);
   if (!is_dense_mosaic(capture)) {
-    ViewSensor own = sensor;
-    own.pixel_height = pixel_height(capture.camera);
     return upsample_tiles(matcher.match(left, right, own, options), left.width, left.height, upsampling);
   }
   constexpr int kSide = 2;
   const std::string& cfa = capture.camera.cfa;
   const Image small_left = green_means(left, cfa), small_right = green_means(right, cfa);
-  const auto tiles = matcher.match(small_left, small_right, sensor_of_green_means(sensor), options);
+  const auto tiles = matcher.match(small_left, small_right, sensor_of_green_means(own), options);
   PixelDisparity found = upsample_tiles(tiles, small_left.width, small_left.height, upsampling);
   for (Image* map : {&found.disparity_dp_px, &found.sigma_dp_px}) {
     for (float& value : map->data) value *= kSide;

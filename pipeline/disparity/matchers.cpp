@@ -58,6 +58,7 @@ TileDisparity match_knowing_split(const Image& left, const Image& right, const V
   SplitMatchOptions split = options.split_match;
   split.white = sensor.white;
   split.pixel_height = sensor.pixel_height;
+  if (split.alpha == 0 && is_alpha(sensor.alpha)) split.alpha = sensor.alpha;
   return match_by_split(left, right, split, of_sensor(options.likelihood_match, sensor));
 }
 

@@ -18,11 +18,14 @@ struct ViewSensor {
   std::optional<ViewNoise> noise;  ///< of one view's pixel; empty: unknown
   float white = 1;                 ///< normalized signal at which a view clips
   float pixel_height = 1;          ///< of a view's pixel, over its width
+  float alpha = 0;                 ///< centroid disparity over signed blur diameter; 0: unknown
 };
 
-/// Of a view's pixel, over its width.
-inline float pixel_height(const Camera& camera) {
-  return static_cast<float>(camera.dp_downsample_y) / static_cast<float>(camera.dp_downsample_x);
+/// The same with what the camera says of its views' pixels.
+inline ViewSensor of_camera(ViewSensor sensor, const Camera& camera) {
+  sensor.pixel_height = static_cast<float>(camera.dp_downsample_y) / static_cast<float>(camera.dp_downsample_x);
+  sensor.alpha = static_cast<float>(camera.alpha);
+  return sensor;
 }
 
 /// What the capture states; {0, 0} where it is unknown.
@@ -33,7 +36,7 @@ inline ViewNoise view_noise(const Exposure& exposure) {
 }
 
 /// Of views that are the mean of frames and keep `noise_left` of one frame's variance. Of their pixels nothing is known
-/// here: square.
+/// here: square, and their split unknown.
 inline ViewSensor view_sensor(const Exposure& exposure, double noise_left = 1) {
   ViewSensor sensor;
   sensor.white = static_cast<float>(view_white(exposure));

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "capture/image/rows.h"
+#include "pipeline/disparity/split/shading.h"
 
 namespace dualpixel::pipeline::split {
 namespace {
@@ -15,6 +16,14 @@ int mirrored(int i, int size) {
   const int period = 2 * size - 2;
   i = ((i % period) + period) % period;
   return i < size ? i : period - i;
+}
+
+/// -1 where that turned the direction, else 1.
+float turned(int i, int size) {
+  if (size == 1) return i == 0 ? 1 : -1;
+  const int period = 2 * size - 2;
+  i = ((i % period) + period) % period;
+  return i < size ? 1 : -1;
 }
 
 bool is_usable(float value, float clipped) { return std::isfinite(value) && value < clipped; }
@@ -87,18 +96,21 @@ void fill_gaps(Image& view) {
 }
 
 /// The image with `margin` mirrored pixels on each side.
-Image padded(const Image& image, int margin) {
+Image padded(const Image& image, int margin, Mirror sides) {
   Image out(image.width + 2 * margin, image.height + 2 * margin);
   for_rows(out.height, [&](int y) {
     const float* in = image.row(mirrored(y - margin, image.height));
-    for (int x = 0; x < out.width; ++x) out.row(y)[x] = in[mirrored(x - margin, image.width)];
+    for (int x = 0; x < out.width; ++x) {
+      const float sign = sides == Mirror::odd ? turned(x - margin, image.width) : 1;
+      out.row(y)[x] = sign * in[mirrored(x - margin, image.width)];
+    }
   });
   return out;
 }
 
 }  // namespace
 
-Image gaussian(const Image& image, double sigma) {
+Image gaussian(const Image& image, double sigma, Mirror sides) {
   const int reach = static_cast<int>(std::ceil(3 * sigma));
   std::vector<float> taps(reach + 1);
   double total = 0;
@@ -118,8 +130,9 @@ Image gaussian(const Image& image, double sigma) {
       for (int x = 0; x < image.width; ++x) middle[x] += taps[i] * (above[x] + below[x]);
     }
     for (int i = 1; i <= reach; ++i) {
-      middle[-i] = middle[mirrored(-i, image.width)];
-      middle[image.width - 1 + i] = middle[mirrored(image.width - 1 + i, image.width)];
+      for (const int x : {-i, image.width - 1 + i}) {
+        middle[x] = (sides == Mirror::odd ? turned(x, image.width) : 1) * middle[mirrored(x, image.width)];
+      }
     }
     float* to = out.row(y);
     for (int x = 0; x < image.width; ++x) to[x] = taps[0] * middle[x];
@@ -131,17 +144,21 @@ Image gaussian(const Image& image, double sigma) {
 }
 
 CoarseViews make_coarse_views(const Image& left, const Image& right, const SplitMatchOptions& options, int margin) {
-  constexpr double kShadingReach = 0.06;    // standard deviation of the window of the local ratio, of the width
+  constexpr double kShadingReach = 0.06;    // standard deviation of the window of the local ratio, of the width,
+  constexpr double kShadingPasses = 4;      // and of the high-pass: a narrower one would take disparity for shading
   constexpr float kLeastContrast = 0.004f;  // over the local mean, that counts as contrast
   constexpr float kLeastSignal = 1e-4f;
   Reduced views = reduce(left, right, options.clipped * options.white);
   fill_gaps(views.left);
   fill_gaps(views.right);
+  even_out_shading(views.left, views.right);
   const int width = views.left.width, height = views.left.height;
   const std::size_t size = views.left.data.size();
 
-  const double window = std::max(kShadingReach * width, 4.0);
-  const Image wide_left = gaussian(views.left, window), wide_right = gaussian(views.right, window);
+  const double high_pass = options.high_pass_px / kSamplePx;
+  const double window = std::max(kShadingReach * width, kShadingPasses * high_pass);
+  const Image wide_left = gaussian(views.left, window, Mirror::even);
+  const Image wide_right = gaussian(views.right, window, Mirror::even);
   for (std::size_t i = 0; i < size; ++i) {
     const float ratio = wide_right.data[i] / wide_left.data[i];
     const float gain = ratio > 0.0625f && ratio < 16 ? std::sqrt(ratio) : 1.0f;  // beyond that, or 0 / 0, no shading
@@ -151,22 +168,24 @@ CoarseViews make_coarse_views(const Image& left, const Image& right, const Split
   const double box = (kSamplePx * kSamplePx - 1) / 12.0;  // variance of the mean over a sample's pixels, px^2
   const double own = std::pow(options.low_pass_px / kSamplePx, 2) - box / (kSamplePx * kSamplePx) -
                      kFilterSmoothing * kFilterSmoothing;
-  if (own > 0.04) {
-    views.left = gaussian(views.left, std::sqrt(own));
-    views.right = gaussian(views.right, std::sqrt(own));
-  }
-  const double high_pass = options.high_pass_px / kSamplePx;
-  const Image mean_left = gaussian(views.left, high_pass), mean_right = gaussian(views.right, high_pass);
   Image sum(width, height), difference(width, height), power(width, height);
   for (std::size_t i = 0; i < size; ++i) {
-    const float mean = std::max(0.5f * (mean_left.data[i] + mean_right.data[i]), kLeastSignal);
-    const float l = (views.left.data[i] - mean_left.data[i]) / mean;
-    const float r = (views.right.data[i] - mean_right.data[i]) / mean;
-    sum.data[i] = l + r;
-    difference.data[i] = l - r;
-    power.data[i] = 0.5f * (l * l + r * r);
+    sum.data[i] = views.left.data[i] + views.right.data[i];
+    difference.data[i] = views.left.data[i] - views.right.data[i];
   }
-  power = gaussian(power, high_pass);
+  if (own > 0.04) {
+    sum = gaussian(sum, std::sqrt(own), Mirror::even);
+    difference = gaussian(difference, std::sqrt(own), Mirror::odd);
+  }
+  const Image mean_sum = gaussian(sum, high_pass, Mirror::even);
+  const Image mean_difference = gaussian(difference, high_pass, Mirror::odd);
+  for (std::size_t i = 0; i < size; ++i) {
+    const float mean = std::max(0.5f * mean_sum.data[i], kLeastSignal);
+    sum.data[i] = (sum.data[i] - mean_sum.data[i]) / mean;
+    difference.data[i] = (difference.data[i] - mean_difference.data[i]) / mean;
+    power.data[i] = 0.25f * (sum.data[i] * sum.data[i] + difference.data[i] * difference.data[i]);
+  }
+  power = gaussian(power, high_pass, Mirror::even);
   for (std::size_t i = 0; i < size; ++i) {
     const float scale = 1 / std::sqrt(power.data[i] + kLeastContrast * kLeastContrast);
     sum.data[i] *= scale;
@@ -175,8 +194,8 @@ CoarseViews make_coarse_views(const Image& left, const Image& right, const Split
   return {margin,
           views.usable.width,
           views.usable.height,
-          padded(sum, margin),
-          padded(difference, margin),
+          padded(sum, margin, Mirror::even),
+          padded(difference, margin, Mirror::odd),
           std::move(views.usable)};
 }
 

@@ -1,10 +1,21 @@
 #include "pipeline/disparity/split/options.h"
 
+#include <fmt/format.h>
+
+#include "capture/error.h"
+
 namespace dualpixel::pipeline {
+namespace {
+
+constexpr float kLeastAlpha = 0.02f, kHardAlpha = 0.4245f;
+
+}  // namespace
+
+bool is_alpha(float alpha) { return alpha >= kLeastAlpha && alpha <= kHardAlpha; }
 
 OptionFields fields(SplitMatchOptions& options) {
   return {{"range_px", &options.range_px, 4, 64, "DP px", "ours"},
-          {"alpha", &options.alpha, 0.02, 0.25, "", "ours"},
+          {"alpha", &options.alpha, 0, kHardAlpha, "", "ours; 0: the capture's, or 0.21"},
           {"clipped", &options.clipped, 0, 1e6, "of the views' white", "ours"},
           {"low_pass_px", &options.low_pass_px, 4, 64, "DP px", "ours"},
           {"high_pass_px", &options.high_pass_px, 8, 256, "DP px", "ours"},
@@ -13,6 +24,12 @@ OptionFields fields(SplitMatchOptions& options) {
           {"confident_sigma_dp_px", &options.confident_sigma_dp_px, 1e-6, 1e6, "DP px", "ours"}};
 }
 
-void check(const SplitMatchOptions& options) { check_options("split_match", options); }
+void check(const SplitMatchOptions& options) {
+  check_options("split_match", options);
+  if (options.alpha != 0 && !is_alpha(options.alpha)) {
+    throw InputError(
+        fmt::format("split_match.alpha: {}: must be 0 or in [{}, {}]", options.alpha, kLeastAlpha, kHardAlpha));
+  }
+}
 
 }  // namespace dualpixel::pipeline

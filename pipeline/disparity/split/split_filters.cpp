@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 namespace dualpixel::pipeline::split {
 namespace {
@@ -43,11 +45,22 @@ Quadrant transformed(const Quadrant& spectrum, int period, bool odd, int side) {
   return out;
 }
 
+/// Taps that stand for one along an axis: each beside the middle for two.
+double count(int i) { return i == 0 ? 1 : 2; }
+
+/// Sum of the squares of all taps, of the four quadrants.
+double energy(const Quadrant& filter) {
+  double sum = 0;
+  for (int y = 0; y < filter.side; ++y) {
+    for (int x = 0; x < filter.side; ++x) sum += count(x) * count(y) * filter.at(x, y) * filter.at(x, y);
+  }
+  return sum;
+}
+
 /// The best product of a filter along x and one along y, by power iteration; taken out of `filter`.
 SeparableFilter take_term(Quadrant& filter) {
   constexpr int kIterations = 12;
   const int side = filter.side;
-  const auto count = [](int i) { return i == 0 ? 1.0 : 2.0; };  // a tap beside the middle stands for two
   std::vector<double> x(side, 1.0), y(side, 0.0);
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     double norm = 1e-300;
@@ -69,38 +82,91 @@ SeparableFilter take_term(Quadrant& filter) {
   return {{x.begin(), x.end()}, {y.begin(), y.end()}};
 }
 
+/// alpha of the share g(p) = p / k between -1 and 1, k from 0 to 1: (2 / pi) times the integral of p g(p) sqrt(1 -
+/// p^2).
+double alpha_of(double k) {
+  const double rim = std::sqrt(1 - k * k);
+  const double ramp = k > 0 ? (std::asin(k) - k * rim * (1 - 2 * k * k)) / (8 * k) : 0;
+  return 4 / std::numbers::pi * (ramp + rim * rim * rim / 3);
+}
+
+/// k for alpha: above 1 for ramps that do not reach the pupil's rim.
+double ramp_width(double alpha) {
+  if (alpha <= 0.25) return 1 / (4 * alpha);
+  double low = 0, high = 1;  // alpha falls with k
+  for (int halving = 0; halving < 40; ++halving) {
+    const double middle = 0.5 * (low + high);
+    (alpha_of(middle) > alpha ? low : high) = middle;
+  }
+  return low;
+}
+
+/// The transform of g D, odd along x, for frequencies that `radius` and `radius_y` turn into phases at the disc's rim,
+/// by Gauss's quadrature over chords.
+class SplitMoment {
+ public:
+  SplitMoment(double k, double phase_step_x, double phase_step_y, int steps) {
+    const int nodes = 2 * static_cast<int>(std::ceil(std::max(phase_step_x, phase_step_y) * steps)) + 64;
+    for (int i = 1; 2 * i <= nodes; ++i) {  // the other half is alike
+      const double angle = std::numbers::pi * i / (nodes + 1), x = std::cos(angle), half_chord = std::sin(angle);
+      const double weight = 4.0 / (nodes + 1) * half_chord * half_chord * std::min(x / k, 1.0);
+      for (int u = 0; u <= steps; ++u) along_x_.push_back(weight * std::sin(phase_step_x * u * x));
+      for (int v = 0; v <= steps; ++v) {
+        const double phase = phase_step_y * v * half_chord;
+        along_y_.push_back(phase > 1e-6 ? std::sin(phase) / phase : 1.0);
+      }
+    }
+    size_ = steps + 1;
+  }
+
+  double operator()(int u, int v) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < along_x_.size(); i += size_) sum += along_x_[i + u] * along_y_[i + v];
+    return sum;
+  }
+
+ private:
+  std::size_t size_;
+  std::vector<double> along_x_, along_y_;  ///< node after node
+};
+
 }  // namespace
 
 SplitFilters make_filters(double d_dp_px, double alpha, const FilterGrid& grid) {
-  constexpr double kLeastResponse = 0.05;  // frequencies that the blur leaves less of count for less
+  constexpr double kLeastResponse = 0.1;  // frequencies that the blur leaves less of count for less
+  constexpr double kLeftOut = 2e-4;       // by separable terms, of the energy,
+  constexpr std::size_t kMostTerms = 4;   // where so many do
   const double smoothing = grid.smoothing;
   const double radius = d_dp_px / alpha / grid.sample_px / 2, radius_y = radius / grid.height;
-  const double k = 1 / (4 * alpha);
   const auto taps = [&](double r) { return static_cast<std::size_t>(std::ceil(r + 6 * smoothing)) + 1; };
   const int reach = static_cast<int>(std::max(taps(radius), taps(radius_y))) - 1;
-  const int half = reach + 8;  // of the period
+  const int half = reach + 8;                   // of the period
+  const double step = std::numbers::pi / half;  // radians a sample
+  const SplitMoment moment(ramp_width(alpha), step * radius, step * radius_y, half);
   Quadrant even(half + 1), odd(half + 1);
   for (int v = 0; v <= half; ++v) {
     for (int u = 0; u <= half; ++u) {
-      const double along_x = std::numbers::pi * u / half, along_y = std::numbers::pi * v / half;  // radians a sample
+      const double along_x = step * u, along_y = step * v;
       const double z = std::hypot(along_x * radius, along_y * radius_y);
       const double gauss = std::exp(-0.5 * std::pow(std::hypot(along_x, along_y) * smoothing, 2));
       if (gauss < 1e-6) continue;
       const double disc = z > 1e-6 ? 2 * std::cyl_bessel_j(1.0, z) / z : 1.0;
-      const double moment = z > 1e-6 ? 2 * std::cyl_bessel_j(2.0, z) / z * (along_x * radius / z) / k : 0.0;
-      const double scale = gauss / std::sqrt(disc * disc + moment * moment + kLeastResponse * kLeastResponse);
+      const double moment_there = moment(u, v);
+      const double scale =
+          gauss / std::sqrt(disc * disc + moment_there * moment_there + kLeastResponse * kLeastResponse);
       even.at(u, v) = disc * scale;
-      odd.at(u, v) = u < half ? moment * scale : 0.0;
+      odd.at(u, v) = u < half ? moment_there * scale : 0.0;
     }
   }
   Quadrant difference = transformed(even, 2 * half, false, reach + 1);
   Quadrant sum = transformed(odd, 2 * half, true, reach + 1);
+  const double negligible = kLeftOut * (energy(difference) + energy(sum));
   SplitFilters filters{reach, {}, {}};
-  for (int term = 0; term < SplitFilters::kTerms; ++term) {
-    filters.difference[term] = take_term(difference);
-    filters.sum[term] = take_term(sum);
-    for (SeparableFilter* filter : {&filters.difference[term], &filters.sum[term]}) {
-      filter->along_x.resize(taps(radius)), filter->along_y.resize(taps(radius_y));
+  for (auto [filter, terms] : {std::pair{&difference, &filters.difference}, {&sum, &filters.sum}}) {
+    while (energy(*filter) > negligible && terms->size() < kMostTerms) {
+      SeparableFilter term = take_term(*filter);
+      term.along_x.resize(taps(radius)), term.along_y.resize(taps(radius_y));
+      terms->push_back(std::move(term));
     }
   }
   return filters;

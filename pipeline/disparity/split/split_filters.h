@@ -10,16 +10,19 @@ struct SeparableFilter {
   std::vector<float> along_x, along_y;
 };
 
-/// A soft split sees a point at blur diameter b through the disc D of that diameter, weighted by 1 -+ x / (k b / 2) in
-/// the left and right view, k = 1 / (4 alpha). Left through the right view's kernel equals right through the left's, so
-///     D * (left - right) + (x D / (k b / 2)) * (left + right) = 0.
+/// A split sees a point at blur diameter b through the disc D of that diameter, weighted by 1 -+ g(x / (b / 2)) in the
+/// left and right view. g(p) = p / k is that of a soft split, k = 1 / (4 alpha); where alpha is above 1/4, k is below 1
+/// and g between -1 and 1, up to the sign of p for a hard split. Left through the right view's kernel equals right
+/// through the left's, so
+///     D * (left - right) + (g D) * (left + right) = 0.
 /// `difference` and `sum` are those two filters, divided at each frequency by the root of both spectra's squares, which
 /// makes noise white again, under a Gaussian. Both views' kernels swap at -b: `sum` changes its sign.
+/// Each is a sum of up to four separable terms, the best ones: as many as leave out .02 % of the energy of both. (Were
+/// more left out, neighboring disparities with other numbers of terms would not be comparable.)
 struct SplitFilters {
-  static constexpr int kTerms = 3;     ///< separable terms of each, the best of that number
-  int reach = 0;                       ///< samples, of the longest
-  SeparableFilter difference[kTerms];  ///< even along x
-  SeparableFilter sum[kTerms];         ///< odd along x
+  int reach = 0;                            ///< samples, of the longest
+  std::vector<SeparableFilter> difference;  ///< even along x
+  std::vector<SeparableFilter> sum;         ///< odd along x; empty where d is 0
 };
 
 /// The samples that filters are made for.
@@ -29,7 +32,7 @@ struct FilterGrid {
   double smoothing = 0;  ///< the Gaussian's standard deviation, samples along x and y
 };
 
-/// Filters of disparity d >= 0.
+/// Filters of disparity d >= 0, for alpha up to 4 / (3 pi).
 SplitFilters make_filters(double d_dp_px, double alpha, const FilterGrid& grid);
 
 }  // namespace dualpixel::pipeline::split

@@ -26,7 +26,8 @@ namespace dualpixel::pipeline {
 ///
 /// sigma_dp_px is the predicted standard deviation of the error, at most range_px; away from the focus root-sum-square
 /// of the least residual over its sensitivity to d, for six independent samples a window; the spread of other
-/// disparities that the residuals cannot rule out; and 0.04 |d|, for kernels that are not quite the camera's.
+/// disparities that the residuals cannot rule out; and 0.04 |d|, or 0.02 |d| where alpha is known, for
+/// kernels that are not quite the camera's.
 /// Confidence is 1 / (1 + (sigma / confident_sigma_dp_px)^2), and 0 where nothing is known: there sigma is range_px, as
 /// where step 3's best disparity is an end of the range.
 /// `shared` is 0.9 there, as windows overlap.

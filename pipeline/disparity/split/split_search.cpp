@@ -67,11 +67,11 @@ Costs residual_costs(const CoarseViews& views, const std::vector<SplitFilters>& 
       for (int d = 0; d <= range; ++d) {
         std::fill(even.begin(), even.end(), 0.0f);
         std::fill(odd.begin(), odd.end(), 0.0f);
-        for (int term = 0; term < SplitFilters::kTerms; ++term) {
-          const SplitFilters& filter = filters[d];
-          add_filtered(views.difference, views.margin, views.margin + y, filter.difference[term], false, line, even);
-          if (d == 0) continue;
-          add_filtered(views.sum, views.margin, views.margin + y, filter.sum[term], true, line, odd);
+        for (const SeparableFilter& term : filters[d].difference) {
+          add_filtered(views.difference, views.margin, views.margin + y, term, false, line, even);
+        }
+        for (const SeparableFilter& term : filters[d].sum) {
+          add_filtered(views.sum, views.margin, views.margin + y, term, true, line, odd);
         }
         for (int x = 0; x < width; ++x) {
           now.behind[x] = even[x] + odd[x];
@@ -92,11 +92,11 @@ Costs residual_costs(const CoarseViews& views, const std::vector<SplitFilters>& 
 
 /// The window's means of each image, tiles weighed by what of them is usable.
 void sum_over_windows(std::vector<Image>& costs, const Image& usable, double sigma) {
-  Image total = gaussian(usable, sigma);
+  Image total = gaussian(usable, sigma, Mirror::even);
   for (float& value : total.data) value = 1 / std::max(value, 1e-6f);
   for (Image& cost : costs) {
     for (std::size_t i = 0; i < cost.data.size(); ++i) cost.data[i] *= usable.data[i];
-    cost = gaussian(cost, sigma);
+    cost = gaussian(cost, sigma, Mirror::even);
     for (std::size_t i = 0; i < cost.data.size(); ++i) cost.data[i] *= total.data[i];
   }
 }
@@ -117,10 +117,10 @@ Between between(const Costs& costs, int i, std::size_t tile) {
   return {static_cast<float>(i) + t, (1 - t) * (1 - t) * a + 2 * t * (1 - t) * ab + t * t * b, sensitivity};
 }
 
-CoarseTile best_disparity(const Costs& costs, std::size_t tile) {
+/// `kernel_error`: of the disparity, what kernels that are not quite the camera's err by.
+CoarseTile best_disparity(const Costs& costs, std::size_t tile, float kernel_error) {
   constexpr float kSamples = 6;             // independent residuals in a window
   constexpr float kLeastResidual = 0.002f;  // of the contrast: what is never explained
-  constexpr float kKernelError = 0.04f;     // of the disparity: what an unknown split's kernels err by
   const int count = static_cast<int>(costs.squares.size()), range = count / 2;
   const auto cost = [&](int i) { return costs.squares[i].data[tile]; };
   int best = range;
@@ -140,16 +140,18 @@ CoarseTile best_disparity(const Costs& costs, std::size_t tile) {
     total += likely;
     if (std::abs(i - best) > 1) spread += likely * square(static_cast<float>(i - range) - position);
   }
-  return {position, residual / (kSamples * found.sensitivity) + spread / total + square(kKernelError * position)};
+  return {position, residual / (kSamples * found.sensitivity) + spread / total + square(kernel_error * position)};
 }
 
 }  // namespace
 
 std::vector<CoarseTile> search_disparities(const Image& left, const Image& right, const SplitMatchOptions& options) {
-  std::vector<SplitFilters> filters;
-  for (int d = 0; d <= options.range_px; ++d) {
-    filters.push_back(make_filters(d, options.alpha, {kSamplePx, options.pixel_height, kFilterSmoothing}));
-  }
+  const bool known = options.alpha > 0;
+  const float alpha = known ? options.alpha : kPhoneAlpha, kernel_error = known ? 0.02f : 0.04f;
+  std::vector<SplitFilters> filters(options.range_px + 1);
+  for_rows(options.range_px + 1, [&](int d) {
+    filters[d] = make_filters(d, alpha, {kSamplePx, options.pixel_height, kFilterSmoothing});
+  });
   const CoarseViews views = make_coarse_views(left, right, options, filters.back().reach);
   Costs costs = residual_costs(views, filters);
   for (std::vector<Image>* images : {&costs.squares, &costs.products}) {
@@ -159,7 +161,7 @@ std::vector<CoarseTile> search_disparities(const Image& left, const Image& right
   for_rows(views.rows, [&](int row) {
     for (int column = 0; column < views.columns; ++column) {
       const std::size_t i = static_cast<std::size_t>(row) * views.columns + column;
-      tiles[i] = best_disparity(costs, i);
+      tiles[i] = best_disparity(costs, i, kernel_error);
     }
   });
   return tiles;

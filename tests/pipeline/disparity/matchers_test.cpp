@@ -1,0 +1,35 @@
+#include "pipeline/disparity/matchers.h"
+
+#include <gtest/gtest.h>
+
+#include "pipeline/disparity/split/split_match.h"
+#include "pipeline/disparity/tile_disparity.h"
+#include "tests/pipeline/texture.h"
+
+namespace dualpixel::pipeline {
+namespace {
+
+// The split's factor is what the options say, else what the camera says, else a phone's; nonsense counts as unknown.
+TEST(Matchers, SplitTakesTheCamerasAlpha) {
+  const Image left = textured(Texture(3, 0.1), 128, 64, 0), right = textured(Texture(3, 0.1), 128, 64, 3);
+  const auto found = [&](float stated, float option) {
+    ViewSensor sensor;
+    sensor.alpha = stated;
+    MatcherOptions options;
+    options.split_match.alpha = option;
+    return matcher_named("split").match(left, right, sensor, options).disparity_dp_px.data;
+  };
+  const auto with = [&](float alpha) {
+    SplitMatchOptions options;
+    options.alpha = alpha;
+    return match_by_split(left, right, options).disparity_dp_px.data;
+  };
+  EXPECT_EQ(found(0.4f, 0), with(0.4f));
+  EXPECT_EQ(found(0.4f, 0.15f), with(0.15f));
+  EXPECT_NE(with(0.4f), with(0.15f));
+  for (const float unknown : {0.0f, 0.001f, 7.0f, NAN}) EXPECT_EQ(found(unknown, 0), with(0)) << unknown;
+  EXPECT_EQ(of_camera({}, Camera{.dp_downsample_x = 2, .dp_downsample_y = 4, .alpha = 0.3}).alpha, 0.3f);
+}
+
+}  // namespace
+}  // namespace dualpixel::pipeline
