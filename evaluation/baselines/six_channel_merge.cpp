@@ -183,8 +183,8 @@ pipeline::MergedBurst merge_six_channels(const std::vector<Frame>& frames, int b
                                          const std::vector<pipeline::MotionField>& motions, const Exposure& exposure) {
   pipeline::require_burst(frames, exposure);
   const Frame& first = frames.front();
-  pipeline::require(!first.mosaic.empty() && first.left.width == first.mosaic.width / 2 &&
-                        first.left.height == first.mosaic.height / 4,
+  pipeline::require(!first.mosaic.empty() && 2 * first.left.width == first.mosaic.width &&
+                        4 * first.left.height == first.mosaic.height,
                     "six channels need a mosaic, and views as wide as a Bayer plane and half as high");
   const auto black = static_cast<float>(exposure.black_level_dn);
   std::vector<Channels> all;

@@ -263,8 +263,10 @@ ViewSample highlights(double brightness, Draw draw) {
       }
     }
   }
-  return with_noise(std::move(views[0]), std::move(views[1]),
-                    uniform_image(0.5 * kBlur * (centroids[1] - centroids[0])), draw);
+  const double alpha = 0.5 * (centroids[1] - centroids[0]);
+  ViewSample sample = with_noise(std::move(views[0]), std::move(views[1]), uniform_image(kBlur * alpha), draw);
+  sample.sensor.alpha = static_cast<float>(alpha);
+  return sample;
 }
 
 /// What the views show.

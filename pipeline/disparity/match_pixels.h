@@ -19,9 +19,9 @@ Image green_means(const Image& dense, const std::string& cfa);
 /// What is known of such means where `dense` is known of the views.
 ViewSensor sensor_of_green_means(const ViewSensor& dense);
 
-/// The disparity of `views` of the capture, in their own size and DP pixels, by `matcher`. Whatever `sensor` says, the
-/// pixels are as high and as split as the capture's. Where views are dense, each
-/// is found at half the size: the matcher's options, its range among them, are in pixels of two photosites there.
+/// The disparity of `views` of the capture, in their own size and DP pixels, by `matcher`. Pixel height and
+/// split factor are the capture's, whatever `sensor` says. Where views are dense, each is found at half the size: the
+/// matcher's options, its range among them, are in pixels of two photosites there.
 PixelDisparity match_pixels(const Capture& capture, const Image& left, const Image& right, const ViewSensor& sensor,
                             const Matcher& matcher, const MatcherOptions& options,
                             const UpsampleOptions& upsampling = {});

@@ -58,7 +58,7 @@ TileDisparity match_knowing_split(const Image& left, const Image& right, const V
   SplitMatchOptions split = options.split_match;
   split.white = sensor.white;
   split.pixel_height = sensor.pixel_height;
-  if (split.alpha == 0 && is_alpha(sensor.alpha)) split.alpha = sensor.alpha;
+  if (split.alpha == 0) split.alpha = alpha_of_camera(sensor.alpha);
   return match_by_split(left, right, split, of_sensor(options.likelihood_match, sensor));
 }
 
@@ -70,8 +70,9 @@ constexpr Matcher kMatchers[] = {
      [](const MatcherOptions& options) { return options.match.range_px; }, match_as_in_paper, false},
     {"likelihood", "linear views and their noise, maximum likelihood, a predicted error", kLikelihoodGroups,
      [](const MatcherOptions& options) { return options.likelihood_match.range_px; }, match_likeliest, false},
-    {"split", "low frequencies through the kernels of a soft split, maximum likelihood near the focus", kSplitGroups,
-     [](const MatcherOptions& options) { return options.split_match.range_px; }, match_knowing_split, true},
+    {"split", "low frequencies through the kernels of the sensor's split, maximum likelihood near the focus",
+     kSplitGroups, [](const MatcherOptions& options) { return options.split_match.range_px; }, match_knowing_split,
+     true},
 };
 
 }  // namespace

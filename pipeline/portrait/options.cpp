@@ -54,6 +54,7 @@ OptionFields fields(PortraitOptions& options) {
 void check(const PortraitOptions& options) {
   check_options("", options);
   check(options.matching.normalize);  // of windows, more than a range
+  check(options.matching.split_match);
   require_valid(options.defocus.bokeh.aperture);
   matcher_named(options.matcher);
 }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "capture/error.h"
 
 namespace dualpixel::pipeline {
@@ -11,7 +13,10 @@ constexpr float kLeastAlpha = 0.02f, kHardAlpha = 0.4245f;
 
 }  // namespace
 
-bool is_alpha(float alpha) { return alpha >= kLeastAlpha && alpha <= kHardAlpha; }
+float alpha_of_camera(float alpha) {
+  constexpr float kMost = 0.6f;  // halves split beside the middle of the pixel
+  return alpha >= kLeastAlpha && alpha <= kMost ? std::min(alpha, kHardAlpha) : 0;
+}
 
 OptionFields fields(SplitMatchOptions& options) {
   return {{"range_px", &options.range_px, 4, 64, "DP px", "ours"},
@@ -26,7 +31,7 @@ OptionFields fields(SplitMatchOptions& options) {
 
 void check(const SplitMatchOptions& options) {
   check_options("split_match", options);
-  if (options.alpha != 0 && !is_alpha(options.alpha)) {
+  if (options.alpha != 0 && options.alpha < kLeastAlpha) {
     throw InputError(
         fmt::format("split_match.alpha: {}: must be 0 or in [{}, {}]", options.alpha, kLeastAlpha, kHardAlpha));
   }

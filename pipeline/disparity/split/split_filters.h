@@ -17,8 +17,8 @@ struct SeparableFilter {
 ///     D * (left - right) + (g D) * (left + right) = 0.
 /// `difference` and `sum` are those two filters, divided at each frequency by the root of both spectra's squares, which
 /// makes noise white again, under a Gaussian. Both views' kernels swap at -b: `sum` changes its sign.
-/// Each is a sum of up to four separable terms, the best ones: as many as leave out .02 % of the energy of both. (Were
-/// more left out, neighboring disparities with other numbers of terms would not be comparable.)
+/// Each is a sum of separable terms, the best ones: as many as leave out .02 % of the energy of both, but no more than
+/// four. With alpha = .21 four leave out .1 % at d = 6, .2 % at 10 and .7 % at 16.
 struct SplitFilters {
   int reach = 0;                            ///< samples, of the longest
   std::vector<SeparableFilter> difference;  ///< even along x

@@ -4,17 +4,20 @@
 #include "pipeline/disparity/split/options.h"
 #include "pipeline/disparity/tile_disparity.h"
 
-/// Disparity of every tile of views whose split is soft. Blurred by a ramp, two views are no shift of each other above
-/// some 0.2 / |d| cycles a pixel: the phase between them follows their kernels and even turns its sign. This matcher
-/// knows the kernels of each disparity.
+/// Disparity of every tile, also where blur is strong. Blurred through a soft split, two views are no shift of each
+/// other above some 0.2 / |d| cycles a pixel: the phase between them follows their kernels and even turns its sign.
+/// This matcher knows the kernels of each disparity, for soft splits and hard ones.
 namespace dualpixel::pipeline {
 
 /// `left` and `right` are linear views of one size, one channel, normalized signal. Returns d with right(x + d) =
 /// left(x), of the kernels' centroids, for each 8 x 8 tile. Steps:
-///   1. Both views under a Gaussian, at a quarter of their size; their ratio over a wide window and local means taken
-///      out; divided by the local contrast, so that no edge outweighs its surroundings.
-///   2. For every whole |d| up to the range, blur b = d / alpha: left through the right view's ramp kernel less right
-///      through the left's, whitened (split_filters.h), both as flat as the pixels are high. Squares are summed over a
+///   1. Both views under a Gaussian, at a quarter of their size; their ratio taken out, first as a linear function of
+///   the
+///      position (shading.h), then over a wide window; local means taken out; divided by the local contrast, so that no
+///      edge outweighs its surroundings. Beyond the left and right border the views change places.
+///   2. For every whole |d| up to the range, blur b = d / alpha: left through the right view's kernel less right
+///   through
+///      the left's, whitened (split_filters.h), both as flat as the pixels are high. Squares are summed over a
 ///      Gaussian window.
 ///   3. Between hypotheses the residual is taken as linear in d, and its least square found.
 ///   4. Near the focus, where blur is narrow and fine texture tells more, the likelihood matcher is asked, given

@@ -1,5 +1,7 @@
 #include "pipeline/disparity/split/split_search.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -149,7 +151,8 @@ std::vector<CoarseTile> search_disparities(const Image& left, const Image& right
   const bool known = options.alpha > 0;
   const float alpha = known ? options.alpha : kPhoneAlpha, kernel_error = known ? 0.02f : 0.04f;
   std::vector<SplitFilters> filters(options.range_px + 1);
-  for_rows(options.range_px + 1, [&](int d) {
+  tbb::parallel_for(0, options.range_px + 1, [&](int i) {
+    const int d = options.range_px - i;  // the largest take longest
     filters[d] = make_filters(d, alpha, {kSamplePx, options.pixel_height, kFilterSmoothing});
   });
   const CoarseViews views = make_coarse_views(left, right, options, filters.back().reach);

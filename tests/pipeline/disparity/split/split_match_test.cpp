@@ -155,7 +155,7 @@ TEST(SlowSplitMatch, SoftSplitsAreUnbiasedBeforeAndBehindTheFocus) {
 }
 
 // A phone's DP pixels of 2 x 4 photosites are twice as high as wide, so that a round blur is flat in them. Taken for
-// square, 90 % and more of the tiles are wrong; what a single texture is off by lies within the limits.
+// square, .76 and all of the tiles are wrong; what a single texture is off by lies within the limits.
 TEST(SlowSplitMatch, KnowsThatPixelsAreHigh) {
   for (const double b : {-30.0, 40.0}) {
     const RampPair pair = ramp_pair(3, b, 0.003, kRampAlpha, 2);
@@ -208,7 +208,7 @@ TEST(SlowSplitMatch, SmallPicturesKeepTheirDisparity) {
 }
 
 // Mirrored at the left and right border, a scene would lie on the other side of the focus: there the views change
-// places. If they did not, .18 and .43 of the two outermost columns of tiles were wrong by .5 px, in place of .02.
+// places. If they did not, .18 and .43 of the two outermost columns of tiles would be wrong by .5 px, instead of .02.
 TEST(SlowSplitMatch, HoldsAtTheBorder) {
   for (const double b : {12.0, -24.0}) {
     int wrong = 0, count = 0;
@@ -246,6 +246,34 @@ TEST(SplitMatch, ShadingIsNotDisparityAtTheBorder) {
     for (const int x : {0, last}) wrong += std::abs(tiles.disparity_dp_px.at(x, y) - pair.disparity) > 0.5;
   }
   EXPECT_LT(wrong, 0.05 * 2 * rows);
+}
+
+// A lamp far behind the focus has the ratio of a lens's shading across its disc, and outshines all else: the wall
+// before it keeps its disparity.
+TEST(SplitMatch, ALampOutOfFocusIsNotShading) {
+  const RampPair plain = ramp_pair(7, 2, 0.003);
+  RampPair lit = plain;
+  constexpr double kX = 330, kY = 120, kRadius = 32;
+  for (int y = 0; y < kRampHeight; ++y) {
+    for (int x = 0; x < kRampWidth; ++x) {
+      const double across = (x - kX) / kRadius, down = (y - kY) / kRadius;
+      if (across * across + down * down > 1) continue;
+      lit.left.at(x, y) += static_cast<float>(9 * (1 + 4 * kRampAlpha * across));
+      lit.right.at(x, y) += static_cast<float>(9 * (1 - 4 * kRampAlpha * across));
+    }
+  }
+  SplitMatchOptions options;
+  options.white = 100;
+  const TileDisparity tiles = match_by_split(lit.left, lit.right, options);
+  int wrong = 0, count = 0;
+  for (int y = 0; y < tiles.disparity_dp_px.height; ++y) {
+    for (int x = 0; x < tiles.disparity_dp_px.width; ++x) {
+      if (std::hypot(8 * x + 4 - kX, 8 * y + 4 - kY) < 3.5 * kRadius) continue;
+      wrong += std::abs(tiles.disparity_dp_px.at(x, y) - plain.disparity) > 0.5;
+      ++count;
+    }
+  }
+  EXPECT_LT(wrong, 0.01 * count);
 }
 
 TEST(SplitMatch, NearTheFocusIsTheLikelihoodMatcher) {
