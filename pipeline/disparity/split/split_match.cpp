@@ -20,6 +20,13 @@ struct Answer {
   float disparity = 0, deviation = 0, shared = 0;
 };
 
+/// Whether the likelihood matcher finds what step 3 does, beyond the limit, and excludes the focus.
+bool both_are_far(const Answer& far, const Answer& fine, float limit) {
+  const float distance = std::abs(fine.disparity);
+  return distance >= limit && kSureDeviations * fine.deviation < distance &&
+         std::abs(far.disparity - fine.disparity) < kSureDeviations * std::hypot(far.deviation, fine.deviation);
+}
+
 /// Step 4. `fine`: the likelihood matcher's, of infinite deviation where it has none.
 Answer choose(const split::CoarseTile& coarse, const Answer& fine, float limit) {
   const Answer far{coarse.disparity, std::sqrt(coarse.variance), kWindowShare};
@@ -30,7 +37,7 @@ Answer choose(const split::CoarseTile& coarse, const Answer& fine, float limit) 
     return {far.disparity, std::max(far.deviation, fine.deviation), far.shared};
   }
   const bool may_be_near = std::isfinite(far.deviation) && std::abs(far.disparity) - reach < limit;
-  if (!may_be_near) return far;
+  if (!may_be_near || both_are_far(far, fine, limit)) return far;
   if (fine_is_near && apart < reach) return {fine.disparity, std::hypot(fine.deviation, apart), fine.shared};
   return {far.disparity, std::hypot(far.deviation, far.disparity), far.shared};
 }

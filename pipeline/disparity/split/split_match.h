@@ -23,9 +23,11 @@ namespace dualpixel::pipeline {
 ///   4. Near the focus, where blur is narrow and fine texture tells more, the likelihood matcher is asked, given
 ///      `near_focus` with a range just wide enough. Where both answers lie under near_focus_dp_px, its answer. Where
 ///      only the answer of step 3 does, that one, with the larger sigma: nothing, where the likelihood matcher sees
-///      nothing. Where step 3's lies beyond it by less than two standard deviations, it may be chance: the likelihood
-///      matcher's answer, if that lies under near_focus_dp_px and within two standard deviations of it, with their
-///      distance in sigma; otherwise step 3's, with its distance from 0 in sigma.
+///      nothing. Where step 3's lies beyond it by less than two standard deviations, it may be chance. It is kept as it
+///      is where the likelihood matcher's agrees (within two joint standard deviations), lies beyond the limit, too,
+///      and excludes 0 by two of its own. Otherwise: the likelihood matcher's answer, if that lies under
+///      near_focus_dp_px and within two standard deviations of step 3's, with their distance in sigma; or step 3's,
+///      with its distance from 0 in sigma.
 ///
 /// sigma_dp_px is the predicted standard deviation of the error, at most range_px; away from the focus root-sum-square
 /// of the least residual over its sensitivity to d, for six independent samples a window; the spread of other

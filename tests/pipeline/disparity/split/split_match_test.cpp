@@ -297,6 +297,19 @@ TEST(SplitMatch, NoiseIsNotFarFromTheFocus) {
   EXPECT_LT(far / weight, 0.1);
 }
 
+// Just beyond the limit its own answer alone cannot exclude the focus, but the likelihood matcher's does: the predicted
+// error is the answer's own, not its distance from the focus (1.47 px at b = 6.5).
+TEST(SplitMatch, JustBeyondTheLimitIsNotTakenForNoise) {
+  for (const double b : {-9.0, -6.5, 6.5, 9.0}) {
+    const RampPair pair = ramp_pair(4, b, 0.01);
+    const TileDisparity tiles = match_by_split(pair.left, pair.right);
+    std::vector<float> sigma = tiles.sigma_dp_px.data;
+    std::nth_element(sigma.begin(), sigma.begin() + sigma.size() / 10 * 9, sigma.end());
+    EXPECT_LT(sigma[sigma.size() / 10 * 9], 0.5) << b;
+    EXPECT_GT(ramp_errors(tiles, pair.disparity).within_two, 0.95) << b;
+  }
+}
+
 // What lies beyond the range is not taken for a sharp thing near the focus, as the likelihood matcher would: by .2 % of
 // the tiles here; by 2.3 % were its answer taken wherever the coarse search has none.
 TEST(SplitMatch, BeyondTheRangeIsNotNearTheFocus) {
