@@ -1,4 +1,5 @@
 #pragma once
+#include <numbers>
 #include <optional>
 
 #include "capture/capture.h"
@@ -21,10 +22,12 @@ struct ViewSensor {
   float alpha = 0;                 ///< centroid disparity over signed blur diameter; 0: unknown
 };
 
-/// The same with what the camera says of its views' pixels.
+/// The same with what the camera says of its views' pixels. A hard split's alpha needs no saying: the centroids of half
+/// discs of radius R lie 4 R / (3 pi) from the middle.
 inline ViewSensor of_camera(ViewSensor sensor, const Camera& camera) {
   sensor.pixel_height = static_cast<float>(camera.dp_downsample_y) / static_cast<float>(camera.dp_downsample_x);
-  sensor.alpha = static_cast<float>(camera.alpha);
+  const bool known = camera.alpha > 0 || camera.split != "hard";
+  sensor.alpha = static_cast<float>(known ? camera.alpha : 4 / (3 * std::numbers::pi));
   return sensor;
 }
 

@@ -15,6 +15,7 @@
 #include "capture/views.h"
 #include "evaluation/report/calibration_page.h"
 #include "pipeline/defocus/match_lens.h"
+#include "pipeline/disparity/noise_model.h"
 #include "pipeline/portrait/describe_run.h"
 #include "pipeline/portrait/photograph.h"
 #include "pipeline/portrait/plain_pair.h"
@@ -279,6 +280,15 @@ PortraitResult run_with_progress(const PortraitCommand& command, const Capture& 
   }
 }
 
+/// What matcher split takes the pixel's split for, where neither --set nor the camera says it.
+std::optional<std::string> assumed_split(const PortraitOptions& options, pipeline::Mode mode, const Camera& camera) {
+  const bool matched = mode != pipeline::Mode::seg && !options.disparity;
+  if (!matched || options.matcher != "split" || options.matching.split_match.alpha > 0) return {};
+  if (pipeline::alpha_of_camera(pipeline::of_camera({}, camera).alpha) > 0) return {};
+  const std::string instead = camera.alpha > 0 ? fmt::format(", not {:g} as stated", camera.alpha) : "";
+  return fmt::format("disparity over blur diameter (alpha) is {:g}, a phone's{}", pipeline::kPhoneAlpha, instead);
+}
+
 void run(const PortraitCommand& command) {
   PortraitOptions options = options_of(command);
   if (!command.calibration.empty()) options.calibration = evaluation::read_calibration_folder(command.calibration);
@@ -310,6 +320,7 @@ void run(const PortraitCommand& command) {
   const PortraitResult result = run_with_progress(command, capture, options, mask);
   print_warnings(result.warnings);
   nlohmann::ordered_json provenance = provenance_of(command, capture, options, result);
+  if (const auto split = assumed_split(options, result.mode, capture.camera)) assumed.push_back(*split);
   if (!assumed.empty()) {
     provenance["assumed"] = assumed;
     std::cerr << fmt::format("{}: assumed: {}\n", printable(command.plain() ? command.pair.left : command.capture),

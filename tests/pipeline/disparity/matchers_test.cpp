@@ -34,6 +34,11 @@ TEST(Matchers, SplitTakesTheCamerasAlpha) {
   EXPECT_NE(found(0.44f, 0), with(0));
   for (const float unknown : {0.0f, -1.0f, 0.001f, 7.0f, NAN}) EXPECT_EQ(found(unknown, 0), with(0)) << unknown;
   EXPECT_EQ(of_camera({}, Camera{.dp_downsample_x = 2, .dp_downsample_y = 4, .alpha = 0.3}).alpha, 0.3f);
+  Camera hard{.dp_downsample_x = 2, .dp_downsample_y = 4};
+  hard.split = "hard";
+  EXPECT_NEAR(of_camera({}, hard).alpha, 0.42441, 1e-5);
+  hard.alpha = 0.3;
+  EXPECT_EQ(of_camera({}, hard).alpha, 0.3f);
 }
 
 TEST(Matchers, PixelsAreMatchedWithTheCapturesAlpha) {

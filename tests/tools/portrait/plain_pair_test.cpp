@@ -210,6 +210,30 @@ TEST(PlainPair, PortraitFindsTheShiftAlongTheSplit) {
   }
 }
 
+TEST(PlainPair, SaysWhichSplitIsAssumed) {
+  const TemporaryFolder folder;
+  write_view(folder / "v.png", pipeline::textured(pipeline::Texture(5, 0.2), 64, 48, 0));
+  const auto assumed = [&](const std::string& options, const std::string& metadata = "{}") {
+    write_bytes(folder / "m.json", metadata);
+    const std::string in = "'" + folder.path.string() + "/";
+    const Outcome outcome = run_command("portrait --mode dp --left " + in + "v.png' --right " + in + "v.png' -o " + in +
+                                        "out' --metadata " + in + "m.json' " + options);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const nlohmann::json result = read_json_file(folder / "out/result.json");
+    std::string alpha;
+    for (const std::string sentence : result.at("provenance").at("assumed")) {
+      if (sentence.find("(alpha)") != std::string::npos) alpha = sentence;
+    }
+    EXPECT_NE(outcome.err.find(alpha), std::string::npos) << outcome.err;
+    return alpha;
+  };
+  EXPECT_EQ(assumed(""), "disparity over blur diameter (alpha) is 0.21, a phone's");
+  EXPECT_EQ(assumed("", R"({"alpha": 7})"), "disparity over blur diameter (alpha) is 0.21, a phone's, not 7 as stated");
+  EXPECT_EQ(assumed("", R"({"alpha": 0.3})"), "");
+  EXPECT_EQ(assumed("--set split_match.alpha=0.3"), "");
+  EXPECT_EQ(assumed("--matcher paper"), "");
+}
+
 TEST(PlainPair, EmptyPicturesHaveLowConfidence) {
   const TemporaryFolder folder;
   write_png8(folder / "white.png", Image(40, 24, 1, 1.0f));
