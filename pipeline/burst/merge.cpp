@@ -167,6 +167,7 @@ float root_mean_square(const Lanes (&plane)[kTile][kHalves]) {
 struct TileNoise {
   float first_threshold, second_threshold;  ///< c V of each plane
   float energy;                             ///< expected sum of |D|^2 / kTile^2 over both planes
+  bool clips;                               ///< any pixel of either plane
 };
 
 constexpr float kRounding = 1.0f / 12;
@@ -176,25 +177,28 @@ float threshold(const Lanes (&plane)[kTile][kHalves], const PairShape& shape) {
   return shape.strength * 2 * kWindowEnergy * std::max(variance, kRounding);
 }
 
-/// Adds each pixel's own variance under the squared window.
-float noise_energy(const Lanes (&plane)[kTile][kHalves], const Window& window, const PairShape& shape) {
+/// Sums each pixel's own variance under the squared window. Sets `clips` where a pixel does.
+float noise_energy(const Lanes (&plane)[kTile][kHalves], const Window& window, const PairShape& shape, bool& clips) {
   const Lanes rounding = Lanes{} + kRounding, clipped = Lanes{} + shape.clipped_noise;
-  Lanes energy{};
+  Lanes energy{}, largest{};
   for (int half = 0; half < kHalves; ++half) {
     const Lanes across = load_lanes(window.at + kLanes * half);
     for (int y = 0; y < kTile; ++y) {
       const Lanes w = across * window.at[y];
       const Lanes signal = plane[y][half];
       const Lanes variance = shape.shot * signal + shape.read;
+      largest = signal > largest ? signal : largest;
       energy += signal < shape.clipped ? w * w * (variance > rounding ? variance : rounding) : w * w * clipped;
     }
   }
+  for (int lane = 0; lane < kLanes; ++lane) clips |= largest[lane] >= shape.clipped;
   return 2 * sum(energy);
 }
 
 TileNoise tile_noise(const ComplexTile& tile, const Window& window, const PairShape& shape) {
-  return {threshold(tile.re, shape), threshold(tile.im, shape),
-          noise_energy(tile.re, window, shape) + noise_energy(tile.im, window, shape)};
+  bool clips = false;
+  const float energy = noise_energy(tile.re, window, shape, clips) + noise_energy(tile.im, window, shape, clips);
+  return {threshold(tile.re, shape), threshold(tile.im, shape), energy, clips};
 }
 
 /// The share of a frame's tile that is merged, from the ratio of its energy to the expected one: 1 up to a ratio of
@@ -205,9 +209,21 @@ float trust(float energy, float expected, float full_trust) {
   return std::clamp(full_trust + kRamp - energy / expected, 0.0f, kRamp) / kRamp;
 }
 
-/// trust() of each column of a spectrum from the columns' sums of |D|^2, taken together in `Bands` bands of |ky|.
+/// The lowest frequencies, over which the window spreads a tile's mean.
+constexpr bool holds_mean(int k) { return k <= 1 || k == kTile - 1; }
+constexpr int kMeanRows = 3;
+
+/// Over a row of a spectrum: 0 where the mean is, 1 elsewhere.
+Lanes beyond_the_mean(int half) {
+  Lanes mask;
+  for (int lane = 0; lane < kLanes; ++lane) mask[lane] = holds_mean(kLanes * half + lane) ? 0 : 1;
+  return mask;
+}
+
+/// trust() of each column of a spectrum from the columns' sums of |D|^2, taken together in `Bands` bands of |ky|;
+/// `with_mean`: nothing is left out of the sums.
 template <int Bands>
-void trust_columns(const Lanes (&energies)[kHalves], float noise_energy, Lanes (&trusted)[kHalves]) {
+void trust_columns(const Lanes (&energies)[kHalves], float noise_energy, bool with_mean, Lanes (&trusted)[kHalves]) {
   constexpr float kFullTrust =
       Bands == 1 ? 1.4f : 1.9f;  // noise alone gives the ratio a standard deviation of 0.12 and 0.17
   float columns[kTile];
@@ -216,7 +232,8 @@ void trust_columns(const Lanes (&energies)[kHalves], float noise_energy, Lanes (
   float energy[Bands] = {}, expected[Bands] = {};
   for (int ky = 0; ky < kTile; ++ky) {
     energy[band(ky)] += columns[ky];
-    expected[band(ky)] += kTile * noise_energy;
+    const bool all = with_mean || !holds_mean(ky);
+    expected[band(ky)] += static_cast<float>(all ? kTile : kTile - kMeanRows) * noise_energy;
   }
   for (int ky = 0; ky < kTile; ++ky) columns[ky] = trust(energy[band(ky)], expected[band(ky)], kFullTrust);
   std::memcpy(trusted, columns, sizeof(columns));
@@ -233,17 +250,19 @@ template <bool together>
 void subtract_difference(const ComplexTile& base, const ComplexTile& other, const TileNoise& noise, float share,
                          ComplexTile& merged) {
   ComplexTile d;
+  const Lanes beyond[kHalves] = {beyond_the_mean(0), beyond_the_mean(1)};
   Lanes energies[kHalves] = {};
   for (int row = 0; row < kTile; ++row) {
     for (int half = 0; half < kHalves; ++half) {
       const Lanes re = base.re[row][half] - other.re[row][half], im = base.im[row][half] - other.im[row][half];
       d.re[row][half] = re;
       d.im[row][half] = im;
-      energies[half] += re * re + im * im;
+      const Lanes power = re * re + im * im;
+      energies[half] += holds_mean(row) && !noise.clips ? power * beyond[half] : power;
     }
   }
   Lanes shares[kHalves];
-  trust_columns<together ? 2 : 1>(energies, noise.energy, shares);
+  trust_columns<together ? 2 : 1>(energies, noise.energy, noise.clips, shares);
   for (Lanes& trusted : shares) trusted *= share;
   for (int row = 0; row < kTile; ++row) {
     for (int half = 0; half < kHalves; ++half) {
