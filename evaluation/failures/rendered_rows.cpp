@@ -243,7 +243,8 @@ std::vector<RenderedRow> lens_scenes() {
        {0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 0.98},
        [](AtlasScene& scene, double offset) {
          scene.camera = with_plain_lens(scene.camera, {{"split_offset", offset}, {"split", {{"model", "hard"}}}});
-         add_plain_wall(scene);
+         add_wall(scene, add_paint(scene, pink_paint(scene, 0)),
+                  kWall / 2);  // a hard split's disparity is twice a ramp's
        },
        "An ideal lens of the camera's focal length and f-number before a hard split; one view gets ever less of the "
        "light."},

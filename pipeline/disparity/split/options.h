@@ -12,7 +12,7 @@ struct SplitMatchOptions {
   float low_pass_px = 4;            ///< standard deviation of the Gaussian before matching, DP px
   float high_pass_px = 20;          ///< ... of the local mean that is taken out, DP px
   float window_px = 12;             ///< ... of the window over which squared differences are summed, DP px
-  float near_focus_dp_px = 0.8f;    ///< up to this |disparity| the likelihood matcher answers; 0: nowhere
+  float near_focus_dp_px = 1.2f;    ///< up to this |disparity| the likelihood matcher answers; 0: nowhere
   float confident_sigma_dp_px = 1;  ///< predicted error at which confidence is 1/2, DP px
 };
 

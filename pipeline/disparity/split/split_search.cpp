@@ -121,8 +121,8 @@ Between between(const Costs& costs, int i, std::size_t tile) {
 
 /// `kernel_error`: of the disparity, what kernels that are not quite the camera's err by.
 CoarseTile best_disparity(const Costs& costs, std::size_t tile, float kernel_error) {
-  constexpr float kSamples = 6;              // independent residuals in a window
-  constexpr float kLeastResidual = 0.0005f;  // of the contrast: what is never explained
+  constexpr float kSamples = 6;             // independent residuals in a window
+  constexpr float kLeastResidual = 0.002f;  // of the contrast: what is never explained
   const int count = static_cast<int>(costs.squares.size()), range = count / 2;
   const auto cost = [&](int i) { return costs.squares[i].data[tile]; };
   int best = range;

@@ -279,7 +279,7 @@ TEST(SplitMatch, ALampOutOfFocusIsNotShading) {
 TEST(SplitMatch, NearTheFocusIsTheLikelihoodMatcher) {
   const RampPair pair = ramp_pair(4, 2, 0.003);
   const TileDisparity ours = match_by_split(pair.left, pair.right);
-  const TileDisparity likelihood = match_by_likelihood(pair.left, pair.right, {.range_px = 3});
+  const TileDisparity likelihood = match_by_likelihood(pair.left, pair.right, {.range_px = 4});
   EXPECT_EQ(ours.disparity_dp_px.data, likelihood.disparity_dp_px.data);
   EXPECT_EQ(ours.sigma_dp_px.data, likelihood.sigma_dp_px.data);
 }
