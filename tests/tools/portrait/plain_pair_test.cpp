@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "capture/error.h"
 #include "capture/image/image_io.h"
 #include "capture/image/npy.h"
+#include "capture/json_fields.h"
 #include "evaluation/metrics/disparity_metrics.h"
 #include "pipeline/portrait/result_io.h"
 #include "tests/pipeline/texture.h"
