@@ -49,15 +49,15 @@ OptionFields fields(MergeOptions& options);
 /// mean.
 ///
 /// Rejection (ours). Shrinkage alone leaves ghosts that are weaker than the noise of one frame, and they add up over
-/// the frames. So a tile is also judged as a whole: the energy of D_z, summed over two planes and all frequencies, is
-/// compared with the energy that noise explains. Up to 1.4 times that, the tile is merged as above; from 1.8 times on
-/// it is not merged (A_z = 1); in between the two are blended linearly. The tile's mean (|kx|, |ky| <= 1) does not
-/// count: light that flickers changes it, and its own A_z keeps the base's, to a sixth of a pixel's standard deviation.
-/// It counts where a pixel clips, as a full well does not flicker. For this test each pixel has its own variance,
-/// and a clipped pixel has none, or that of the
-/// read-out where wells are full below the signal 1. With it a moving object has no more error than in the
-/// base frame, and clipped highlights don't ring. It needs a noise profile that is right: where the noise is twice what
-/// the profile says, nothing is merged and the base frame remains.
+/// the frames. So a tile is also judged as a whole: the energy of D_z, summed over two planes and all frequencies but
+/// the mean's, is compared with the energy that noise explains. Up to 1.4 times that, the tile is merged as above;
+/// from 1.8 times on it is not merged (A_z = 1); in between the two are blended linearly. The tile's mean (|kx|, |ky|
+/// <= 1) does not count: light that flickers changes it, and its own A_z keeps the base's, to a sixth of a pixel's
+/// standard deviation for six frames at c = 8. It counts where a pixel of the base's tile clips, as a full well does
+/// not flicker. For this test each pixel has its own variance, and a clipped pixel has none, or that of the read-out
+/// where wells are full below the signal 1. With it a moving object has no more error than in the base frame, and
+/// clipped highlights don't ring. It needs a noise profile that is right: where the noise is twice what the profile
+/// says, nothing is merged and the base frame remains.
 ///
 /// DP views. They are merged at their own resolution, where their noise is white; the paper enlarges them to the
 /// size of the Bayer planes. A view's tile takes the motion of the Bayer tile at its center, in its own pixels. Both

@@ -56,8 +56,8 @@ struct Reduced {
   Image left, right, usable;
 };
 
-/// Of halved pixels in a sample, along each axis. Of a period of 5 px, which is another one in samples, means over 4 px
-/// would let ten times as much through.
+/// Of halved pixels in a sample, along each axis. Of a period of 5 px, which is aliased to one of 20 px, means over 4
+/// px would let ten times as much through.
 constexpr float kWeights[] = {1, 3, 3, 1};
 /// Variance of those weights, 2 px apart, and of the 2 x 2 means, px^2.
 constexpr double kReducedVariance = 4 * 0.75 + 0.25;
@@ -75,11 +75,11 @@ Reduced reduce(const Image& left, const Image& right, float clipped) {
         for (int j = 0; j < 4; ++j) {
           const int v = mirrored(2 * y + j - 1, half.left.height);
           for (int i = 0; i < 4; ++i) {
-            const int at = 2 * x + i - 1, u = mirrored(at, half.left.width);
-            const bool swapped = turned(at, half.left.width) < 0;  // beyond the side the views change places
+            const int u = 2 * x + i - 1;
+            if (u < 0 || u >= half.left.width) continue;  // beyond it the views change places, when shading is out
             const float weight = kWeights[i] * kWeights[j];
-            l += weight * (swapped ? half.right : half.left).at(u, v);
-            r += weight * (swapped ? half.left : half.right).at(u, v);
+            l += weight * half.left.at(u, v);
+            r += weight * half.right.at(u, v);
             count += weight * half.count.at(u, v);
             const bool own = i > 0 && i < 3 && j > 0 && j < 3;
             if (own) out.usable.at(x / kTileSamples, row) += half.count.at(u, v) / (kTilePx * kTilePx);
@@ -203,10 +203,8 @@ CoarseViews make_coarse_views(const Image& left, const Image& right, const Split
     sum.data[i] = views.left.data[i] + views.right.data[i];
     difference.data[i] = views.left.data[i] - views.right.data[i];
   }
-  if (own > 0.04) {
-    sum = gaussian(sum, std::sqrt(own), Mirror::even);
-    difference = gaussian(difference, std::sqrt(own), Mirror::odd);
-  }
+  sum = gaussian(sum, std::sqrt(own), Mirror::even);
+  difference = gaussian(difference, std::sqrt(own), Mirror::odd);
   const Image mean_sum = gaussian(sum, high_pass, Mirror::even);
   const Image mean_difference = gaussian(difference, high_pass, Mirror::odd);
   for (std::size_t i = 0; i < size; ++i) {

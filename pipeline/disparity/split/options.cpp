@@ -20,7 +20,7 @@ float alpha_of_camera(float alpha) {
 
 OptionFields fields(SplitMatchOptions& options) {
   return {{"range_px", &options.range_px, 4, 64, "DP px", "ours"},
-          {"alpha", &options.alpha, 0, kHardAlpha, "", "ours; 0: the capture's, or 0.21"},
+          {"alpha", &options.alpha, 0, kHardAlpha, "", "ours; 0: the capture's, a hard split's, or 0.21"},
           {"clipped", &options.clipped, 0, 1e6, "of the views' white", "ours"},
           {"low_pass_px", &options.low_pass_px, 4, 64, "DP px", "ours"},
           {"high_pass_px", &options.high_pass_px, 8, 256, "DP px", "ours"},

@@ -9,7 +9,7 @@ struct SplitMatchOptions {
   float white = 1;                  ///< normalized signal at which the views clip
   float pixel_height = 1;           ///< of the views' pixels, over their width; above 0
   float clipped = 0.98f;            ///< pixels at or above this share of it are invalid
-  float low_pass_px = 4;            ///< standard deviation of the Gaussian before matching, DP px
+  float low_pass_px = 4.5;          ///< standard deviation of the Gaussian before matching, DP px
   float high_pass_px = 20;          ///< ... of the local mean that is taken out, DP px
   float window_px = 12;             ///< ... of the window over which squared differences are summed, DP px
   float near_focus_dp_px = 1.2f;    ///< up to this |disparity| the likelihood matcher answers; 0: nowhere

@@ -20,10 +20,10 @@ struct Answer {
   float disparity = 0, deviation = 0, shared = 0;
 };
 
-/// Whether the likelihood matcher finds what step 3 does, beyond the limit, and excludes the focus.
+/// Whether the likelihood matcher finds what step 3 does, beyond the limit on the same side, and excludes the focus.
 bool both_are_far(const Answer& far, const Answer& fine, float limit) {
   const float distance = std::abs(fine.disparity);
-  return distance >= limit && kSureDeviations * fine.deviation < distance &&
+  return distance >= limit && kSureDeviations * fine.deviation < distance && far.disparity * fine.disparity > 0 &&
          std::abs(far.disparity - fine.disparity) < kSureDeviations * std::hypot(far.deviation, fine.deviation);
 }
 

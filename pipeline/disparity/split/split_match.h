@@ -24,8 +24,8 @@ namespace dualpixel::pipeline {
 ///      `near_focus` with a range just wide enough. Where both answers lie under near_focus_dp_px, its answer. Where
 ///      only the answer of step 3 does, that one, with the larger sigma: nothing, where the likelihood matcher sees
 ///      nothing. Where step 3's lies beyond it by less than two standard deviations, it may be chance. It is kept as it
-///      is where the likelihood matcher's agrees (within two joint standard deviations), lies beyond the limit, too,
-///      and excludes 0 by two of its own. Otherwise: the likelihood matcher's answer, if that lies under
+///      is where the likelihood matcher's agrees (within two joint standard deviations), lies beyond the limit on the
+///      same side, and excludes 0 by two of its own. Otherwise: the likelihood matcher's answer, if that lies under
 ///      near_focus_dp_px and within two standard deviations of step 3's, with their distance in sigma; or step 3's,
 ///      with its distance from 0 in sigma.
 ///

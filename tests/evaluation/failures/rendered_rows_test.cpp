@@ -188,7 +188,7 @@ constexpr KnownOverconfidence kKnown[] = {
     {"thin", "likelihood split", "strips as wide as the blur look like one surface between both"},
     {"hair", "likelihood split", "so do strands and what is seen between them"},
     {"edges", "likelihood split", "beside an edge a tile sees one surface's texture in the other's place"},
-    {"reflection", "likelihood split", "the brighter of two pictures is found, and it is the mirrored one"},
+    {"reflection", "likelihood", "the brighter of two pictures is found, and it is the mirrored one"},
     {"highlights", "split", "lamps in a varnish are bright, and lie behind it"},
     {"defocus", "likelihood", "it takes both views for shifts of each other, which a soft split's are not"},
     {"near_defocus", "likelihood", "likewise"},

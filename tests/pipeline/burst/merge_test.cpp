@@ -283,8 +283,8 @@ TEST(Merge, LightMayFlicker) {
   for (int plane = 0; plane < 3; ++plane) EXPECT_LT(std::sqrt(many[plane] / single[plane]), 0.5) << plane;
 }
 
-// (1 - A) D is at most sqrt(c V) / 2 at the frequency 0, where the window sums to 64: of six frames 5/6 * 12 / 64 = .16
-// deviations of a pixel, and less at the two frequencies beside it on either axis.
+// (1 - A) D is at most sqrt(c V) / 2 at each frequency. At 0 the window sums to 64: of six frames 5/6 * 12 / 64 = .16
+// deviations of a pixel. What is left at the frequencies beside it cancels between tiles that overlap.
 TEST(Merge, AMeanThatDiffersStaysTheBases) {
   const Exposure exposure = exposure_at(100);
   const Signals flat{Image(512, 512, 1, 0.4f), Image(256, 128, 1, 0.2f), Image(256, 128, 1, 0.2f)};
