@@ -167,7 +167,7 @@ float root_mean_square(const Lanes (&plane)[kTile][kHalves]) {
 struct TileNoise {
   float first_threshold, second_threshold;  ///< c V of each plane
   float energy;                             ///< expected sum of |D|^2 / kTile^2 over both planes
-  bool clips;                               ///< any pixel of either plane
+  bool clips;                               ///< any pixel of the base's tile, in either plane
 };
 
 constexpr float kRounding = 1.0f / 12;

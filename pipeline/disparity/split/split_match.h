@@ -11,14 +11,12 @@ namespace dualpixel::pipeline {
 
 /// `left` and `right` are linear views of one size, one channel, normalized signal. Returns d with right(x + d) =
 /// left(x), of the kernels' centroids, for each 8 x 8 tile. Steps:
-///   1. Both views under a Gaussian, at a quarter of their size; their ratio taken out, first as a linear function of
-///   the
-///      position (shading.h), then over a wide window; local means taken out; divided by the local contrast, so that no
-///      edge outweighs its surroundings. Beyond the left and right border the views change places.
-///   2. For every whole |d| up to the range, blur b = d / alpha: left through the right view's kernel less right
-///   through
-///      the left's, whitened (split_filters.h), both as flat as the pixels are high. Squares are summed over a
-///      Gaussian window.
+///   1. Both views under a Gaussian, at a quarter of their size; their ratio taken out, first as a linear function
+///      of the position (shading.h), then over a wide window; local means taken out; divided by the local contrast, so
+///      that no edge outweighs its surroundings. Beyond the left and right border the views change places.
+///   2. For every whole |d| up to the range, blur b = d / alpha: left through the right view's kernel less
+///      right through the left's, whitened (split_filters.h), both as flat as the pixels are high. Squares are summed
+///      over a Gaussian window.
 ///   3. Between hypotheses the residual is taken as linear in d, and its least square found.
 ///   4. Near the focus, where blur is narrow and fine texture tells more, the likelihood matcher is asked, given
 ///      `near_focus` with a range just wide enough. Where both answers lie under near_focus_dp_px, its answer. Where

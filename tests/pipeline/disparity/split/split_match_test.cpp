@@ -155,7 +155,7 @@ TEST(SlowSplitMatch, SoftSplitsAreUnbiasedBeforeAndBehindTheFocus) {
 }
 
 // A phone's DP pixels of 2 x 4 photosites are twice as high as wide, so that a round blur is flat in them. Taken for
-// square, .76 and all of the tiles are wrong; what a single texture is off by lies within the limits.
+// square, .92 and all of the tiles are wrong; what a single texture is off by lies within the limits.
 TEST(SlowSplitMatch, KnowsThatPixelsAreHigh) {
   for (const double b : {-30.0, 40.0}) {
     const RampPair pair = ramp_pair(3, b, 0.003, kRampAlpha, 2);
