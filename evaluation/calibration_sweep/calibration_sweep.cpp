@@ -25,7 +25,6 @@ constexpr double kReach_dp_px = 1;
 constexpr double kFarthestTarget_m = 3;
 constexpr double kLeastSpan_per_m = 1;
 constexpr int kRays = 128;  ///< a block of DP pixels, as FlowOptions averages them
-constexpr std::uint64_t kSeed = 1;
 
 simulator::Lens refocused(const simulator::Simulation& simulation, double focus_distance_m) {
   try {
@@ -124,7 +123,7 @@ std::vector<pipeline::TargetMeasurement> measure_around(const simulator::Simulat
   for (const int i : {far, far + 1}) {
     const FocusSweep sweep(simulation, focuses[i], options);
     for (std::size_t j = 0; j < sweep.target_distances_m().size(); ++j) {
-      measurements.push_back(sweep.measure(sweep.target_distances_m()[j], simulator::hash(kSeed, i, j)));
+      measurements.push_back(sweep.measure(sweep.target_distances_m()[j], simulator::hash(options.seed, i, j)));
     }
   }
   return measurements;
@@ -154,7 +153,7 @@ std::vector<pipeline::TargetMeasurement> run_sweep(const simulator::Simulation& 
       } else {
         // through JSON, kept or not: a resumed sweep must give the result of an uninterrupted one
         const nlohmann::json json =
-            to_json(sweep->measure(sweep->target_distances_m()[j], simulator::hash(kSeed, i * 1000 + j)));
+            to_json(sweep->measure(sweep->target_distances_m()[j], simulator::hash(options.seed, i * 1000 + j)));
         if (!folder.empty()) replace_file(file(j), json.dump() + "\n");
         measurement = pipeline::read_measurement(json, file(j));
       }

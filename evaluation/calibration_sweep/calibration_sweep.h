@@ -20,6 +20,7 @@ struct SweepOptions {
   double tilt_x_deg = 0;      ///< as in CalibrationTarget
   int finest_px = 32;         ///< of the texture, as in CalibrationTarget
   pipeline::ViewNoise noise;  ///< of the captures; none by default
+  std::uint64_t seed = 1;     ///< of the textures and of the noise
 };
 
 std::vector<double> sweep_focus_distances(const SweepOptions& options);

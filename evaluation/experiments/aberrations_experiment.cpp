@@ -6,25 +6,13 @@
 #include <nlohmann/json.hpp>
 
 #include "evaluation/calibration_sweep/calibration_sweep.h"
-#include "pipeline/calibration/correction.h"
-#include "simulator/lens/disparity_field.h"
+#include "evaluation/calibration_sweep/plane_disparity.h"
 
 namespace dualpixel::evaluation {
 namespace {
 
 constexpr int kFieldWidth = 320;
 constexpr double kPlaneOverFocus = 3;
-
-/// Over the inner 90 % of the field.
-double deviation_inside(const Image& map) {
-  double sum = 0, squares = 0, count = 0;
-  for (int y = map.height / 20; y < map.height - map.height / 20; ++y) {
-    for (int x = map.width / 20; x < map.width - map.width / 20; ++x) {
-      sum += map.at(x, y), squares += map.at(x, y) * map.at(x, y), ++count;
-    }
-  }
-  return std::sqrt(std::max(squares / count - sum / count * (sum / count), 0.0));
-}
 
 }  // namespace
 
@@ -69,16 +57,19 @@ nlohmann::ordered_json to_json(const std::vector<AberratedField>& fields) {
     const auto [darkest, brightest] = std::minmax_element(f.light.data.begin(), f.light.data.end());
     const auto [least, most] = std::minmax_element(f.left_share.data.begin(), f.left_share.data.end());
     const auto [near, far] = std::minmax_element(f.focus_m.data.begin(), f.focus_m.data.end());
+    nlohmann::ordered_json remainders;
+    for (const CalibrationRemainder& r : f.remainders) remainders[r.cause] = r.sigma_dp_px;
     rows.push_back({{"lens", f.lens},
                     {"focus_distance_m", distance(f.focus_distance_m)},
                     {"plane_m", distance(f.plane_m)},
                     {"before_sigma_dp_px", f.before_sigma_dp_px},
                     {"after_sigma_dp_px", f.after_sigma_dp_px},
+                    {"remainder_sigma_dp_px", remainders},
                     {"least_light", *darkest / *brightest},
                     {"left_share", {*least, *most}},
                     {"focus_m", {distance(*near), distance(*far)}}});
   }
-  return {{"format", "dualpixel-experiment-aberrations"}, {"version", 1}, {"cameras", rows}};
+  return {{"format", "dualpixel-experiment-aberrations"}, {"version", 2}, {"cameras", rows}};
 }
 
 }  // namespace dualpixel::evaluation

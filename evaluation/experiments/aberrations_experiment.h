@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "capture/image/image.h"
+#include "evaluation/calibration_sweep/calibration_remainder.h"
 #include "simulator/scene_file.h"
 
 /// What a lens's aberrations do to the disparity of a plane over the field, and what a calibration leaves of it (Wadhwa
@@ -21,6 +22,7 @@ struct AberratedField {
   Image left_share;  ///< of the light
   /// Standard deviation of the disparity over the inner 90 % of the field.
   double before_sigma_dp_px = 0, after_sigma_dp_px = 0;
+  std::vector<CalibrationRemainder> remainders;  ///< of the same plane; measure_aberrated_field() leaves them out
 };
 
 /// The plane is at three times the scene's focus distance. The calibration is a simulated sweep's (8 targets at each of

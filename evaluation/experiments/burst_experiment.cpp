@@ -10,6 +10,7 @@
 #include "evaluation/failures/atlas_scene.h"
 #include "evaluation/methods/disparity_method.h"
 #include "evaluation/metrics/image_metrics.h"
+#include "evaluation/metrics/merge_errors.h"
 #include "pipeline/portrait/run_portrait.h"
 #include "pipeline/portrait/subject.h"
 
@@ -75,86 +76,6 @@ struct Condition {
 constexpr Condition kConditions[] = {
     {"still", take_still}, {"shake", take_in_hand}, {"arm", take_arm}, {"flicker", take_flicker}};
 
-/// A view without noise, as the sensor bins it: the mean of the green photosites of each DP pixel.
-Image clean_view(const Image& photosites, const Camera& camera) {
-  Image view(camera.dp_width(), camera.dp_height());
-  for (int y = 0; y < view.height; ++y) {
-    for (int x = 0; x < view.width; ++x) {
-      float sum = 0;
-      int count = 0;
-      for (int j = 0; j < camera.dp_downsample_y; ++j) {
-        for (int i = 0; i < camera.dp_downsample_x; ++i) {
-          if ((i + j) % 2 == 0) continue;  // RGGB: red or blue
-          sum += photosites.at(camera.dp_downsample_x * x + i, camera.dp_downsample_y * y + j, 1);
-          ++count;
-        }
-      }
-      view.at(x, y) = sum / static_cast<float>(count);
-    }
-  }
-  return view;
-}
-
-/// The mosaic without noise: both views' light in each photosite's color, before white balance.
-Image clean_mosaic(const Capture& capture) {
-  const Truth& truth = *capture.truth;
-  Image mosaic(truth.left.width, truth.left.height);
-  for (int y = 0; y < mosaic.height; ++y) {
-    for (int x = 0; x < mosaic.width; ++x) {
-      const int color = x % 2 + y % 2;  // RGGB
-      mosaic.at(x, y) = static_cast<float>((truth.left.at(x, y, color) + truth.right.at(x, y, color)) /
-                                           capture.exposure.white_balance[color]);
-    }
-  }
-  return mosaic;
-}
-
-Image difference(const Image& picture, Image clean) {
-  for (std::size_t i = 0; i < clean.data.size(); ++i) clean.data[i] = picture.data[i] - clean.data[i];
-  return clean;
-}
-
-double inner_rms(const std::vector<const Image*>& pictures, int border_px) {
-  double squares = 0, count = 0;
-  for (const Image* picture : pictures) {
-    for (int y = border_px; y < picture->height - border_px; ++y) {
-      for (int x = border_px; x < picture->width - border_px; ++x, ++count) {
-        squares += static_cast<double>(picture->at(x, y)) * picture->at(x, y);
-      }
-    }
-  }
-  return std::sqrt(squares / count);
-}
-
-/// Merged pictures less the clean ones.
-struct Errors {
-  Image left, right, mosaic;
-
-  Errors(const pipeline::MergedBurst& merged, const Capture& capture)
-      : left(difference(merged.left, clean_view(capture.truth->left, capture.camera))),
-        right(difference(merged.right, clean_view(capture.truth->right, capture.camera))),
-        mosaic(difference(merged.mosaic, clean_mosaic(capture))) {}
-
-  double views_rms() const { return inner_rms({&left, &right}, kBorder_px); }
-  double mosaic_rms() const { return inner_rms({&mosaic}, 4 * kBorder_px); }
-
-  /// Share of squares of 4 x 4 whose mean is off by more than `limit`.
-  double squares_beyond(double limit) const {
-    constexpr int kSide = 4;
-    double beyond = 0, count = 0;
-    for (const Image* view : {&left, &right}) {
-      for (int y = kBorder_px; y + kSide <= view->height - kBorder_px; y += kSide) {
-        for (int x = kBorder_px; x + kSide <= view->width - kBorder_px; x += kSide, ++count) {
-          double sum = 0;
-          for (int i = 0; i < kSide * kSide; ++i) sum += view->at(x + i % kSide, y + i / kSide);
-          beyond += std::abs(sum) / (kSide * kSide) > limit;
-        }
-      }
-    }
-    return beyond / count;
-  }
-};
-
 double error_68(const ViewSample& views, const Image& found) {
   std::vector<double> errors;
   for (int y = kBorder_px; y < found.height - kBorder_px; ++y) {
@@ -187,16 +108,13 @@ struct Merged {
 
 std::vector<Merged> merged_bursts(const Capture& burst, const std::vector<int>& frames) {
   constexpr double kSquare = 4;  // a square's mean has a quarter of a pixel's noise: 4 sigma of it are one of a pixel's
-  const Errors first(
-      {normalized(burst.frames[0].mosaic, burst.exposure), normalized(burst.frames[0].left, burst.exposure),
-       normalized(burst.frames[0].right, burst.exposure)},
-      burst);
+  const MergeErrors first = merge_errors(first_frame(burst), burst);
   const auto merge_with = [&](const auto& merge, int count, MergeError& error) {
     const std::vector<Frame> part(burst.frames.begin(), burst.frames.begin() + count);
     const std::clock_t start = std::clock();
     pipeline::MergedBurst merged = merge(part, 0, pipeline::align_burst(part, 0, burst.exposure), burst.exposure);
     error.cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-    const Errors errors(merged, burst);
+    const MergeErrors errors = merge_errors(merged, burst);
     error.views_kept = errors.views_rms() / first.views_rms();
     error.mosaic_kept = errors.mosaic_rms() / first.mosaic_rms();
     error.ghost_share = errors.squares_beyond(4 * first.views_rms() / kSquare);

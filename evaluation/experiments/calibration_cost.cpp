@@ -7,8 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/timing.h"
-#include "pipeline/calibration/correction.h"
-#include "simulator/lens/disparity_field.h"
+#include "evaluation/calibration_sweep/plane_disparity.h"
 
 namespace dualpixel::evaluation {
 namespace {
@@ -39,31 +38,18 @@ std::vector<CalibrationEffort> efforts() {
   return all;
 }
 
-/// Standard deviation over the inner 90 % of the field, RMS over the depths.
-double residual_dp_px(const simulator::DisparityField& field, const Camera& camera,
-                      const pipeline::Correction* correction) {
+}  // namespace
+
+double field_deviation_dp_px(const simulator::DisparityField& field, const Camera& camera,
+                             const pipeline::Correction* correction) {
   double variance = 0;
   for (const double depth : kCostDepths_m) {
-    Image d(camera.dp_width() / 4, camera.dp_height() / 2), confidence(d.width, d.height, 1, 1.0f);
-    for (int y = 0; y < d.height; ++y) {
-      for (int x = 0; x < d.width; ++x) {
-        const simulator::DisparityCoefficients c =
-            field.at((x + 0.5) * camera.width_px / d.width, (y + 0.5) * camera.height_px / d.height);
-        d.at(x, y) = static_cast<float>(c.slope_dp_px_m / depth + c.intercept_dp_px);
-      }
-    }
-    if (correction) correct_disparity(*correction, d, confidence);
-    double sum = 0, squares = 0, count = 0;
-    for (int y = d.height / 20; y < d.height - d.height / 20; ++y) {
-      for (int x = d.width / 20; x < d.width - d.width / 20; ++x) {
-        const double value = d.at(x, y);
-        sum += value, squares += value * value, ++count;
-      }
-    }
-    variance += std::max(squares / count - sum / count * (sum / count), 0.0) / std::size(kCostDepths_m);
+    variance += std::pow(deviation_inside(plane_disparity(field, camera, depth, correction)), 2);
   }
-  return std::sqrt(variance);
+  return std::sqrt(variance / static_cast<double>(std::size(kCostDepths_m)));
 }
+
+namespace {
 
 void measure_effort(const simulator::Simulation& simulation, const simulator::DisparityField& field,
                     CalibrationEffort& effort) {
@@ -72,7 +58,7 @@ void measure_effort(const simulator::Simulation& simulation, const simulator::Di
   const pipeline::Calibration calibration = fit_calibration(camera, measurements);
   camera.focus_distance_m = kCostFocus_m;
   const pipeline::Correction correction = make_correction(calibration, camera);
-  effort.residual_dp_px = residual_dp_px(field, camera, &correction);
+  effort.residual_dp_px = field_deviation_dp_px(field, camera, &correction);
   effort.tilt = estimate_tilt(camera, measurements);
   effort.warned = !calibration.warnings.empty();
 }
@@ -85,7 +71,7 @@ CalibrationCost measure_calibration_cost(const simulator::Simulation& simulation
   cost.lens = simulation.lens.name;
   cost.efforts = efforts();
   const simulator::DisparityField field(FocusSweep(simulation, kCostFocus_m, {}).lens());
-  cost.uncorrected_dp_px = residual_dp_px(field, describe_camera(simulation), nullptr);
+  cost.uncorrected_dp_px = field_deviation_dp_px(field, describe_camera(simulation), nullptr);
   for (std::size_t i = 0; i < cost.efforts.size(); ++i) {
     CalibrationEffort& effort = cost.efforts[i];
     effort.memory_mb = peak_mb([&] { measure_effort(simulation, field, effort); });

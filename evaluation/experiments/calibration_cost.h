@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "evaluation/calibration_sweep/calibration_sweep.h"
+#include "pipeline/calibration/correction.h"
 #include "pipeline/calibration/tilt.h"
+#include "simulator/lens/disparity_field.h"
 
 /// What a cheaper calibration costs: fewer photographs, noise, another texture, a tilted target.
 namespace dualpixel::evaluation {
@@ -32,6 +34,10 @@ struct CalibrationCost {
   double uncorrected_dp_px = 0;
   std::vector<CalibrationEffort> efforts;
 };
+
+/// Deviation of a plane's disparity over the inner 90 % of the field, RMS over kCostDepths_m.
+double field_deviation_dp_px(const simulator::DisparityField& field, const Camera& camera,
+                             const pipeline::Correction* correction);
 
 CalibrationCost measure_calibration_cost(const simulator::Simulation& simulation,
                                          const std::function<void(double fraction)>& progress);

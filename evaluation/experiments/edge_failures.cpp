@@ -49,55 +49,6 @@ double step_width(const Image& result) {
       std::count_if(row, row + result.width, [](float value) { return value > 0.1f && value < 0.9f; }));
 }
 
-/// A step of the target where the guide has one of `levels`, with noise and no confidence near the edge.
-EdgeFailure low_contrast(double levels) {
-  std::mt19937 random(1);
-  std::normal_distribution<double> noise(0, 0.05);
-  EdgeFailure failure;
-  failure.name = fmt::format("edge of {:g} levels", levels);
-  failure.figure_name = "10-90 % width, px";
-  // 98 lies two levels above a cell's border
-  failure.guide = painted(kSize, kSize, 3, [=](int x, int) { return x < kSize / 2 ? 98 : 98 + levels; });
-  failure.target = painted(kSize, kSize, 1, [&](int x, int) { return (x < kSize / 2 ? 0 : 1) + noise(random); });
-  failure.confidence = painted(kSize, kSize, 1, [](int x, int) { return std::abs(x - kSize / 2) < 16 ? 0 : 1; });
-  failure.figure = step_width;
-  return failure;
-}
-
-/// Fully confident targets of 0.2, a share of which are 0.7 too high.
-EdgeFailure outliers(double share, int robust_rounds) {
-  std::mt19937 random(2);
-  std::uniform_real_distribution<double> uniform;
-  EdgeFailure failure;
-  failure.name = fmt::format("{:g} % confident outliers{}", 100 * share, robust_rounds > 0 ? ", robust" : "");
-  failure.figure_name = "mean error";
-  failure.guide = constant(100, 3);
-  failure.target = painted(kSize, kSize, 1, [&](int, int) { return uniform(random) < share ? 0.9 : 0.2; });
-  failure.confidence = constant(1);
-  failure.options.robust_rounds = robust_rounds;
-  failure.figure = [](const Image& result) { return std::abs(mean_of(result) - 0.2); };
-  return failure;
-}
-
-/// A target of 0.5 with noise of 0.1 over a guide without information (`spread` levels of white noise).
-EdgeFailure noisy_guide(double spread) {
-  std::mt19937 random(3);
-  std::normal_distribution<double> noise(0, 0.1);
-  std::uniform_real_distribution<float> level(static_cast<float>(127 - spread / 2),
-                                              static_cast<float>(127 + spread / 2));
-  EdgeFailure failure;
-  failure.name = spread > 0 ? fmt::format("guide of white noise, {:g} levels", spread) : "flat guide";
-  failure.figure_name = "RMSE; target .1";
-  failure.guide = constant(127, 3);
-  if (spread > 0) {
-    for (float& value : failure.guide.data) value = level(random);
-  }
-  failure.target = painted(kSize, kSize, 1, [&](int, int) { return 0.5 + noise(random); });
-  failure.confidence = constant(1);
-  failure.figure = [](const Image& result) { return rmse_to(result, 0.5); };
-  return failure;
-}
-
 /// Mean step between neighbors along a row where a cell begins, over that elsewhere, minus 1.
 double blockiness(const Image& result) {
   double at_borders = 0, elsewhere = 0;
@@ -167,18 +118,96 @@ EdgeFailure no_confidence() {
   return failure;
 }
 
+/// A step of the target from 0 to 1, with noise and no confidence near it; the guide is missing.
+EdgeFailure noisy_step(unsigned draw) {
+  std::mt19937 random(1 + draw);
+  std::normal_distribution<double> noise(0, 0.05);
+  EdgeFailure failure;
+  failure.figure_name = "10-90 % width, px";
+  failure.target = painted(kSize, kSize, 1, [&](int x, int) { return (x < kSize / 2 ? 0 : 1) + noise(random); });
+  failure.confidence = painted(kSize, kSize, 1, [](int x, int) { return std::abs(x - kSize / 2) < 16 ? 0 : 1; });
+  failure.figure = step_width;
+  return failure;
+}
+
+constexpr double kDark = 98;  // of the guide: two levels above a cell's border
+
 }  // namespace
 
-std::vector<EdgeFailure> edge_failures() {
-  return {border_leak(),   low_contrast(2),   low_contrast(4),   low_contrast(8),  low_contrast(16), unreachable(),
-          no_confidence(), outliers(0.01, 0), outliers(0.05, 0), outliers(0.2, 0), outliers(0.2, 5), noisy_guide(0),
-          noisy_guide(8),  noisy_guide(24),   noisy_guide(255),  smooth_guide()};
+EdgeFailure edge_of_levels(double levels, unsigned draw) {
+  EdgeFailure failure = noisy_step(draw);
+  failure.name = fmt::format("edge of {:g} levels", levels);
+  failure.guide = painted(kSize, kSize, 3, [=](int x, int) { return x < kSize / 2 ? kDark : kDark + levels; });
+  return failure;
 }
 
-double solve_failure(const EdgeFailure& failure) {
-  const pipeline::BilateralGrid grid = pipeline::make_bilateral_grid(failure.guide);
-  return failure.figure(
-      pipeline::solve_bilateral(grid, failure.guide, failure.target, failure.confidence, failure.options).value);
+EdgeFailure edge_with_gap(double gap_px, unsigned draw) {
+  constexpr double kLevels = 64, kDeep_px = 32;
+  EdgeFailure failure = noisy_step(draw);
+  failure.name = fmt::format("edge with a gap of {:g} px", gap_px);
+  failure.guide = painted(kSize, kSize, 3, [=](int x, int y) {
+    const bool in_gap = std::abs(y + 0.5 - kSize / 2) < gap_px / 2 && x < kSize / 2 + kDeep_px;
+    return x < kSize / 2 || in_gap ? kDark : kDark + kLevels;
+  });
+  return failure;
 }
+
+EdgeFailure confident_outliers(double share, int robust_rounds, unsigned draw) {
+  std::mt19937 random(2 + draw);
+  std::uniform_real_distribution<double> uniform;
+  EdgeFailure failure;
+  failure.name = fmt::format("{:g} % confident outliers{}", 100 * share, robust_rounds > 0 ? ", robust" : "");
+  failure.figure_name = "mean error";
+  failure.guide = constant(100, 3);
+  failure.target = painted(kSize, kSize, 1, [&](int, int) { return uniform(random) < share ? 0.9 : 0.2; });
+  failure.confidence = constant(1);
+  failure.options.robust_rounds = robust_rounds;
+  failure.figure = [](const Image& result) { return std::abs(mean_of(result) - 0.2); };
+  return failure;
+}
+
+EdgeFailure noisy_guide(double spread, unsigned draw) {
+  std::mt19937 random(3 + draw);
+  std::normal_distribution<double> noise(0, 0.1);
+  std::uniform_real_distribution<float> level(static_cast<float>(127 - spread / 2),
+                                              static_cast<float>(127 + spread / 2));
+  EdgeFailure failure;
+  failure.name = spread > 0 ? fmt::format("guide of white noise, {:g} levels", spread) : "flat guide";
+  failure.figure_name = "RMSE; target .1";
+  failure.guide = constant(127, 3);
+  if (spread > 0) {
+    for (float& value : failure.guide.data) value = level(random);
+  }
+  failure.target = painted(kSize, kSize, 1, [&](int, int) { return 0.5 + noise(random); });
+  failure.confidence = constant(1);
+  failure.figure = [](const Image& result) { return rmse_to(result, 0.5); };
+  return failure;
+}
+
+std::vector<EdgeFailure> edge_failures() {
+  return {border_leak(),
+          edge_of_levels(2),
+          edge_of_levels(4),
+          edge_of_levels(8),
+          edge_of_levels(16),
+          unreachable(),
+          no_confidence(),
+          confident_outliers(0.01, 0),
+          confident_outliers(0.05, 0),
+          confident_outliers(0.2, 0),
+          confident_outliers(0.2, 5),
+          noisy_guide(0),
+          noisy_guide(8),
+          noisy_guide(24),
+          noisy_guide(255),
+          smooth_guide()};
+}
+
+Image solve(const EdgeFailure& failure) {
+  const pipeline::BilateralGrid grid = pipeline::make_bilateral_grid(failure.guide);
+  return pipeline::solve_bilateral(grid, failure.guide, failure.target, failure.confidence, failure.options).value;
+}
+
+double solve_failure(const EdgeFailure& failure) { return failure.figure(solve(failure)); }
 
 }  // namespace dualpixel::evaluation

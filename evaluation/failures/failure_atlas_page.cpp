@@ -133,22 +133,6 @@ std::string atlas_table(const std::vector<FailureSweep>& sweeps) {
   return html + "</tbody></table></div>\n";
 }
 
-constexpr const char* kStyle = R"css(
-.atlas td { padding: .35rem .8rem; text-align: left; line-height: 1.25; }
-.atlas thead td { font-weight: 600; }
-.atlas a { color: inherit; text-decoration: none; display: block; }
-.atlas a:hover { text-decoration: underline; }
-.s0, .s1, .s2, .s3, .s4, .s5 { color: #1c1d20; }
-.s0 .soft, .s1 .soft, .s2 .soft, .s3 .soft, .s4 .soft, .s5 .soft { color: #3c3d44; }
-.s0 { background: #f0988f; } .s1 { background: #f6b98d; } .s2 { background: #f8d694; }
-.s3 { background: #eee8a4; } .s4 { background: #cfe3a4; } .s5 { background: #a6d6a4; }
-.strips td, .strips th { padding: .15rem; text-align: center; }
-.strips th:first-child { text-align: left; padding-right: .8rem; }
-.strips img { width: 104px; height: 104px; border: 2px solid transparent; }
-.strips .broken img { border-color: #d0342c; }
-:target { background: #f6e08a; color: #1c1d20; }
-)css";
-
 constexpr const char* kIntroduction = R"html(
 <h1>How matching two dual-pixel views fails</h1>
 <p>Each row makes one thing worse, step by step, until a method breaks: more than a tenth of the pixels err by more than
@@ -167,7 +151,7 @@ std::string to_page(const std::vector<FailureSweep>& sweeps, const std::string& 
                         escape_html(sweep.note));
     body += strips(sweep) + plots(sweep) + figure_table(sweep);
   }
-  return html_page("How matching fails", body, kStyle);
+  return html_page("How matching fails", body);
 }
 
 }  // namespace dualpixel::evaluation

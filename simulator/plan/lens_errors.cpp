@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "capture/timing.h"
@@ -73,34 +74,66 @@ double sampling_seconds(const LensSampler& lens, const std::vector<FieldPoint>& 
   return std::min(seconds(sample_all), seconds(sample_all)) / (static_cast<double>(points.size()) * kSamples);
 }
 
-/// Disparity errors at each point; 0 where the reference sees nothing.
-std::vector<double> disparity_errors(const LensSampler& lens, const std::vector<DisparityCoefficients>& expected,
-                                     const std::vector<FieldPoint>& points) {
-  std::vector<double> errors(points.size());
-  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
-    const DisparityCoefficients& e = expected[i];
-    if (e.left_light == 0 || e.right_light == 0) return;
-    const auto c = trace_disparity(lens, points[i].x, points[i].y, kRaysPerPoint);
-    errors[i] =
-        std::abs((c.slope_dp_px_m - e.slope_dp_px_m) * points[i].inverse_depth + c.intercept_dp_px - e.intercept_dp_px);
-  });
-  return errors;
+/// By how much red lies farther along each axis than blue, as slopes; 0 where no light passes.
+glm::dvec2 color_gap(const LensSampler& lens, const FieldPoint& point) {
+  constexpr int kRed = 0, kBlue = 2;
+  const auto mean_slope = [&](int color) {
+    constexpr int kRays = 256;
+    alignas(64) float s[4][kPacket];
+    LensPacket packet;
+    glm::dvec2 sum(0);
+    double weights = 0;
+    for (int first = 0; first < kRays; first += kPacket) {
+      joint_samples(first, 1, s);
+      lens.sample(point.x, point.y, color, s, packet);
+      for (int i = 0; i < kPacket; ++i) {
+        const double weight = packet.left[i] + packet.right[i];
+        if (weight == 0) continue;  // blocked: where it would go may not be a number
+        sum += weight * glm::dvec2(packet.slope_x[i], packet.slope_y[i]);
+        weights += weight;
+      }
+    }
+    return weights > 0 ? sum / weights : glm::dvec2(0);
+  };
+  return mean_slope(kRed) - mean_slope(kBlue);
+}
+
+/// Squares of what differs at one point, in the order of LensDifferences.
+std::array<double, 5> squared_differences(const LensSampler& lens, const LensSampler& reference,
+                                          const DisparityCoefficients& c, const DisparityCoefficients& e,
+                                          const FieldPoint& point) {
+  const double px_per_slope = reference.lens().thin.image_distance_m() / reference.sensor().pixel_pitch_m;
+  const glm::dvec2 shift = px_per_slope * (chief_slope(lens, point) - chief_slope(reference, point));
+  const glm::dvec2 color = px_per_slope * (color_gap(lens, point) - color_gap(reference, point));
+  const auto blur = [&](const DisparityCoefficients& of) {
+    return std::abs(of.blur_slope_px_m * point.inverse_depth + of.blur_intercept_px);
+  };
+  const auto light = [](const DisparityCoefficients& of) { return of.left_light + of.right_light; };
+  const auto share = [&](const DisparityCoefficients& of) { return light(of) > 0 ? of.left_light / light(of) : 0.5; };
+  const bool blurs = c.has_blur() && e.has_blur(), splits = c.has_disparity() && e.has_disparity();
+  return {glm::dot(shift, shift), glm::dot(color, color), blurs ? square(blur(c) - blur(e)) : 0,
+          square(light(c) - light(e)), splits ? square(share(c) - share(e)) : 0};
 }
 
 void measure_step(const LensSampler& lens, const LensSampler& reference,
                   const std::vector<DisparityCoefficients>& expected, const std::vector<FieldPoint>& points,
                   LensStep& step) {
-  const double px_per_slope = reference.lens().thin.image_distance_m() / reference.sensor().pixel_pitch_m;
-  std::vector<double> errors = disparity_errors(lens, expected, points);
-  std::vector<double> squares;
-  double shifts2 = 0;
+  const std::vector<DisparityCoefficients> traced = trace_points(lens, points);
+  std::vector<double> errors, squares;
+  std::array<double, 5> sums{};
   for (std::size_t i = 0; i < points.size(); ++i) {
-    squares.push_back(square(errors[i]));
-    const glm::dvec2 gap = chief_slope(lens, points[i]) - chief_slope(reference, points[i]);
-    shifts2 += glm::dot(gap, gap) * square(px_per_slope);
+    const DisparityCoefficients &c = traced[i], &e = expected[i];
+    const bool seen = e.left_light > 0 && e.right_light > 0;
+    errors.push_back(seen ? std::abs((c.slope_dp_px_m - e.slope_dp_px_m) * points[i].inverse_depth + c.intercept_dp_px -
+                                     e.intercept_dp_px)
+                          : 0);
+    squares.push_back(square(errors.back()));
+    const std::array<double, 5> differences = squared_differences(lens, reference, c, e, points[i]);
+    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += differences[k];
   }
+  const auto rms = [&](double sum) { return std::sqrt(sum / static_cast<double>(points.size())); };
   step.error_dp_px = upper_rms(squares);
-  step.picture_shift_px = std::sqrt(shifts2 / static_cast<double>(points.size()));
+  step.differences = {rms(sums[0]), rms(sums[1]), rms(sums[2]), rms(sums[3]), rms(sums[4])};
   step.seconds_per_sample = sampling_seconds(lens, points);
   std::sort(errors.begin(), errors.end());
   step.error_95_dp_px = errors[errors.size() * 95 / 100];

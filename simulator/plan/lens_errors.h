@@ -8,8 +8,8 @@
 
 namespace dualpixel::simulator {
 
-/// Fills the errors and times of all lens steps; the last one is the reference. Disparity is traced, not rendered, at
-/// 432 field points, one in each cell of a grid over the sensor, for the depth that the scene has there.
+/// Fills the errors, differences and times of all lens steps; the last one is the reference. Disparity is traced, not
+/// rendered, at 432 field points, one in each cell of a grid over the sensor, for the depth that the scene has there.
 void measure_lens_errors(const Simulation& simulation, const RenderScene& world, std::uint64_t seed,
                          std::vector<LensStep>& steps);
 

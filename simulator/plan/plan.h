@@ -15,8 +15,8 @@
 /// Lens models, from the most accurate: exact trace of the prescription, its polynomials, its aberrated twin, the thin
 /// lens; an aberrated lens has only itself and the thin lens. Their error is traced, not rendered: disparity at the
 /// same point of the sensor, for the depth that the scene has there, against the reference's (DisparityCoefficients),
-/// RMS over 432 field points. A cheaper model also displaces the picture; that is shown and does not count, since truth
-/// moves with it.
+/// RMS over 432 field points. What else a cheaper model changes (LensDifferences) is shown and does not count: truth
+/// moves with a displaced picture, and who needs the light, the blur or the colors of a lens asks for its model.
 ///
 /// Bounces, light and samples are measured on pilot renders of tiles spread over the frame (the whole sensor, where it
 /// is small), through the most accurate model short of the exact trace, by what they do to a matcher

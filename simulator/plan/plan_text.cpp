@@ -14,6 +14,17 @@ std::string light_name(double spacing_px) {
 std::string lost(int windows) { return windows > 0 ? fmt::format("; {} windows cannot be matched", windows) : ""; }
 std::string samples_name(int samples) { return fmt::format("{} sample{}", samples, samples == 1 ? "" : "s"); }
 
+std::string differences_text(const Plan& plan) {
+  std::string text = fmt::format("\n{:<18}{:>14}{:>16}{:>12}{:>12}{:>18}\n", "beside disparity", "picture, px",
+                                 "red - blue, px", "blur, px", "light, %", "left's share, %");
+  for (std::size_t l = 0; l + 1 < plan.lenses.size(); ++l) {
+    const LensDifferences& d = plan.lenses[l].differences;
+    text += fmt::format("{:<18}{:>14.2f}{:>16.3f}{:>12.3f}{:>12.2f}{:>18.2f}\n", plan.lenses[l].candidate.name,
+                        d.picture_shift_px, d.color_shift_px, d.blur_px, 100 * d.light, 100 * d.left_share);
+  }
+  return text;
+}
+
 }  // namespace
 
 nlohmann::ordered_json plan_json(const Plan& plan, bool with_times) {
@@ -31,7 +42,11 @@ nlohmann::ordered_json plan_json(const Plan& plan, bool with_times) {
     lenses.push_back(step({{"model", r.candidate.name},
                            {"error_dp_px", r.error_dp_px},
                            {"error_95th_percentile_dp_px", r.error_95_dp_px},
-                           {"picture_shift_px", r.picture_shift_px}},
+                           {"picture_shift_px", r.differences.picture_shift_px},
+                           {"color_shift_px", r.differences.color_shift_px},
+                           {"blur_difference_px", r.differences.blur_px},
+                           {"light_difference", r.differences.light},
+                           {"left_share_difference", r.differences.left_share}},
                           l, plan.bounce, plan.light, plan.sample, l == plan.lens));
   }
   for (std::size_t b = 0; b < plan.bounces.size(); ++b) {
@@ -90,8 +105,9 @@ std::string plan_text(const Plan& plan) {
   for (std::size_t l = 0; l < plan.lenses.size(); ++l) {
     const LensStep& r = plan.lenses[l];
     row(r.candidate.name, r.error_dp_px, l, plan.bounce, plan.light, plan.sample, l == plan.lens,
-        fmt::format("; 95 % within {:.4f}; displaces the picture by {:.2f} px", r.error_95_dp_px, r.picture_shift_px));
+        fmt::format("; 95 % within {:.4f}", r.error_95_dp_px));
   }
+  if (plan.lenses.size() > 1) text += differences_text(plan);
   heading("bounces");
   for (std::size_t b = 0; b < plan.bounces.size(); ++b) {
     const BounceStep& r = plan.bounces[b];
@@ -111,8 +127,7 @@ std::string plan_text(const Plan& plan) {
   }
   text +=
       "\nEach row with the others as chosen. Lens models: disparity traced at 432 field points, at the depth that "
-      "the "
-      "scene has there.\n";
+      "the scene has there; beside it what else they change, RMS over these points, which does not count.\n";
   text += plan.measured
               ? fmt::format(
                     "Bounces, light and samples: pilot renders, as a matcher sees them in the {} of {} windows whose "

@@ -13,11 +13,20 @@ struct LensCandidate {
   Lens lens;
 };
 
+/// What else of a picture another lens changes: RMS over the field of the difference from the reference's.
+struct LensDifferences {
+  double picture_shift_px = 0;  ///< photosites by which the picture is displaced, in green
+  double color_shift_px = 0;    ///< photosites by which red is displaced against blue
+  double blur_px = 0;           ///< diameter of the blur, photosites
+  double light = 0;             ///< of both views, over that of the axis
+  double left_share = 0;        ///< the left view's share of the light
+};
+
 struct LensStep {
   LensCandidate candidate;
   double error_dp_px = 0;
   double error_95_dp_px = 0;      ///< 95th percentile
-  double picture_shift_px = 0;    ///< photosites, RMS: how far the picture is displaced from the reference's
+  LensDifferences differences;    ///< shown beside disparity, by which the choice is made
   double seconds_per_sample = 0;  ///< of the lens alone, on all threads
 };
 

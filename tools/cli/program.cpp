@@ -10,8 +10,8 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
-#include <fstream>
 #include <iostream>
 #include <new>
 #include <optional>
@@ -101,14 +101,24 @@ std::optional<std::string> unknown_option(const CLI::App& program, int argc, cha
   return {};
 }
 
-/// Throws where memory is limited (--max-memory, ulimit -v) to less than what the program and its libraries take, which
-/// is the first number of statm, in pages, and a little to work with: libraries would end it without a word.
+/// Of address space, in pages: the first number of statm. Read without a stream, whose buffer may be more than is left.
+std::uint64_t pages_taken() {
+  char text[32] = {};
+  const int file = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
+  if (file < 0) return 0;
+  const ssize_t length = read(file, text, sizeof text - 1);
+  close(file);
+  return length > 0 ? std::strtoull(text, nullptr, 10) : 0;
+}
+
+/// Throws where memory is limited (--max-memory, ulimit -v) to less than what the program and its libraries take and a
+/// little to work with: libraries would end it without a word.
 void require_room() {
   constexpr std::uint64_t kLeastMore_mb = 64;
   rlimit limit{};
-  std::uint64_t pages = 0;
   if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
-  if (!(std::ifstream("/proc/self/statm") >> pages)) return;
+  const std::uint64_t pages = pages_taken();
+  if (pages == 0) return;
   const std::uint64_t least_mb = (pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) >> 20) + kLeastMore_mb;
   const std::uint64_t limit_mb = limit.rlim_cur >> 20;
   if (limit_mb >= least_mb) return;

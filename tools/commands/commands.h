@@ -48,6 +48,7 @@ void add_experiment_methods(CLI::App& experiment);
 void add_experiment_noise(CLI::App& experiment);
 void add_experiment_scenes(CLI::App& experiment);
 void add_experiment_segmentation(CLI::App& experiment);
+void add_experiment_stages(CLI::App& experiment);
 void add_experiment_votes(CLI::App& experiment);
 void add_export(CLI::App& program);
 void add_people(CLI::App& program);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "capture/image/resample.h"
+#include "evaluation/calibration_sweep/calibration_remainder.h"
 #include "evaluation/calibration_sweep/calibration_sweep.h"
 #include "evaluation/experiments/aberrations_experiment.h"
 #include "evaluation/report/calibration_page.h"
@@ -313,6 +314,22 @@ TEST(SlowAberrations, AreCalibratedWhereASweepEndsAndNearer) {
 }
 
 // A thin lens has one disparity and no vignetting; what the sweep leaves is under the traced lenses' .03 DP px.
+TEST(SlowAberrations, EachCauseLeavesMoreThanTheOneBefore) {
+  const std::vector<CalibrationRemainder> left =
+      measure_remainders(camera_with("phone_aberrated_4.4mm_f1.8", 1344, 1008), 3);
+  ASSERT_EQ(left.size(), 6u);
+  for (std::size_t i = 1; i < 4; ++i) EXPECT_GT(left[i].sigma_dp_px, left[i - 1].sigma_dp_px - 1e-4) << left[i].cause;
+  EXPECT_GT(left[4].sigma_dp_px, left[2].sigma_dp_px);  // by hand, than all targets without noise
+  EXPECT_GT(left[5].sigma_dp_px, left[2].sigma_dp_px);  // matched, than the lens's own disparity
+}
+
+TEST(SlowAberrations, OfAThinLensAreInterpolatedExactly) {
+  const std::vector<CalibrationRemainder> left =
+      measure_remainders(camera_with("phone_thin_4.4mm_f1.8", 1344, 1008), 3);
+  EXPECT_LT(left[0].sigma_dp_px, 1e-5);
+  EXPECT_LT(left[1].sigma_dp_px, 1e-5);
+}
+
 TEST(SlowAberrations, OfAThinLensAreNone) {
   simulator::Simulation simulation = small_camera("phone_thin_4.4mm_f1.8");
   simulation.lens = simulator::refocused(simulation.lens, 0.6);

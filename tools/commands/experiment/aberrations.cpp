@@ -16,8 +16,9 @@ void add_experiment_aberrations(CLI::App& experiment) {
     std::string folder;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = experiment.add_subcommand(
-      "aberrations", "The disparity of a plane over the field of each camera, before and after calibration");
+  CLI::App* command = experiment.add_subcommand("aberrations",
+                                                "The disparity of a plane over the field of each camera, before and "
+                                                "after calibration, and what is left by cause");
   command->add_option("cameras", options->scenes, "Scene files whose cameras are shown")
       ->required()
       ->type_name("CAMERA.json...");
@@ -36,7 +37,8 @@ void add_experiment_aberrations(CLI::App& experiment) {
     Progress bar("aberrations");
     std::vector<evaluation::AberratedField> fields;
     for (const simulator::Simulation& simulation : simulations) {
-      fields.push_back(evaluation::measure_aberrated_field(simulation));
+      evaluation::AberratedField& field = fields.emplace_back(evaluation::measure_aberrated_field(simulation));
+      field.remainders = evaluation::measure_remainders(simulation, field.plane_m);
       bar(static_cast<double>(fields.size()) / static_cast<double>(simulations.size()));
     }
     write_file(out.path() + "/aberrations.html", evaluation::to_page(fields));

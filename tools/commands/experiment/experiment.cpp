@@ -17,6 +17,7 @@ void add_experiment(CLI::App& program) {
   add_experiment_noise(*experiment);
   add_experiment_scenes(*experiment);
   add_experiment_segmentation(*experiment);
+  add_experiment_stages(*experiment);
   add_experiment_votes(*experiment);
 }
 
