@@ -38,7 +38,8 @@ Halved halve(const Image& left, const Image& right, int width, int height, float
   for_rows(height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       for (int k = 0; k < 4; ++k) {
-        const int u = mirrored(2 * x + k % 2, left.width), v = mirrored(2 * y + k / 2, left.height);
+        const int u = 2 * x + k % 2, v = 2 * y + k / 2;
+        if (u >= left.width || v >= left.height) continue;
         const float a = left.row(v)[u], b = right.row(v)[u];
         if (!is_usable(a, clipped) || !is_usable(b, clipped)) continue;
         out.left.at(x, y) += a;
@@ -50,8 +51,8 @@ Halved halve(const Image& left, const Image& right, int width, int height, float
   return out;
 }
 
-/// Both views at a quarter of their size, and the tiles' usable shares. A sample is a mean of the pixels around it that
-/// are usable in both, and without such pixels not a number.
+/// Both views at a quarter of their size, rounded, and the tiles' usable shares. A sample is a mean of the pixels
+/// around it that are usable in both, and without such pixels not a number.
 struct Reduced {
   Image left, right, usable;
 };
@@ -65,11 +66,12 @@ constexpr double kReducedVariance = 4 * 0.75 + 0.25;
 Reduced reduce(const Image& left, const Image& right, float clipped) {
   static_assert(kSamplePx == 4 && kTileSamples == 2);
   const int columns = (left.width + kTilePx - 1) / kTilePx, rows = (left.height + kTilePx - 1) / kTilePx;
-  const int width = columns * kTileSamples, height = rows * kTileSamples;
+  const int width = std::max((left.width + kSamplePx / 2) / kSamplePx, 1);
+  const int height = std::max((left.height + kSamplePx / 2) / kSamplePx, 1);
   const Halved half = halve(left, right, 2 * width, 2 * height, clipped);
   Reduced out{Image(width, height), Image(width, height), Image(columns, rows)};
   for_rows(rows, [&](int row) {
-    for (int y = row * kTileSamples; y < (row + 1) * kTileSamples; ++y) {
+    for (int y = row * kTileSamples; y < std::min((row + 1) * kTileSamples, height); ++y) {
       for (int x = 0; x < width; ++x) {
         float l = 0, r = 0, count = 0;
         for (int j = 0; j < 4; ++j) {
@@ -126,9 +128,9 @@ void fill_gaps(Image& view) {
   }
 }
 
-/// The image with `margin` mirrored pixels on each side.
-Image padded(const Image& image, int margin, Mirror sides) {
-  Image out(image.width + 2 * margin, image.height + 2 * margin);
+/// The image of all tiles, with `margin` mirrored samples on each side.
+Image padded(const Image& image, const Image& tiles, int margin, Mirror sides) {
+  Image out(tiles.width * kTileSamples + 2 * margin, tiles.height * kTileSamples + 2 * margin);
   for_rows(out.height, [&](int y) {
     const float* in = image.row(mirrored(y - margin, image.height));
     for (int x = 0; x < out.width; ++x) {
@@ -222,8 +224,8 @@ CoarseViews make_coarse_views(const Image& left, const Image& right, const Split
   return {margin,
           views.usable.width,
           views.usable.height,
-          padded(sum, margin, Mirror::even),
-          padded(difference, margin, Mirror::odd),
+          padded(sum, views.usable, margin, Mirror::even),
+          padded(difference, views.usable, margin, Mirror::odd),
           std::move(views.usable)};
 }
 

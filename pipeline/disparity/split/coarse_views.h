@@ -11,8 +11,8 @@ inline constexpr int kTileSamples = 2;  ///< samples along a tile's side
 inline constexpr int kTilePx = kSamplePx * kTileSamples;
 
 /// Sum and difference left - right of both views' band, over the local contrast: local means and the ratio of both
-/// views' taken out. Mirrored at the border by `margin` samples on each side, the difference with its sign changed on
-/// the left and right.
+/// views' taken out. Mirrored at the border by `margin` samples on each side, and where tiles reach over it, the
+/// difference with its sign changed on the left and right.
 struct CoarseViews {
   int margin = 0;
   int columns = 0, rows = 0;  ///< tiles; the last may reach over the border

@@ -207,24 +207,38 @@ TEST(SlowSplitMatch, SmallPicturesKeepTheirDisparity) {
   }
 }
 
+/// Share of the two outermost columns of tiles that is wrong by more than `limit_px`.
+double wrong_at_the_border(double b, int left_out_px, double limit_px) {
+  int wrong = 0, count = 0;
+  for (const unsigned seed : {5, 6}) {
+    const RampPair pair =
+        cropped(ramp_pair(seed, b, 0.003, kRampAlpha, 2), 0, 0, kRampWidth - left_out_px, kRampHeight - left_out_px);
+    const TileDisparity tiles = match_by_split(pair.left, pair.right, {.pixel_height = 2});
+    const int columns = tiles.disparity_dp_px.width;
+    for (int y = 0; y < tiles.disparity_dp_px.height; ++y) {
+      for (const int x : {0, 1, columns - 2, columns - 1}) {
+        wrong += std::abs(tiles.disparity_dp_px.at(x, y) - pair.disparity) > limit_px;
+        ++count;
+      }
+    }
+  }
+  return static_cast<double>(wrong) / count;
+}
+
 // Mirrored at the left and right border, a scene would lie on the other side of the focus: there the views change
 // places. If they did not, .18 and .43 of the two outermost columns of tiles would be wrong by .5 px, instead of .02.
 TEST(SlowSplitMatch, HoldsAtTheBorder) {
-  for (const double b : {12.0, -24.0}) {
-    int wrong = 0, count = 0;
-    for (const unsigned seed : {5, 6}) {
-      const RampPair pair = ramp_pair(seed, b, 0.003, kRampAlpha, 2);
-      const TileDisparity tiles = match_by_split(pair.left, pair.right, {.pixel_height = 2});
-      const int columns = tiles.disparity_dp_px.width;
-      for (int y = 0; y < tiles.disparity_dp_px.height; ++y) {
-        for (const int x : {0, 1, columns - 2, columns - 1}) {
-          wrong += std::abs(tiles.disparity_dp_px.at(x, y) - pair.disparity) > 0.5;
-          ++count;
-        }
-      }
-    }
+  for (const double b : {12.0, -24.0}) EXPECT_LT(wrong_at_the_border(b, 0, 0.5), 0.05) << b;
+}
 
-    EXPECT_LT(wrong, 0.05 * count) << b;
+// Tiles that reach over the border: mirrored without exchanging the views, a seventh to a third was wrong by .5 px.
+// What is left there is noise, predicted as .4 px.
+TEST(SlowSplitMatch, HoldsAtTheBorderOfAnySize) {
+  for (const int left_out_px : {1, 4, 7}) {
+    for (const double b : {12.0, -24.0}) {
+      EXPECT_LT(wrong_at_the_border(b, left_out_px, 0.5), 0.1) << b << " without " << left_out_px;
+      EXPECT_EQ(wrong_at_the_border(b, left_out_px, 0.8), 0) << b << " without " << left_out_px;
+    }
   }
 }
 
