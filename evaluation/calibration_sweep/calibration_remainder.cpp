@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
+#include <initializer_list>
+#include <limits>
 
 #include "capture/image/resample.h"
 #include "evaluation/calibration_sweep/calibration_sweep.h"
@@ -17,7 +18,7 @@ using pipeline::kCalibrationColumns;
 using pipeline::kCalibrationRows;
 
 constexpr int kSquare_px = 16;
-constexpr float kShot = 4e-5f, kRead = 1e-7f;  // of one frame at ISO 100, over white
+constexpr double kBaseIso = 100, kHighIso = 400;
 
 /// What a sweep without any error would measure at that focus distance.
 pipeline::FocusCalibration traced_lines(const simulator::Simulation& simulation, double focus_distance_m) {
@@ -38,15 +39,6 @@ pipeline::FocusCalibration traced_lines(const simulator::Simulation& simulation,
   return lines;
 }
 
-/// The two of a sweep's focus distances around `focus_distance_m`.
-std::vector<double> focuses_around(double focus_distance_m, const SweepOptions& options) {
-  SweepOptions reaching = options;
-  reaching.nearest_focus_m = std::min(options.nearest_focus_m, focus_distance_m);
-  const std::vector<double> all = sweep_focus_distances(reaching);  // from far to near
-  const auto near = std::find_if(all.begin() + 1, all.end() - 1, [&](double z) { return z <= focus_distance_m; });
-  return {*(near - 1), *near};
-}
-
 /// Seen at the resolution of its DP pixels.
 TargetViews photograph_plane(const simulator::Simulation& simulation, double plane_m) {
   constexpr int kRaysPerPixel = 128, kFinest_px = 16;
@@ -54,18 +46,16 @@ TargetViews photograph_plane(const simulator::Simulation& simulation, double pla
   const TargetCamera views =
       make_target_camera(focused_lens(simulation, camera.focus_distance_m), camera.dp_width(), camera.dp_height());
   TargetViews plane = render_target(views, {plane_m, 0, 1, kFinest_px}, kRaysPerPixel);
-  std::mt19937_64 random(1);
-  std::normal_distribution<float> normal;
-  for (Image* view : {&plane.left, &plane.right}) {
-    for (float& value : view->data) value += std::sqrt(kShot * value + kRead) * normal(random);
-  }
+  const pipeline::ViewNoise noise = frame_noise(simulation.sensor, kBaseIso);
+  add_noise(plane.left, noise, 1);
+  add_noise(plane.right, noise, 2);
   return plane;
 }
 
 Image matched_disparity(const simulator::Simulation& simulation, double plane_m) {
   const TargetViews plane = photograph_plane(simulation, plane_m);
   pipeline::ViewSensor sensor;
-  sensor.noise = {kShot, kRead};
+  sensor.noise = frame_noise(simulation.sensor, kBaseIso);
   const DisparityMethod method = method_named(std::string(pipeline::kDefaultMatcher));
   return method.run(plane.left, plane.right, of_camera(sensor, describe_camera(simulation))).found.disparity_dp_px;
 }
@@ -83,7 +73,7 @@ std::vector<CalibrationRemainder> measure_remainders(const simulator::Simulation
     correct_disparity(make_correction(calibration, camera), disparity, confidence);
     remainders.push_back({cause, deviation_inside(disparity)});
   };
-  const auto traced = [&](const std::vector<double>& focuses) {
+  const auto traced = [&](std::initializer_list<double> focuses) {
     pipeline::Calibration calibration{camera, 0.1, 10, {}, {}};
     for (const double focus : focuses) calibration.focuses.push_back(traced_lines(simulation, focus));
     return calibration;
@@ -92,16 +82,22 @@ std::vector<CalibrationRemainder> measure_remainders(const simulator::Simulation
     return fit_calibration(camera, measure_around(simulation, focus_m, options));
   };
   SweepOptions noisy, by_hand;
-  noisy.noise = by_hand.noise = {4 * kShot, 4 * kRead};
+  noisy.noise = by_hand.noise = frame_noise(simulation.sensor, kHighIso);
   by_hand.focuses = 4, by_hand.targets = 3, by_hand.tilt_x_deg = 1;
   const pipeline::Calibration calibration = measured({});
   add("grid", traced({focus_m}), plane);
-  add("focus", traced(focuses_around(focus_m, {})), plane);
+  const auto [far_m, near_m] = focuses_around(focus_m, {}).focus_distances_m;
+  add("focus", traced({far_m, near_m}), plane);
   add("targets", calibration, plane);
   add("noise", measured(noisy), plane);
   add("by hand", measured(by_hand), plane);
-  const Image found = matched_disparity(simulation, plane_m);
-  add("matching", calibration, resize_area(found, found.width / kSquare_px, found.height / kSquare_px));
+  constexpr int kLeastSquares = 10;
+  const int columns = camera.dp_width() / kSquare_px, rows = camera.dp_height() / kSquare_px;
+  if (std::isfinite(plane_m) && std::min(columns, rows) >= kLeastSquares) {
+    add("matching", calibration, resize_area(matched_disparity(simulation, plane_m), columns, rows));
+  } else {
+    remainders.push_back({"matching", std::numeric_limits<double>::quiet_NaN()});
+  }
   return remainders;
 }
 

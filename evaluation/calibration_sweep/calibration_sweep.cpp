@@ -46,13 +46,19 @@ TargetCamera target_camera(const simulator::Simulation& simulation, double focus
                             blocks(sensor.height_px, sensor.dp_downsample_y * kFlow.block_height_px));
 }
 
+}  // namespace
+
+pipeline::ViewNoise frame_noise(const simulator::SensorOptions& sensor, double iso) {
+  simulator::ExposureOptions exposure;
+  exposure.iso = iso;
+  return pipeline::view_noise(simulator::describe_exposure(sensor, exposure));
+}
+
 void add_noise(Image& view, const pipeline::ViewNoise& noise, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<float> normal;
   for (float& x : view.data) x += std::sqrt(noise.shot * x + noise.read) * normal(random);
 }
-
-}  // namespace
 
 simulator::LensSampler focused_lens(const simulator::Simulation& simulation, double focus_distance_m) {
   const simulator::Lens lens = refocused(simulation, focus_distance_m);
@@ -112,18 +118,24 @@ pipeline::TargetMeasurement FocusSweep::measure(double distance_m, std::uint64_t
   return m;
 }
 
-std::vector<pipeline::TargetMeasurement> measure_around(const simulator::Simulation& simulation,
-                                                        double focus_distance_m, const SweepOptions& options) {
+FocusesAround focuses_around(double focus_distance_m, const SweepOptions& options) {
   SweepOptions reaching = options;
   reaching.nearest_focus_m = std::min(options.nearest_focus_m, focus_distance_m);
   const std::vector<double> focuses = sweep_focus_distances(reaching);
   const double steps = (options.focuses - 1) * reaching.nearest_focus_m / focus_distance_m;  // from infinity
-  const int far = std::clamp(static_cast<int>(steps), 0, options.focuses - 2);
+  const int farther = std::clamp(static_cast<int>(steps), 0, options.focuses - 2);
+  return {{focuses[farther], focuses[farther + 1]}, farther};
+}
+
+std::vector<pipeline::TargetMeasurement> measure_around(const simulator::Simulation& simulation,
+                                                        double focus_distance_m, const SweepOptions& options) {
+  const FocusesAround around = focuses_around(focus_distance_m, options);
   std::vector<pipeline::TargetMeasurement> measurements;
-  for (const int i : {far, far + 1}) {
-    const FocusSweep sweep(simulation, focuses[i], options);
+  for (const int i : {0, 1}) {
+    const FocusSweep sweep(simulation, around.focus_distances_m[i], options);
     for (std::size_t j = 0; j < sweep.target_distances_m().size(); ++j) {
-      measurements.push_back(sweep.measure(sweep.target_distances_m()[j], simulator::hash(options.seed, i, j)));
+      measurements.push_back(
+          sweep.measure(sweep.target_distances_m()[j], simulator::hash(options.seed, around.farther + i, j)));
     }
   }
   return measurements;

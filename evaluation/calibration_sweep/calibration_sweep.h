@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -54,8 +55,20 @@ class FocusSweep {
   float dp_px_per_pixel_ = 1;  ///< of the views that camera_ sees
 };
 
-/// What the sweep would measure at its two focus distances around `focus_distance_m`, which are all that a correction
-/// for that one uses. A sweep that ends farther away is made to reach that near.
+/// Of a frame that is exposed at that ISO, as its capture states it.
+pipeline::ViewNoise frame_noise(const simulator::SensorOptions& sensor, double iso);
+
+void add_noise(Image& view, const pipeline::ViewNoise& noise, std::uint64_t seed);
+
+/// A sweep's two focus distances around one, which are all that a correction for that one uses, from far to near. A
+/// sweep that ends farther away is made to reach that near.
+struct FocusesAround {
+  std::array<double, 2> focus_distances_m;
+  int farther = 0;  ///< index of the first among the sweep's
+};
+FocusesAround focuses_around(double focus_distance_m, const SweepOptions& options);
+
+/// What the sweep would measure at focuses_around().
 std::vector<pipeline::TargetMeasurement> measure_around(const simulator::Simulation& simulation,
                                                         double focus_distance_m, const SweepOptions& options);
 

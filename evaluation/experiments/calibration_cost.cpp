@@ -12,7 +12,7 @@
 namespace dualpixel::evaluation {
 namespace {
 
-std::vector<CalibrationEffort> efforts() {
+std::vector<CalibrationEffort> efforts(const simulator::SensorOptions& sensor) {
   std::vector<CalibrationEffort> all;
   const auto add = [&](const std::string& axis, const std::string& name, const auto& change) {
     CalibrationEffort effort{axis, name, {}, 0, {}, false};
@@ -27,7 +27,8 @@ std::vector<CalibrationEffort> efforts() {
   }
   // one frame of a phone's sensor
   for (const float gain : {1.0f, 4.0f, 16.0f}) {
-    add("noise", fmt::format("ISO {:g}", 100 * gain), [&](SweepOptions& s) { s.noise = {4e-5f * gain, 1e-7f * gain}; });
+    add("noise", fmt::format("ISO {:g}", 100 * gain),
+        [&](SweepOptions& s) { s.noise = frame_noise(sensor, 100 * gain); });
   }
   for (const int finest : {16, 32, 64}) {
     add("texture", fmt::format("cells of {} px", finest), [&](SweepOptions& s) { s.finest_px = finest; });
@@ -69,7 +70,7 @@ CalibrationCost measure_calibration_cost(const simulator::Simulation& simulation
                                          const std::function<void(double)>& progress) {
   CalibrationCost cost;
   cost.lens = simulation.lens.name;
-  cost.efforts = efforts();
+  cost.efforts = efforts(simulation.sensor);
   const simulator::DisparityField field(FocusSweep(simulation, kCostFocus_m, {}).lens());
   cost.uncorrected_dp_px = field_deviation_dp_px(field, describe_camera(simulation), nullptr);
   for (std::size_t i = 0; i < cost.efforts.size(); ++i) {

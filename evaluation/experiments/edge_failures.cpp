@@ -130,6 +130,15 @@ EdgeFailure noisy_step(unsigned draw) {
   return failure;
 }
 
+/// Pixels on the wrong side of the step.
+double misplaced(const Image& result) {
+  int count = 0;
+  for (int y = 0; y < result.height; ++y) {
+    for (int x = 0; x < result.width; ++x) count += (result.at(x, y) > 0.5f) != (x >= result.width / 2);
+  }
+  return count;
+}
+
 constexpr double kDark = 98;  // of the guide: two levels above a cell's border
 
 }  // namespace
@@ -145,8 +154,12 @@ EdgeFailure edge_with_gap(double gap_px, unsigned draw) {
   constexpr double kLevels = 64, kDeep_px = 32;
   EdgeFailure failure = noisy_step(draw);
   failure.name = fmt::format("edge with a gap of {:g} px", gap_px);
+  failure.figure_name = "pixels on the wrong side";
+  failure.figure = misplaced;
   failure.guide = painted(kSize, kSize, 3, [=](int x, int y) {
-    const bool in_gap = std::abs(y + 0.5 - kSize / 2) < gap_px / 2 && x < kSize / 2 + kDeep_px;
+    const int from_middle = y - kSize / 2;
+    const bool in_gap =
+        from_middle >= -std::floor(gap_px / 2) && from_middle < std::ceil(gap_px / 2) && x < kSize / 2 + kDeep_px;
     return x < kSize / 2 || in_gap ? kDark : kDark + kLevels;
   });
   return failure;

@@ -23,8 +23,8 @@ std::vector<EdgeFailure> edge_failures();
 
 /// A step of the target where the guide has one of `levels`, with noise and no confidence near the edge.
 EdgeFailure edge_of_levels(double levels, unsigned draw = 0);
-/// The same where the guide has a clear edge, but one that lies 32 px aside within `gap_px` about the middle row, which
-/// is measured.
+/// The same where the guide has a clear edge, but one that lies 32 px aside within `gap_px` about the middle row; of it
+/// the pixels that are given the other side's value are counted.
 EdgeFailure edge_with_gap(double gap_px, unsigned draw = 0);
 /// Fully confident targets of 0.2, a share of which are 0.7 too high.
 EdgeFailure confident_outliers(double share, int robust_rounds, unsigned draw = 0);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "evaluation/failures/failure_atlas.h"
+#include "evaluation/report/failure_style.h"
 #include "evaluation/report/page.h"
 #include "evaluation/report/plot.h"
 #include "evaluation/report/table.h"
@@ -151,7 +152,7 @@ std::string to_page(const std::vector<FailureSweep>& sweeps, const std::string& 
                         escape_html(sweep.note));
     body += strips(sweep) + plots(sweep) + figure_table(sweep);
   }
-  return html_page("How matching fails", body);
+  return html_page("How matching fails", body, kFailureStyle);
 }
 
 }  // namespace dualpixel::evaluation

@@ -22,10 +22,11 @@ AtlasScene textured_wall(double lux, unsigned draw) {
   return scene;
 }
 
-/// What was added last moves to the right while frames are exposed, and between them.
-void move_last(AtlasScene& scene, double dp_px_per_s, double blur_dp_px) {
+/// What was added last moves to the right from the first frame on, and is in its place at `at_s`.
+void move_last(AtlasScene& scene, double dp_px_per_s, double blur_dp_px, double at_s = 0) {
   const float m_per_s = point_seen_at(scene.camera, dp_px_per_s, 0, depth_of_blur(scene.camera, blur_dp_px)).x;
-  scene.glb.move_last_node(0, glm::vec3(0), 1, {m_per_s, 0, 0});
+  const auto at = static_cast<float>(at_s);
+  scene.glb.move_last_node(0, {-m_per_s * at, 0, 0}, 1, {m_per_s * (1 - at), 0, 0});
   scene.document["burst"]["animation"] = true;
 }
 
@@ -87,8 +88,14 @@ Capture take_frame(const FrameOf& frame, int index, unsigned draw) {
   scene.document["render"]["seed"] = kBurstLength * static_cast<int>(draw) + index + 1;
   scene.document["camera"]["up"] = {std::sin(roll), std::cos(roll), 0};
   scene.document["unlit_white_nits"] = white_nits(scene) * frame.light;
-  if (frame.blur_dp_px > 0) move_last(scene, frame.blur_dp_px / exposure_of(scene).time_s, kWallBlur);
-  return take_burst(scene);
+  if (frame.blur_dp_px == 0) return take_burst(scene);
+  // An animation begins in the middle of the first frame: the second one is blurred throughout.
+  constexpr double kSecond_s = 0.2;
+  scene.document["burst"].update({{"frames", 2}, {"interval_s", kSecond_s}});
+  move_last(scene, frame.blur_dp_px / exposure_of(scene).time_s, kWallBlur, kSecond_s);
+  Capture capture = take_burst(scene);
+  capture.frames.erase(capture.frames.begin());
+  return capture;
 }
 
 /// The first frame as it should be, and the others as `frame_of` says.

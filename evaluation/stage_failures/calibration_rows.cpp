@@ -43,7 +43,9 @@ const CurvedPhone& curved_phone() {
 StageOutcome after_correction(Photographs photographs, unsigned draw) {
   const auto& [simulation, field, before] = curved_phone();
   photographs.sweep.seed = draw + 1;
-  std::vector<pipeline::TargetMeasurement> measurements = measure_around(simulation, kCostFocus_m, photographs.sweep);
+  std::vector<pipeline::TargetMeasurement> measurements =
+      photographs.all_focuses ? run_sweep(simulation, photographs.sweep)
+                              : measure_around(simulation, kCostFocus_m, photographs.sweep);
   std::mt19937_64 random(simulator::hash(draw));
   std::normal_distribution<double> normal;
   for (pipeline::TargetMeasurement& measured : measurements) {
@@ -59,12 +61,6 @@ StageOutcome after_correction(Photographs photographs, unsigned draw) {
   for (float& value : error.data) value -= middle;
   return {field_deviation_dp_px(field, camera, &correction) / before,
           diverging_colors(error, static_cast<float>(before))};
-}
-
-/// Of one frame of a phone's sensor.
-pipeline::ViewNoise noise_at(double iso) {
-  const auto gain = static_cast<float>(iso / 100);
-  return {4e-5f * gain, 1e-7f * gain};
 }
 
 /// A row that changes one thing of the photographs.
@@ -98,9 +94,9 @@ std::vector<StageRow> calibration_rows() {
       row("coarse_texture", "Coarse texture", "finest cells of the print, photosites", "finest_px",
           {32, 64, 128, 256, 512}, "The coarser the print, the fewer cells a node of the field averages over.",
           [](Photographs& p, double px) { p.sweep.finest_px = static_cast<int>(px); }),
-      row("noisy_targets", "Noisy photographs", "ISO", "iso", {0, 400, 1600, 6400, 25600},
-          "One frame of a phone\'s sensor for each photograph.",
-          [](Photographs& p, double iso) { p.sweep.noise = noise_at(iso); }),
+      row("noisy_targets", "Noisy photographs", "ISO", "iso", {100, 400, 1600, 6400, 25600},
+          "One frame of a phone's sensor for each photograph.",
+          [](Photographs& p, double iso) { p.sweep.noise = frame_noise({}, iso); }),
       row("wrong_distance", "A ruler of wrong scale", "error of all distances, share", "share", {0, 0.3, 1},
           "No value breaks it: a line through the wrong inverse depths is the same line with another scale at every "
           "point of the field, and the correction takes ratios.",
@@ -109,7 +105,7 @@ std::vector<StageRow> calibration_rows() {
           {0, 0.1, 0.5},
           "Each photograph's own error; all points of the field share it, so that it cancels from their ratios.",
           [](Photographs& p, double share) { p.each_distance = share; }),
-      row("wrong_focus", "Another focus than stated", "error of the capture's stated focus distance, share", "share",
+      row("wrong_focus", "Another focus than stated", "how much farther the capture's focus is stated, share", "share",
           {0, 0.1, 0.3, 1},
           "As where a phone's lens is not where its motor was sent. Seven focus distances, three targets at each.",
           [](Photographs& p, double share) {
@@ -122,7 +118,7 @@ std::vector<StageRow> calibration_rows() {
           [](Photographs& p, double focuses) {
             p.each_distance = 0.02;
             p.sweep.tilt_x_deg = 1;
-            p.sweep.noise = noise_at(400);
+            p.sweep.noise = frame_noise({}, 400);
             p.sweep.focuses = static_cast<int>(focuses), p.sweep.targets = 3;
           }),
   };

@@ -151,37 +151,41 @@ StageOutcome mask_too_large(double beyond_px) {
 /// Two people on a floor, the left one in focus at a meter, the right one at `depth_m`; the mask covers both. At the
 /// paper's size, with its constants and its phone.
 StageOutcome second_person(double depth_m) {
-  constexpr double kFocus_m = 1, kAlpha = 0.21;
+  constexpr double kFocus_m = 1, kWall_m = 5;
+  constexpr float kFeet = 90, kLeft = -55, kRight = 60;  // of who stands at a meter, from the horizon down; aside
   constexpr int kWidth_px = 2688;
-  const AtlasCamera phone = atlas_camera("thin");
-  const simulator::ThinLens& lens = phone.lens.thin;
-  const auto disparity_at = [&](double depth) {  // design.md's signs: positive behind the focus
-    const double f = lens.focal_length_m;
-    const double blur_m = lens.pupil_diameter_m() * f / (kFocus_m - f) * (1 - kFocus_m / depth);
-    return static_cast<float>(kAlpha * blur_m / dp_pitch_m(phone));
+  AtlasCamera phone = atlas_camera("thin");
+  phone.lens = simulator::refocused(phone.lens, kFocus_m);
+  const simulator::ThinLens& thin = phone.lens.thin;
+  const auto disparity_at = [&](double depth) {
+    return static_cast<float>(phone.lens.split.alpha(thin.rim_slope()) * thin.blur_diameter_m(depth) /
+                              dp_pitch_m(phone));
   };
-  const pipeline::BlurMapping mapping = pipeline::make_blur_mapping(kFocus_m, 0, kWidth_px, true);
-  const auto in_person = [](float x, float y, float middle) {
-    return std::hypot(x - middle, y + 50) < 22 || (std::abs(x - middle) < 32 && y > -24 && y < 90);
+  const auto in_person = [](float x, float y, float middle, double depth) {
+    const float u = (x - middle) * static_cast<float>(depth), v = y * static_cast<float>(depth);
+    return std::hypot(u, v + 50) < 22 || (std::abs(u) < 32 && v > -24 && v < kFeet);
   };
-  constexpr float kLeft = -55, kRight = 55;
+  const auto in_left = [&](float x, float y) { return in_person(x, y, kLeft, kFocus_m); };
+  const auto in_right = [&](float x, float y) { return in_person(x, y, kRight, depth_m); };
   const Image truth = painted_scene(1, [&](float x, float y) {
-    if (in_person(x, y, kLeft)) return glm::vec3(0);
-    if (in_person(x, y, kRight)) return glm::vec3(disparity_at(depth_m));
-    return glm::vec3(disparity_at(y > 0 ? std::min(5.0, 90.0 / y) : 5.0));  // a floor up to a wall
+    const double floor_m = y > 0 ? std::min(kWall_m, kFeet / static_cast<double>(y)) : kWall_m;
+    return glm::vec3(disparity_at(in_left(x, y) ? kFocus_m : in_right(x, y) ? depth_m : floor_m));
   });
-  const Image mask = painted_scene(
-      1, [&](float x, float y) { return glm::vec3(in_person(x, y, kLeft) || in_person(x, y, kRight) ? 1 : 0); });
+  const Image mask =
+      painted_scene(1, [&](float x, float y) { return glm::vec3(in_left(x, y) || in_right(x, y) ? 1 : 0); });
   const Image rgb = painted_scene(3, [&](float x, float y) {
     const bool square = (static_cast<int>(x + kMiddle) / 6 + static_cast<int>(y + kMiddle) / 6) % 2 == 0;
-    const bool person = in_person(x, y, kLeft) || in_person(x, y, kRight);
+    const bool person = in_left(x, y) || in_right(x, y);
     return (person ? kYellow : glm::vec3(0.3f, 0.4f, 0.5f)) * (square ? 1.0f : 0.5f);
   });
+  const pipeline::BlurMapping mapping = pipeline::make_blur_mapping(kFocus_m, 0, kWidth_px, true);
   const Image flat =
       pipeline::flatten_person({truth, Image(kSceneSide, kSceneSide, 1, 1.0f), {}}, mask, 0).disparity_dp_px;
-  const Image picture = render_defocus(rgb, flat, blur_radii(flat, mapping), mapping).rgb;
-  const double missing = mapping.radius_px(disparity_at(depth_m)) - mapping.radius_px(flat.at(175, 140));
-  return {missing, encode_for_display(picture)};
+  const Image radius = blur_radii(flat, mapping);
+  const Image picture = render_defocus(rgb, flat, radius, mapping).rgb;
+  const auto middle_of_right = static_cast<int>(kMiddle + kRight);
+  const double beside_feet = mapping.radius_px(disparity_at(depth_m));  // the floor there is as far as they are
+  return {beside_feet - radius.at(middle_of_right, static_cast<int>(kMiddle)), encode_for_display(picture)};
 }
 
 constexpr const char *kDefocus = "defocus", *kBesideEdge = "mean error beside the edge, of white";
@@ -242,7 +246,7 @@ std::vector<StageRow> rows_of_layers() {
        "blur radius that the second person lacks, px",
        2,
        false,
-       "The floor beside their feet is blurred by so much more that its blur ends in an outline.",
+       "Blur of the floor beside their feet ends at their outline; the sharp range itself is .56 px wide.",
        [](double depth, unsigned) { return second_person(depth); },
        false,
        "The paper's failure (b): mode dp+seg brings everyone into focus who is in the mask. Mode dp does not."},
@@ -277,7 +281,7 @@ std::vector<StageRow> rows_of_highlights() {
        [](double brightness, unsigned) { return clipped_lamps(brightness, true); },
        true,
        "With `--recover-highlights`. A clipped pixel does not say how bright it was; where little else in the picture "
-       "is bright, some ten times white is assumed."},
+       "is bright, some ten times white is assumed. Of brighter lamps light is missing again."},
   };
 }
 

@@ -35,16 +35,16 @@ std::vector<StageRow> edge_rows() {
        "The same colors before and behind",
        "length of the edge without contrast, px",
        "gap_px",
-       {0, 1, 2, 4, 8, 32, 128, 256},
-       width,
-       cell_px,
+       {0, 1, 2, 4, 8, 16, 64, 256},
+       "pixels that are given the other side's value",
+       cell_px * cell_px,
        false,
-       one_cell,
+       "A cell of the bilateral grid.",
        [](double gap, unsigned draw) { return solved_edge(edge_with_gap(gap, draw)); },
        false,
-       "As above with 64 levels, but for a gap in the middle, within which the first 32 px behind the edge have the "
-       "color "
-       "before it. Measured in the gap's middle."},
+       "As above with 64 levels, but for a gap in the middle, within which the first 32 px behind the edge look like "
+       "what "
+       "is before it."},
       {stage,
        "outliers",
        "Confident outliers",

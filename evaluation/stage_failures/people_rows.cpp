@@ -81,7 +81,7 @@ StageOutcome overlap(const PeopleShot& shot) {
   return {mask_iou(mask, shot.people), picture};
 }
 
-/// A board before the person's left, which hides that share of them.
+/// A board in front on the picture's left, which hides that share of the person.
 PeopleShot behind_board(PeopleShot shot, double share) {
   double all = 0, hidden = 0;
   for (const float value : shot.people.data) all += value;
@@ -162,7 +162,7 @@ std::vector<StageRow> people_rows() {
           "From 90 degrees on there is less and less of a face to begin from; at 180 it is the back view.",
           turned_away),
       row("covered", "Partly covered", "share of the person behind a board", "share", {0, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8},
-          "From the person's left; half of the face is hidden at about .5.",
+          "From the picture's left; half of the face is hidden at about .5.",
           [](double share, unsigned draw) { return behind_board(photograph_people({}, draw), share); }),
       row("several", "Several people", "people side by side", "people", {1, 2, 3, 4, 5},
           "The more there are, the smaller are their faces in the picture.",

@@ -5,13 +5,17 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "capture/error.h"
 #include "capture/names.h"
 #include "evaluation/report/report_images.h"
 
 namespace dualpixel::evaluation {
 namespace {
 
-bool is_broken(const StageRow& row, double figure) { return row.falls ? figure < row.limit : figure > row.limit; }
+/// Also where the figure is not a number.
+bool is_broken(const StageRow& row, double figure) {
+  return row.falls ? !(figure >= row.limit) : !(figure <= row.limit);
+}
 
 std::size_t first_broken(const StageRow& row, const std::vector<double>& figures) {
   const auto found = std::find_if(figures.begin(), figures.end(), [&](double f) { return is_broken(row, f); });
@@ -37,6 +41,7 @@ std::vector<StageRow> stage_rows_named(const std::vector<std::string>& names) {
   }
   for (const StageRow& row : all) known.push_back(row.name);
   for (const std::string& name : names) {
+    if (name == "people" && people_rows().empty()) throw InputError("--row people: this build has no person network");
     if (std::find(known.begin(), known.end(), name) == known.end()) refuse_name("--row", name, known);
   }
   std::vector<StageRow> chosen;

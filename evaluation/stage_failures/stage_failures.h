@@ -33,7 +33,7 @@ struct StageSweep {
 /// All rows, in the order of the pipeline's stages.
 std::vector<StageRow> stage_rows();
 
-/// Those of one stage, or the one of that name; all where both are empty. Throws InputError for an unknown one.
+/// Those that `names` name, by row or by stage; all where there are none. Throws InputError for an unknown one.
 std::vector<StageRow> stage_rows_named(const std::vector<std::string>& names);
 
 /// `draws`: how many draws each figure is the mean of, 1 or more.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "evaluation/report/failure_style.h"
 #include "evaluation/report/page.h"
 #include "evaluation/report/plot.h"
 #include "evaluation/report/table.h"
@@ -84,7 +85,7 @@ std::string to_page(const std::vector<StageSweep>& sweeps, unsigned draws) {
                         escape_html(row.note), "Broken: " + escape_html(row.reason));
     body += strip_of(sweep) + curve_of(sweep, draws);
   }
-  return html_page(title, body);
+  return html_page(title, body, kFailureStyle);
 }
 
 }  // namespace dualpixel::evaluation

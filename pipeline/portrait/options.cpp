@@ -17,11 +17,11 @@ PortraitOptions default_options(std::string_view matcher) {
   PortraitOptions options;
   options.matcher = matcher;
   if (matcher_named(matcher).wide_windows) {
-    // chosen on six pairs of a phone: docs/disparity.md
+    // chosen on six gray pairs of a phone, which do not tell about chroma: docs/disparity.md
     options.smooth.solver.lambda = 32;
     options.smooth.solver.robust_rounds = 4;
     options.smooth.solver.robust_scale = 1.2f;  // DP px
-    options.smooth.grid.cell_luma = options.smooth.grid.cell_chroma = 4;
+    options.smooth.grid.cell_luma = 4;
   }
   return options;
 }

@@ -3,8 +3,8 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <optional>
 
 #include "capture/timing.h"
 #include "simulator/lens/disparity_field.h"
@@ -74,45 +74,59 @@ double sampling_seconds(const LensSampler& lens, const std::vector<FieldPoint>& 
   return std::min(seconds(sample_all), seconds(sample_all)) / (static_cast<double>(points.size()) * kSamples);
 }
 
-/// By how much red lies farther along each axis than blue, as slopes; 0 where no light passes.
-glm::dvec2 color_gap(const LensSampler& lens, const FieldPoint& point) {
-  constexpr int kRed = 0, kBlue = 2;
-  const auto mean_slope = [&](int color) {
-    constexpr int kRays = 256;
+/// By how much red lies farther along each axis than blue, as slopes; none where a tenth of either is blocked, since
+/// what passes the rest of the pupil lies elsewhere.
+std::optional<glm::dvec2> color_gap(const LensSampler& lens, const FieldPoint& point) {
+  constexpr int kRed = 0, kBlue = 2, kRays = 256;
+  const auto mean_slope = [&](int color) -> std::optional<glm::dvec2> {
     alignas(64) float s[4][kPacket];
     LensPacket packet;
     glm::dvec2 sum(0);
-    double weights = 0;
+    int passed = 0;
     for (int first = 0; first < kRays; first += kPacket) {
       joint_samples(first, 1, s);
       lens.sample(point.x, point.y, color, s, packet);
       for (int i = 0; i < kPacket; ++i) {
-        const double weight = packet.left[i] + packet.right[i];
-        if (weight == 0) continue;  // blocked: where it would go may not be a number
-        sum += weight * glm::dvec2(packet.slope_x[i], packet.slope_y[i]);
-        weights += weight;
+        if (packet.left[i] + packet.right[i] == 0) continue;  // blocked: where it would go may not be a number
+        sum += glm::dvec2(packet.slope_x[i], packet.slope_y[i]);
+        ++passed;
       }
     }
-    return weights > 0 ? sum / weights : glm::dvec2(0);
+    if (passed < 0.9 * kRays) return {};
+    return sum / static_cast<double>(passed);
   };
-  return mean_slope(kRed) - mean_slope(kBlue);
+  const auto red = mean_slope(kRed), blue = mean_slope(kBlue);
+  if (!red || !blue) return {};
+  return *red - *blue;
 }
 
-/// Squares of what differs at one point, in the order of LensDifferences.
-std::array<double, 5> squared_differences(const LensSampler& lens, const LensSampler& reference,
-                                          const DisparityCoefficients& c, const DisparityCoefficients& e,
-                                          const FieldPoint& point) {
+/// Mean of squares over the points that have one.
+struct SquareMean {
+  double sum = 0, count = 0;
+  void add(double value) { sum += value, count += 1; }
+  double root() const { return count > 0 ? std::sqrt(sum / count) : 0; }
+};
+
+LensDifferences differences_of(const LensSampler& lens, const std::vector<DisparityCoefficients>& traced,
+                               const LensSampler& reference, const std::vector<DisparityCoefficients>& expected,
+                               const std::vector<FieldPoint>& points) {
   const double px_per_slope = reference.lens().thin.image_distance_m() / reference.sensor().pixel_pitch_m;
-  const glm::dvec2 shift = px_per_slope * (chief_slope(lens, point) - chief_slope(reference, point));
-  const glm::dvec2 color = px_per_slope * (color_gap(lens, point) - color_gap(reference, point));
-  const auto blur = [&](const DisparityCoefficients& of) {
-    return std::abs(of.blur_slope_px_m * point.inverse_depth + of.blur_intercept_px);
-  };
-  const auto light = [](const DisparityCoefficients& of) { return of.left_light + of.right_light; };
-  const auto share = [&](const DisparityCoefficients& of) { return light(of) > 0 ? of.left_light / light(of) : 0.5; };
-  const bool blurs = c.has_blur() && e.has_blur(), splits = c.has_disparity() && e.has_disparity();
-  return {glm::dot(shift, shift), glm::dot(color, color), blurs ? square(blur(c) - blur(e)) : 0,
-          square(light(c) - light(e)), splits ? square(share(c) - share(e)) : 0};
+  const auto light = [](const DisparityCoefficients& c) { return c.left_light + c.right_light; };
+  SquareMean shift, color, blur, brightness, share;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const DisparityCoefficients &c = traced[i], &e = expected[i];
+    const auto blur_px = [&](const DisparityCoefficients& of) {
+      return std::abs(of.blur_slope_px_m * points[i].inverse_depth + of.blur_intercept_px);
+    };
+    const glm::dvec2 displaced = px_per_slope * (chief_slope(lens, points[i]) - chief_slope(reference, points[i]));
+    shift.add(glm::dot(displaced, displaced));
+    brightness.add(square(light(c) - light(e)));
+    if (c.has_blur() && e.has_blur()) blur.add(square(blur_px(c) - blur_px(e)));
+    if (c.has_disparity() && e.has_disparity()) share.add(square(c.left_light / light(c) - e.left_light / light(e)));
+    const auto gap = color_gap(lens, points[i]), true_gap = color_gap(reference, points[i]);
+    if (gap && true_gap) color.add(glm::dot(*gap - *true_gap, *gap - *true_gap) * square(px_per_slope));
+  }
+  return {shift.root(), color.root(), blur.root(), brightness.root(), share.root()};
 }
 
 void measure_step(const LensSampler& lens, const LensSampler& reference,
@@ -120,7 +134,6 @@ void measure_step(const LensSampler& lens, const LensSampler& reference,
                   LensStep& step) {
   const std::vector<DisparityCoefficients> traced = trace_points(lens, points);
   std::vector<double> errors, squares;
-  std::array<double, 5> sums{};
   for (std::size_t i = 0; i < points.size(); ++i) {
     const DisparityCoefficients &c = traced[i], &e = expected[i];
     const bool seen = e.left_light > 0 && e.right_light > 0;
@@ -128,12 +141,9 @@ void measure_step(const LensSampler& lens, const LensSampler& reference,
                                      e.intercept_dp_px)
                           : 0);
     squares.push_back(square(errors.back()));
-    const std::array<double, 5> differences = squared_differences(lens, reference, c, e, points[i]);
-    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += differences[k];
   }
-  const auto rms = [&](double sum) { return std::sqrt(sum / static_cast<double>(points.size())); };
   step.error_dp_px = upper_rms(squares);
-  step.differences = {rms(sums[0]), rms(sums[1]), rms(sums[2]), rms(sums[3]), rms(sums[4])};
+  step.differences = differences_of(lens, traced, reference, expected, points);
   step.seconds_per_sample = sampling_seconds(lens, points);
   std::sort(errors.begin(), errors.end());
   step.error_95_dp_px = errors[errors.size() * 95 / 100];

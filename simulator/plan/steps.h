@@ -16,7 +16,7 @@ struct LensCandidate {
 /// What else of a picture another lens changes: RMS over the field of the difference from the reference's.
 struct LensDifferences {
   double picture_shift_px = 0;  ///< photosites by which the picture is displaced, in green
-  double color_shift_px = 0;    ///< photosites by which red is displaced against blue
+  double color_shift_px = 0;    ///< photosites by which red is displaced against blue, where the pupil is whole
   double blur_px = 0;           ///< diameter of the blur, photosites
   double light = 0;             ///< of both views, over that of the axis
   double left_share = 0;        ///< the left view's share of the light

@@ -92,14 +92,12 @@ Costs residual_costs(const CoarseViews& views, const std::vector<SplitFilters>& 
   return costs;
 }
 
-/// The window's means of each image, tiles weighed by what of them is usable.
-void sum_over_windows(std::vector<Image>& costs, const Image& usable, double sigma) {
-  Image total = gaussian(usable, sigma, Mirror::even);
-  for (float& value : total.data) value = 1 / std::max(value, 1e-6f);
+/// The window's means of each image, tiles weighed by what of them is usable; `within`: of the window.
+void sum_over_windows(std::vector<Image>& costs, const Image& usable, const Image& within, double sigma) {
   for (Image& cost : costs) {
     for (std::size_t i = 0; i < cost.data.size(); ++i) cost.data[i] *= usable.data[i];
     cost = gaussian(cost, sigma, Mirror::even);
-    for (std::size_t i = 0; i < cost.data.size(); ++i) cost.data[i] *= total.data[i];
+    for (std::size_t i = 0; i < cost.data.size(); ++i) cost.data[i] /= std::max(within.data[i], 1e-6f);
   }
 }
 
@@ -119,9 +117,10 @@ Between between(const Costs& costs, int i, std::size_t tile) {
   return {static_cast<float>(i) + t, (1 - t) * (1 - t) * a + 2 * t * (1 - t) * ab + t * t * b, sensitivity};
 }
 
-/// `kernel_error`: of the disparity, what kernels that are not quite the camera's err by.
-CoarseTile best_disparity(const Costs& costs, std::size_t tile, float kernel_error) {
-  constexpr float kSamples = 6;             // independent residuals in a window
+/// `usable`: share of the window; `kernel_error`: of the disparity, what kernels that are not quite the camera's err
+/// by.
+CoarseTile best_disparity(const Costs& costs, std::size_t tile, float usable, float kernel_error) {
+  const float samples = 6 * usable;         // independent residuals in the window
   constexpr float kLeastResidual = 0.002f;  // of the contrast: what is never explained
   const int count = static_cast<int>(costs.squares.size()), range = count / 2;
   const auto cost = [&](int i) { return costs.squares[i].data[tile]; };
@@ -138,11 +137,11 @@ CoarseTile best_disparity(const Costs& costs, std::size_t tile, float kernel_err
   const float residual = std::max(at, 0.0f) + kLeastResidual;
   float total = 0, spread = 0;
   for (int i = 0; i < count; ++i) {
-    const float likely = std::exp(-0.5f * kSamples * std::max(cost(i) - at, 0.0f) / residual);
+    const float likely = std::exp(-0.5f * samples * std::max(cost(i) - at, 0.0f) / residual);
     total += likely;
     if (std::abs(i - best) > 1) spread += likely * square(static_cast<float>(i - range) - position);
   }
-  return {position, residual / (kSamples * found.sensitivity) + spread / total + square(kernel_error * position)};
+  return {position, residual / (samples * found.sensitivity) + spread / total + square(kernel_error * position)};
 }
 
 }  // namespace
@@ -157,14 +156,16 @@ std::vector<CoarseTile> search_disparities(const Image& left, const Image& right
   });
   const CoarseViews views = make_coarse_views(left, right, options, filters.back().reach);
   Costs costs = residual_costs(views, filters);
+  const double window = options.window_px / kTilePx;
+  const Image within = gaussian(views.usable, window, Mirror::even);
   for (std::vector<Image>* images : {&costs.squares, &costs.products}) {
-    sum_over_windows(*images, views.usable, options.window_px / kTilePx);
+    sum_over_windows(*images, views.usable, within, window);
   }
   std::vector<CoarseTile> tiles(views.usable.data.size());
   for_rows(views.rows, [&](int row) {
     for (int column = 0; column < views.columns; ++column) {
       const std::size_t i = static_cast<std::size_t>(row) * views.columns + column;
-      tiles[i] = best_disparity(costs, i, kernel_error);
+      tiles[i] = best_disparity(costs, i, within.data[i], kernel_error);
     }
   });
   return tiles;

@@ -313,23 +313,26 @@ TEST(SlowAberrations, AreCalibratedWhereASweepEndsAndNearer) {
   }
 }
 
-// A thin lens has one disparity and no vignetting; what the sweep leaves is under the traced lenses' .03 DP px.
 TEST(SlowAberrations, EachCauseLeavesMoreThanTheOneBefore) {
   const std::vector<CalibrationRemainder> left =
       measure_remainders(camera_with("phone_aberrated_4.4mm_f1.8", 1344, 1008), 3);
   ASSERT_EQ(left.size(), 6u);
-  for (std::size_t i = 1; i < 4; ++i) EXPECT_GT(left[i].sigma_dp_px, left[i - 1].sigma_dp_px - 1e-4) << left[i].cause;
-  EXPECT_GT(left[4].sigma_dp_px, left[2].sigma_dp_px);  // by hand, than all targets without noise
-  EXPECT_GT(left[5].sigma_dp_px, left[2].sigma_dp_px);  // matched, than the lens's own disparity
+  const double grid = left[0].sigma_dp_px, focus = left[1].sigma_dp_px, targets = left[2].sigma_dp_px;
+  EXPECT_NEAR(focus, grid, 0.1 * grid);  // lines are nearly linear in 1/z: correction.h
+  EXPECT_GT(targets, 2 * grid);
+  for (std::size_t i = 3; i < 6; ++i) EXPECT_GT(left[i].sigma_dp_px, targets) << left[i].cause;
 }
 
-TEST(SlowAberrations, OfAThinLensAreInterpolatedExactly) {
-  const std::vector<CalibrationRemainder> left =
-      measure_remainders(camera_with("phone_thin_4.4mm_f1.8", 1344, 1008), 3);
-  EXPECT_LT(left[0].sigma_dp_px, 1e-5);
-  EXPECT_LT(left[1].sigma_dp_px, 1e-5);
+TEST(SlowAberrations, NothingIsMatchedAtInfinityOrOnAFewPixels) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  const auto matching = [](int width_px, double plane_m) {
+    return measure_remainders(camera_with("phone_thin_4.4mm_f1.8", width_px, width_px * 3 / 4), plane_m)[5].sigma_dp_px;
+  };
+  EXPECT_TRUE(std::isnan(matching(1344, infinity)));
+  EXPECT_TRUE(std::isnan(matching(256, 3)));
 }
 
+// A thin lens has one disparity and no vignetting; what the sweep leaves is under the traced lenses' .03 DP px.
 TEST(SlowAberrations, OfAThinLensAreNone) {
   simulator::Simulation simulation = small_camera("phone_thin_4.4mm_f1.8");
   simulation.lens = simulator::refocused(simulation.lens, 0.6);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -45,6 +46,14 @@ TEST(StageFailures, AFallingFigureBreaksBelowTheLimit) {
   EXPECT_EQ(measure_stage_row(row, 1).breaks.step, 1u);  // 3, 2
   row.limit = -1;
   EXPECT_EQ(measure_stage_row(row, 1).breaks.step, 4u);
+}
+
+TEST(StageFailures, WhatIsNotANumberIsBroken) {
+  StageRow row = made_up_row();
+  row.make = [](double value, unsigned) { return StageOutcome{value < 3 ? 0 : std::nan(""), Image(8, 8, 3)}; };
+  EXPECT_EQ(measure_stage_row(row, 1).breaks.step, 2u);
+  row.falls = true, row.limit = -1;
+  EXPECT_EQ(measure_stage_row(row, 1).breaks.step, 2u);
 }
 
 TEST(StageFailures, RowsSayWhatTheyMeasure) {
@@ -99,6 +108,13 @@ TEST(StageFailures, ASecondPersonInFocusLacksNothing) {
   EXPECT_GT(outcome_of("two_depths", 2).figure, outcome_of("two_depths", 1.4).figure);
 }
 
+/// An edge of which a row is missing leaks; the row that lies beside the middle is the one.
+TEST(StageFailures, AGapOfOneRowCounts) {
+  EXPECT_EQ(outcome_of("same_colors", 0).figure, 0);
+  EXPECT_GT(outcome_of("same_colors", 1).figure, 0);
+  EXPECT_GT(outcome_of("same_colors", 64).figure, 8 * outcome_of("same_colors", 1).figure);
+}
+
 /// Of lamps at twice white half of the light is clipped away.
 TEST(StageFailures, ClippingTakesTheLightThatItClips) {
   // the blur by layers sums to within 1 % (the same row at 1), and enlarging spreads the lamp by under 2 %
@@ -111,6 +127,8 @@ TEST(StageFailures, ClippingTakesTheLightThatItClips) {
 TEST(SlowStageFailures, DistancesOfTheWrongScaleCancel) {
   const double right = outcome_of("wrong_distance", 0).figure;
   EXPECT_NEAR(outcome_of("wrong_distance", 1).figure, right, 1e-4);
+  // each photograph's own error is that of all points, too; only what weighs their slopes differs
+  EXPECT_NEAR(outcome_of("uneven_distances", 0.1).figure, right, 0.02 * right);
   EXPECT_LT(right, 0.1);
 }
 
@@ -127,8 +145,7 @@ TEST(SlowStageFailures, ASharpFrameIsFoundAmongTheFirstThree) {
 }
 
 TEST(SlowStageFailures, WhatRollsTooFarIsNotMerged) {
-  EXPECT_LT(outcome_of("misalignment", 0).figure, 0.5);
-  EXPECT_GT(outcome_of("misalignment", 16).figure, 0.8);
+  EXPECT_GT(outcome_of("misalignment", 16).figure, 1.5 * outcome_of("misalignment", 0).figure);
 }
 
 TEST(SlowStageFailures, APersonIsFoundFromTheFrontAndNotFromBehind) {
