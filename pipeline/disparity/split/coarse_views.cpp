@@ -52,8 +52,7 @@ Halved halve(const Image& left, const Image& right, int width, int height, float
 }
 
 /// Both views at a quarter of their size, rounded, and the tiles' usable shares. A sample is a mean of the pixels
-/// around it that are usable in both. Where most are not it is not a number, and its pixels are not usable: what noise
-/// leaves below white of a clipping sky is no picture of it.
+/// around it that are usable in both, and without such pixels not a number.
 struct Reduced {
   Image left, right, usable;
 };
@@ -63,10 +62,6 @@ struct Reduced {
 constexpr float kWeights[] = {1, 3, 3, 1};
 /// Variance of those weights, 2 px apart, and of the 2 x 2 means, px^2.
 constexpr double kReducedVariance = 4 * 0.75 + 0.25;
-constexpr float kLeastUsable = 0.5f;  ///< of a sample's pixels
-
-/// How many of two pixels from `first` on lie in the picture.
-int seen(int first, int size) { return std::clamp(size - first, 0, 2); }
 
 Reduced reduce(const Image& left, const Image& right, float clipped) {
   static_assert(kSamplePx == 4 && kTileSamples == 2);
@@ -78,7 +73,7 @@ Reduced reduce(const Image& left, const Image& right, float clipped) {
   for_rows(rows, [&](int row) {
     for (int y = row * kTileSamples; y < std::min((row + 1) * kTileSamples, height); ++y) {
       for (int x = 0; x < width; ++x) {
-        float l = 0, r = 0, count = 0, all = 0, own_count = 0;
+        float l = 0, r = 0, count = 0;
         for (int j = 0; j < 4; ++j) {
           const int v = mirrored(2 * y + j - 1, half.left.height);
           for (int i = 0; i < 4; ++i) {
@@ -88,15 +83,12 @@ Reduced reduce(const Image& left, const Image& right, float clipped) {
             l += weight * half.left.at(u, v);
             r += weight * half.right.at(u, v);
             count += weight * half.count.at(u, v);
-            all += weight * static_cast<float>(seen(2 * u, left.width) * seen(2 * v, left.height));
             const bool own = i > 0 && i < 3 && j > 0 && j < 3;
-            if (own) own_count += half.count.at(u, v);
+            if (own) out.usable.at(x / kTileSamples, row) += half.count.at(u, v) / (kTilePx * kTilePx);
           }
         }
-        const bool usable = count >= kLeastUsable * all && count > 0;
-        out.left.at(x, y) = usable ? l / count : NAN;
-        out.right.at(x, y) = usable ? r / count : NAN;
-        if (usable) out.usable.at(x / kTileSamples, row) += own_count / (kTilePx * kTilePx);
+        out.left.at(x, y) = l / count;  // 0 / 0: not a number
+        out.right.at(x, y) = r / count;
       }
     }
   });

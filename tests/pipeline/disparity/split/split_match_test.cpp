@@ -203,8 +203,8 @@ TEST(SplitMatch, ShadingIsNotDisparityAtTheBorder) {
   EXPECT_LT(wrong, 0.05 * 2 * rows);
 }
 
-// A sky that clips behind roofs, but for what noise leaves below white. What a window sees there is little, and no
-// picture of the sky: taken for a whole window of it, a sixteenth would be wrong by more than two deviations.
+// A sky that clips behind roofs, but for what noise leaves below white. A window there sees little: taken for a whole
+// one, a sixteenth would be wrong by more than two deviations.
 TEST(SplitMatch, WhatClipsIsNotKnownFromItsRim) {
   constexpr float kWhite = 0.5;
   std::mt19937 random(1);
