@@ -151,7 +151,8 @@ EdgeFailure edge_of_levels(double levels, unsigned draw) {
 }
 
 EdgeFailure edge_with_gap(double gap_px, unsigned draw) {
-  constexpr double kLevels = 64, kDeep_px = 32;
+  constexpr double kLevels = 64;
+  constexpr int kDeep_px = 32;
   EdgeFailure failure = noisy_step(draw);
   failure.name = fmt::format("edge with a gap of {:g} px", gap_px);
   failure.figure_name = "pixels on the wrong side";

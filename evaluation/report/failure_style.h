@@ -13,7 +13,7 @@ inline constexpr const char* kFailureStyle = R"css(
 .s0 { background: #f0988f; } .s1 { background: #f6b98d; } .s2 { background: #f8d694; }
 .s3 { background: #eee8a4; } .s4 { background: #cfe3a4; } .s5 { background: #a6d6a4; }
 .strips td, .strips th { padding: .15rem; text-align: center; }
-.strips th:first-child { text-align: left; padding-right: .8rem; }
+.strips th:first-child { text-align: left; padding-right: .8rem; white-space: normal; min-width: 8rem; }
 .strips img { width: 104px; border: 2px solid transparent; }
 .strips .broken img { border-color: #d0342c; }
 :target { background: #f6e08a; color: #1c1d20; }

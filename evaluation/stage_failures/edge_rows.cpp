@@ -39,12 +39,13 @@ std::vector<StageRow> edge_rows() {
        "pixels that are given the other side's value",
        cell_px * cell_px,
        false,
-       "A cell of the bilateral grid.",
+       "64 pixels are one cell of the bilateral grid.",
        [](double gap, unsigned draw) { return solved_edge(edge_with_gap(gap, draw)); },
        false,
-       "As above with 64 levels, but for a gap in the middle, within which the first 32 px behind the edge look like "
-       "what "
-       "is before it."},
+       "As in weak_edges, with a step of 64 levels, but for a gap in the middle, within which the first 32 px behind "
+       "the "
+       "edge look like what is before it. Of few rows all take the other side's disparity, of many those in the "
+       "middle."},
       {stage,
        "outliers",
        "Confident outliers",
@@ -67,10 +68,12 @@ std::vector<StageRow> edge_rows() {
        "mean error, of a range of 1",
        0.05,
        false,
-       "As without.",
+       "Half a DP px of a range of ten: what counts as wrong in matching.",
        [](double share, unsigned draw) { return solved_edge(confident_outliers(share, 5, draw)); },
        false,
-       "The same with five robust rounds, as for matchers with wide windows: the majority wins."},
+       "Targets of .2, a share of which are .7 too high with full confidence, in five robust rounds, as for matchers "
+       "with "
+       "wide windows: the majority wins."},
       {stage,
        "noisy_guide",
        "A noisy picture",

@@ -33,7 +33,7 @@ std::vector<StageRow> stage_rows() {
 }
 
 std::vector<StageRow> stage_rows_named(const std::vector<std::string>& names) {
-  const std::vector<StageRow> all = stage_rows();
+  std::vector<StageRow> all = stage_rows();
   if (names.empty()) return all;
   std::vector<std::string> known;
   for (const StageRow& row : all) {

@@ -29,10 +29,11 @@ std::string overview(const std::vector<StageSweep>& sweeps) {
       "<td>breaks at</td><td>broken</td></tr></thead><tbody>\n";
   for (const StageSweep& sweep : sweeps) {
     const StageRow& row = sweep.row;
-    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}, {} … {}</td>{}<td>{} {} {:g}</td></tr>\n",
-                        escape_html(row.stage), escape_html(row.title), escape_html(row.sweep), sweep.value_at(0),
-                        sweep.value_at(sweep.steps.size() - 1), break_cell(sweep), escape_html(row.figure),
-                        row.falls ? "&lt;" : "&gt;", row.limit);
+    html += fmt::format(
+        "<tr><td>{}</td><td>{}<br><span class=\"soft\">{}</span></td><td>{}, {} … {}</td>{}<td>{} {} {:g}</td></tr>\n",
+        escape_html(row.stage), escape_html(row.title), escape_html(row.name), escape_html(row.sweep),
+        sweep.value_at(0), sweep.value_at(sweep.steps.size() - 1), break_cell(sweep), escape_html(row.figure),
+        row.falls ? "&lt;" : "&gt;", row.limit);
   }
   return html + "</tbody></table></div>\n";
 }
@@ -48,7 +49,7 @@ std::string strip_of(const StageSweep& sweep) {
   return "<div class=\"scroll\"><table class=\"strips\">" + values + "</tr>\n" + pictures + "</tr>\n</table></div>\n";
 }
 
-std::string curve_of(const StageSweep& sweep, unsigned draws) {
+std::string curve_of(const StageSweep& sweep) {
   const StageRow& row = sweep.row;
   Plot plot;
   plot.title = row.title;
@@ -63,7 +64,9 @@ std::string curve_of(const StageSweep& sweep, unsigned draws) {
     limit.points.emplace_back(step.value, row.limit);
   }
   plot.series = {mean, limit};
-  if (draws > 1) plot.series.insert(plot.series.begin() + 1, {low, high});
+  const bool draws_differ =
+      std::any_of(sweep.steps.begin(), sweep.steps.end(), [](const StageStep& s) { return s.low < s.high; });
+  if (draws_differ) plot.series.insert(plot.series.end(), {low, high});
   return html_plots({plot});
 }
 
@@ -75,7 +78,8 @@ std::string to_page(const std::vector<StageSweep>& sweeps, unsigned draws) {
       "<h1>{}</h1>\n<p>Each row makes one thing worse, step by step, for one stage of the pipeline. A cell names the "
       "first step at which the row's figure, the mean of {} draw{}, lies beyond the limit beside it, from red (at "
       "once) "
-      "to green (never); in gray, where single draws differ, the first and the last of theirs. A click leads to "
+      "to green (never); in gray, where single draws differ, the first and the last of theirs. Under a failure stands "
+      "its name for --row. A click leads to "
       "curves and pictures.</p>\n",
       title, draws, draws == 1 ? "" : "s");
   body += overview(sweeps);
@@ -83,7 +87,7 @@ std::string to_page(const std::vector<StageSweep>& sweeps, unsigned draws) {
     const StageRow& row = sweep.row;
     body += fmt::format("<h2 id=\"{}\">{}</h2>\n<p>{} {}</p>\n", escape_name(row.name), escape_html(row.title),
                         escape_html(row.note), "Broken: " + escape_html(row.reason));
-    body += strip_of(sweep) + curve_of(sweep, draws);
+    body += strip_of(sweep) + curve_of(sweep);
   }
   return html_page(title, body, kFailureStyle);
 }

@@ -29,7 +29,7 @@ std::string field_figure(const Image& map, float middle, float limit, const std:
 float shown_limit(const Image& map, float middle) {
   Image distance = map;
   for (float& value : distance.data) value = std::abs(value - middle);
-  return std::max(percentile(distance, 0.99), 1e-3f);
+  return std::max(percentile(distance, 0.99), 0.01f);
 }
 
 std::string figures_of(const AberratedField& f) {
@@ -53,11 +53,13 @@ std::string figures_of(const AberratedField& f) {
 }
 
 constexpr const char* kCauses = R"html(
-<h2>What calibration leaves, by cause</h2>
-<p>The deviation after it, DP px. <b>grid</b>: lines traced at the nodes, at this focus distance; <b>focus</b>: traced at
-the two focus distances around; <b>targets</b>: measured on simulated ones, with their texture and the lens's kernels;
-<b>noise</b>: these at ISO 400; <b>by hand</b>: twelve photographs, tilted by a degree, at ISO 400; <b>matching</b>: the
-calibration of “targets”, on what the default matcher finds in views of a textured plane.</p>
+<h2>What is left after calibration, as errors are added</h2>
+<p>The deviation of the plane's disparity, DP px. Each column holds the errors of those before it, up to noise.
+<b>grid</b>: lines traced at the nodes, at this focus distance; <b>focus</b>: traced at the two focus distances around;
+<b>targets</b>: measured on eight simulated targets at each, with their texture and the lens's kernels; <b>noise</b>: these
+at ISO 400; <b>by hand</b>: three targets at each of four focus distances instead, tilted by a degree. <b>matching</b>:
+corrected as in “targets”, but the disparity that the default matcher finds in views of a textured plane at ISO 100, whose
+own errors count here.</p>
 )html";
 
 }  // namespace

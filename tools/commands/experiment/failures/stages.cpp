@@ -17,7 +17,9 @@ void add_experiment_stages(CLI::App& experiment) {
   CLI::App* command = experiment.add_subcommand(
       "stages",
       "Sweep each way in which the other stages fail: burst, calibration, edge-aware smoothing, person mask, defocus");
-  command->add_option("-o,--output", options->folder, "Folder to write stages.json and stages.html into")
+  command
+      ->add_option("-o,--output", options->folder,
+                   "Folder to write stages.json and stages.html into; an older result there is replaced")
       ->required()
       ->type_name("DIR");
   command
