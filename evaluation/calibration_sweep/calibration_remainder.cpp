@@ -83,7 +83,7 @@ std::vector<CalibrationRemainder> measure_remainders(const simulator::Simulation
   };
   SweepOptions noisy, by_hand;
   noisy.noise = by_hand.noise = frame_noise(simulation.sensor, kHighIso);
-  by_hand.focuses = 4, by_hand.targets = 3, by_hand.tilt_x_deg = 1;
+  by_hand.focuses = 5, by_hand.targets = 3, by_hand.tilt_x_deg = 1;
   const pipeline::Calibration calibration = measured({});
   add("grid", traced({focus_m}), plane);
   const auto [far_m, near_m] = focuses_around(focus_m, {}).focus_distances_m;

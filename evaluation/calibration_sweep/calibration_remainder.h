@@ -18,8 +18,8 @@ struct CalibrationRemainder {
 ///   focus     the same traced at the two focus distances around, of a sweep's twenty
 ///   targets   measured on eight simulated targets at each of the two
 ///   noise     these photographed at ISO 400
-///   by hand   as "noise" with three targets at each of four focus distances from infinity to 0.2 m, tilted by one
-///             degree: twelve photographs
+///   by hand   as "noise" with three targets at each of five focus distances from infinity to 0.2 m, tilted by one
+///             degree: fifteen photographs
 ///   matching  corrected as in "targets", but what the default matcher finds in views of a textured plane at ISO 100:
 ///             means over squares of 16 x 16 DP px. NaN for a plane at infinity, and for pictures of fewer than ten
 ///             such squares along a side

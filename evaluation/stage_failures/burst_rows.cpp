@@ -90,7 +90,7 @@ Capture take_frame(const FrameOf& frame, int index, unsigned draw) {
   scene.document["unlit_white_nits"] = white_nits(scene) * frame.light;
   if (frame.blur_dp_px == 0) return take_burst(scene);
   // An animation begins in the middle of the first frame: the second one is blurred throughout.
-  constexpr double kSecond_s = 0.2;
+  constexpr double kSecond_s = 0.1;  // exposures take 1/15 s at most
   scene.document["burst"].update({{"frames", 2}, {"interval_s", kSecond_s}});
   move_last(scene, frame.blur_dp_px / exposure_of(scene).time_s, kWallBlur, kSecond_s);
   Capture capture = take_burst(scene);

@@ -96,7 +96,7 @@ std::vector<StageRow> calibration_rows() {
           [](Photographs& p, double px) { p.sweep.finest_px = static_cast<int>(px); }),
       row("noisy_targets", "Noisy photographs", "ISO", "iso", {100, 400, 1600, 6400, 25600},
           "One frame of a phone's sensor for each photograph.",
-          [](Photographs& p, double iso) { p.sweep.noise = frame_noise({}, iso); }),
+          [](Photographs& p, double iso) { p.sweep.noise = frame_noise(curved_phone().simulation.sensor, iso); }),
       row("wrong_distance", "A ruler of wrong scale", "error of all distances, share", "share", {0, 0.3, 1},
           "No value breaks it: a line through the wrong inverse depths is the same line with another scale at every "
           "point of the field, and the correction takes ratios.",
@@ -118,7 +118,7 @@ std::vector<StageRow> calibration_rows() {
           [](Photographs& p, double focuses) {
             p.each_distance = 0.02;
             p.sweep.tilt_x_deg = 1;
-            p.sweep.noise = frame_noise({}, 400);
+            p.sweep.noise = frame_noise(curved_phone().simulation.sensor, 400);
             p.sweep.focuses = static_cast<int>(focuses), p.sweep.targets = 3;
           }),
   };

@@ -37,9 +37,9 @@ std::vector<StageRow> edge_rows() {
        "gap_px",
        {0, 1, 2, 4, 8, 16, 64, 256},
        "pixels that are given the other side's value",
-       cell_px * cell_px,
+       1.5 * cell_px * cell_px,
        false,
-       "64 pixels are one cell of the bilateral grid.",
+       "Half as much again as a cell of the bilateral grid.",
        [](double gap, unsigned draw) { return solved_edge(edge_with_gap(gap, draw)); },
        false,
        "As in weak_edges, with a step of 64 levels, but for a gap in the middle, within which the first 32 px behind "

@@ -104,7 +104,7 @@ std::optional<glm::dvec2> color_gap(const LensSampler& lens, const FieldPoint& p
 struct SquareMean {
   double sum = 0, count = 0;
   void add(double value) { sum += value, count += 1; }
-  double root() const { return count > 0 ? std::sqrt(sum / count) : 0; }
+  double root() const { return std::sqrt(sum / count); }  // 0 / 0: not a number
 };
 
 LensDifferences differences_of(const LensSampler& lens, const std::vector<DisparityCoefficients>& traced,

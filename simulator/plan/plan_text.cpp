@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <string>
+
 #include "simulator/lens/aberrated/aberrated_json.h"
 
 namespace dualpixel::simulator {
@@ -19,8 +22,12 @@ std::string differences_text(const Plan& plan) {
                                  "red - blue, px", "blur, px", "light, %", "left's share, %");
   for (std::size_t l = 0; l + 1 < plan.lenses.size(); ++l) {
     const LensDifferences& d = plan.lenses[l].differences;
-    text += fmt::format("{:<18}{:>14.2f}{:>16.3f}{:>12.3f}{:>12.2f}{:>18.2f}\n", plan.lenses[l].candidate.name,
-                        d.picture_shift_px, d.color_shift_px, d.blur_px, 100 * d.light, 100 * d.left_share);
+    const auto cell = [](double value, int decimals) {
+      return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : std::string("–");
+    };
+    text += fmt::format("{:<18}{:>14}{:>16}{:>12}{:>12}{:>18}\n", plan.lenses[l].candidate.name,
+                        cell(d.picture_shift_px, 2), cell(d.color_shift_px, 3), cell(d.blur_px, 3),
+                        cell(100 * d.light, 2), cell(100 * d.left_share, 2));
   }
   return text;
 }
@@ -127,7 +134,9 @@ std::string plan_text(const Plan& plan) {
   }
   text +=
       "\nEach row with the others as chosen. Lens models: disparity traced at 432 field points, at the depth that "
-      "the scene has there; beside it what else they change, RMS over these points, which does not count.\n";
+      "the scene has there; beside it what else they change, RMS over those of the points where it can be told "
+      "(colors: where "
+      "the pupil is nearly whole), which does not count.\n";
   text += plan.measured
               ? fmt::format(
                     "Bounces, light and samples: pilot renders, as a matcher sees them in the {} of {} windows whose "

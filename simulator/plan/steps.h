@@ -13,7 +13,8 @@ struct LensCandidate {
   Lens lens;
 };
 
-/// What else of a picture another lens changes: RMS over the field of the difference from the reference's.
+/// What else of a picture another lens changes: RMS of the difference from the reference's, over the points of the
+/// field where both can be told; NaN where none can.
 struct LensDifferences {
   double picture_shift_px = 0;  ///< photosites by which the picture is displaced, in green
   double color_shift_px = 0;    ///< photosites by which red is displaced against blue, where the pupil is whole

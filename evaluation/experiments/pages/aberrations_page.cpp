@@ -57,7 +57,7 @@ constexpr const char* kCauses = R"html(
 <p>The deviation of the plane's disparity, DP px. Each column holds the errors of those before it, up to noise.
 <b>grid</b>: lines traced at the nodes, at this focus distance; <b>focus</b>: traced at the two focus distances around;
 <b>targets</b>: measured on eight simulated targets at each, with their texture and the lens's kernels; <b>noise</b>: these
-at ISO 400; <b>by hand</b>: three targets at each of four focus distances instead, tilted by a degree. <b>matching</b>:
+at ISO 400; <b>by hand</b>: three targets at each of five focus distances instead, tilted by a degree. <b>matching</b>:
 corrected as in “targets”, but the disparity that the default matcher finds in views of a textured plane at ISO 100, whose
 own errors count here.</p>
 )html";

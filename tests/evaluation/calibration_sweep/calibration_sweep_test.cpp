@@ -313,7 +313,7 @@ TEST(SlowAberrations, AreCalibratedWhereASweepEndsAndNearer) {
   }
 }
 
-TEST(SlowAberrations, EachCauseLeavesMoreThanTheOneBefore) {
+TEST(SlowAberrations, InterpolationIsNotWhatLimitsThem) {
   const std::vector<CalibrationRemainder> left =
       measure_remainders(camera_with("phone_aberrated_4.4mm_f1.8", 1344, 1008), 3);
   ASSERT_EQ(left.size(), 6u);

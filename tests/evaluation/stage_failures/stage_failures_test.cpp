@@ -108,7 +108,7 @@ TEST(StageFailures, ASecondPersonInFocusLacksNothing) {
   EXPECT_GT(outcome_of("two_depths", 2).figure, outcome_of("two_depths", 1.4).figure);
 }
 
-/// An edge of which a row is missing leaks; the row that lies beside the middle is the one.
+/// A gap of one row, which lies beside the middle, is painted, and leaks.
 TEST(StageFailures, AGapOfOneRowCounts) {
   EXPECT_EQ(outcome_of("same_colors", 0).figure, 0);
   EXPECT_GT(outcome_of("same_colors", 1).figure, 0);
