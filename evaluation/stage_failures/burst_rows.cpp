@@ -95,6 +95,7 @@ Capture take_frame(const FrameOf& frame, int index, unsigned draw) {
   move_last(scene, frame.blur_dp_px / exposure_of(scene).time_s, kWallBlur, kSecond_s);
   Capture capture = take_burst(scene);
   capture.frames.erase(capture.frames.begin());
+  capture.truth.reset();  // was that frame's
   return capture;
 }
 
