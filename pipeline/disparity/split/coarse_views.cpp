@@ -128,6 +128,37 @@ void fill_gaps(Image& view) {
   }
 }
 
+/// Mean square of both views' contrast under a Gaussian of `sigma` samples.
+Image mean_power(const Image& sum, const Image& difference, double sigma) {
+  Image power(sum.width, sum.height);
+  for (std::size_t i = 0; i < power.data.size(); ++i) {
+    power.data[i] = 0.25f * (sum.data[i] * sum.data[i] + difference.data[i] * difference.data[i]);
+  }
+  return gaussian(power, sigma, Mirror::even);
+}
+
+/// A highlight, or the outline of something near, has many times the contrast of what is beside it and would answer
+/// for the whole window. Where the contrast around a sample has over kCalm of the wide mean's power, it counts by the
+/// inverse, so that all such places count alike.
+Image weights_of_tiles(const Image& sum, const Image& difference, const Image& usable) {
+  constexpr double kAround = 2;  // samples
+  constexpr float kCalm = 0.3f;
+  const Image power = mean_power(sum, difference, kAround);
+  Image weight(usable.width, usable.height);
+  for_rows(weight.height, [&](int row) {
+    for (int column = 0; column < weight.width; ++column) {
+      float total = 0;
+      for (int i = 0; i < kTileSamples * kTileSamples; ++i) {
+        const int x = std::min(column * kTileSamples + i % kTileSamples, power.width - 1);
+        const int y = std::min(row * kTileSamples + i / kTileSamples, power.height - 1);
+        total += 1 / std::max(1.0f, power.at(x, y) / kCalm);
+      }
+      weight.at(column, row) = total / (kTileSamples * kTileSamples);
+    }
+  });
+  return weight;
+}
+
 /// The image of all tiles, with `margin` mirrored samples on each side.
 Image padded(const Image& image, const Image& tiles, int margin, Mirror sides) {
   Image out(tiles.width * kTileSamples + 2 * margin, tiles.height * kTileSamples + 2 * margin);
@@ -200,7 +231,7 @@ CoarseViews make_coarse_views(const Image& left, const Image& right, const Split
   }
   const double own = (std::pow(options.low_pass_px, 2) - kReducedVariance) / (kSamplePx * kSamplePx) -
                      kFilterSmoothing * kFilterSmoothing;
-  Image sum(width, height), difference(width, height), power(width, height);
+  Image sum(width, height), difference(width, height);
   for (std::size_t i = 0; i < size; ++i) {
     sum.data[i] = views.left.data[i] + views.right.data[i];
     difference.data[i] = views.left.data[i] - views.right.data[i];
@@ -213,20 +244,21 @@ CoarseViews make_coarse_views(const Image& left, const Image& right, const Split
     const float mean = std::max(0.5f * mean_sum.data[i], kLeastSignal);
     sum.data[i] = (sum.data[i] - mean_sum.data[i]) / mean;
     difference.data[i] = (difference.data[i] - mean_difference.data[i]) / mean;
-    power.data[i] = 0.25f * (sum.data[i] * sum.data[i] + difference.data[i] * difference.data[i]);
   }
-  power = gaussian(power, high_pass, Mirror::even);
+  const Image power = mean_power(sum, difference, high_pass);
   for (std::size_t i = 0; i < size; ++i) {
     const float scale = 1 / std::sqrt(power.data[i] + kLeastContrast * kLeastContrast);
     sum.data[i] *= scale;
     difference.data[i] *= scale;
   }
+  Image weight = weights_of_tiles(sum, difference, views.usable);
   return {margin,
           views.usable.width,
           views.usable.height,
           padded(sum, views.usable, margin, Mirror::even),
           padded(difference, views.usable, margin, Mirror::odd),
-          std::move(views.usable)};
+          std::move(views.usable),
+          std::move(weight)};
 }
 
 }  // namespace dualpixel::pipeline::split

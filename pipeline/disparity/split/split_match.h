@@ -16,21 +16,24 @@ namespace dualpixel::pipeline {
 ///      that no edge outweighs its surroundings. Beyond the left and right border the views change places.
 ///   2. For every whole |d| up to the range, blur b = d / alpha: left through the right view's kernel less
 ///      right through the left's, whitened (split_filters.h), both as flat as the pixels are high. Squares are summed
-///      over a Gaussian window.
+///      over a Gaussian window, in which what has more contrast than its surroundings counts by the inverse: highlights
+///      and the outlines of near things would answer for all around them.
 ///   3. Between hypotheses the residual is taken as linear in d, and its least square found.
 ///   4. Near the focus, where blur is narrow and fine texture tells more, the likelihood matcher is asked, given
 ///      `near_focus` with a range just wide enough. Where both answers lie under near_focus_dp_px, its answer. Where
-///      only the answer of step 3 does, that one, with the larger sigma: nothing, where the likelihood matcher sees
-///      nothing. Where step 3's lies beyond it by less than two standard deviations, it may be chance. It is kept as it
-///      is where the likelihood matcher's agrees (within two joint standard deviations), lies beyond the limit on the
-///      same side, and excludes 0 by two of its own. Otherwise: the likelihood matcher's answer, if that lies under
-///      near_focus_dp_px and within two standard deviations of step 3's, with their distance in sigma; or step 3's,
-///      with its distance from 0 in sigma.
+///      only the answer of step 3 does, and the likelihood matcher's excludes it by two standard deviations, again the
+///      likelihood matcher's, with half of their distance in sigma: its narrower windows do not reach over a depth
+///      edge. Else that of step 3, with the larger sigma: nothing, where the likelihood matcher sees nothing. Where
+///      step 3's lies beyond it by less than two standard deviations, it may be chance. It is kept as it is where the
+///      likelihood matcher's agrees (within two joint standard deviations), lies beyond the limit on the same side, and
+///      excludes 0 by two of its own. Otherwise: the likelihood matcher's answer, if that lies under near_focus_dp_px
+///      and within two standard deviations of step 3's, with their distance in sigma; or step 3's, with its distance
+///      from 0 in sigma.
 ///
 /// sigma_dp_px is the predicted standard deviation of the error, at most range_px; away from the focus root-sum-square
-/// of the least residual over its sensitivity to d, for six independent samples a window; the spread of other
-/// disparities that the residuals cannot rule out; and 0.04 |d|, or 0.02 |d| where alpha is known, for
-/// kernels that are not quite the camera's.
+/// of the least residual over its sensitivity to d, for six independent samples a window, fewer where parts of it clip
+/// or weigh more than the rest; the spread of other disparities that the residuals cannot rule out; and 0.04 |d|, or
+/// 0.02 |d| where alpha is known, for kernels that are not quite the camera's.
 /// Confidence is 1 / (1 + (sigma / confident_sigma_dp_px)^2), and 0 where nothing is known: there sigma is range_px, as
 /// where step 3's best disparity is an end of the range.
 /// `shared` is 0.9 there, as windows overlap.

@@ -92,12 +92,38 @@ Costs residual_costs(const CoarseViews& views, const std::vector<SplitFilters>& 
   return costs;
 }
 
-/// The window's means of each image, tiles weighed by what of them is usable; `within`: of the window.
-void sum_over_windows(std::vector<Image>& costs, const Image& usable, const Image& within, double sigma) {
+Image product(const Image& a, const Image& b) {
+  Image out = a;
+  for (std::size_t i = 0; i < out.data.size(); ++i) out.data[i] *= b.data[i];
+  return out;
+}
+
+constexpr float kLeastWeight = 1e-6f;  ///< of a window, below which it holds nothing
+
+/// The window around each tile.
+struct Windows {
+  Image tile;    ///< a tile's weight in them
+  Image weight;  ///< the sum of their tiles'
+  Image share;   ///< what they hold, of a window whose tiles are all usable and weigh alike: Kish's effective size
+  double sigma;  ///< tiles
+};
+
+Windows make_windows(const CoarseViews& views, double sigma) {
+  Windows windows{product(views.usable, views.weight), {}, {}, sigma};
+  windows.weight = gaussian(windows.tile, sigma, Mirror::even);
+  windows.share = gaussian(product(windows.tile, views.weight), sigma, Mirror::even);
+  for (std::size_t i = 0; i < windows.share.data.size(); ++i) {
+    const float weight = windows.weight.data[i], squares = windows.share.data[i];
+    windows.share.data[i] = weight > kLeastWeight ? weight * weight / squares : 0;
+  }
+  return windows;
+}
+
+/// The windows' means of each image.
+void sum_over_windows(std::vector<Image>& costs, const Windows& windows) {
   for (Image& cost : costs) {
-    for (std::size_t i = 0; i < cost.data.size(); ++i) cost.data[i] *= usable.data[i];
-    cost = gaussian(cost, sigma, Mirror::even);
-    for (std::size_t i = 0; i < cost.data.size(); ++i) cost.data[i] /= std::max(within.data[i], 1e-6f);
+    cost = gaussian(product(cost, windows.tile), windows.sigma, Mirror::even);
+    for (std::size_t i = 0; i < cost.data.size(); ++i) cost.data[i] /= std::max(windows.weight.data[i], kLeastWeight);
   }
 }
 
@@ -117,10 +143,10 @@ Between between(const Costs& costs, int i, std::size_t tile) {
   return {static_cast<float>(i) + t, (1 - t) * (1 - t) * a + 2 * t * (1 - t) * ab + t * t * b, sensitivity};
 }
 
-/// `usable`: share of the window; `kernel_error`: of the disparity, what kernels that are not quite the camera's err
-/// by.
-CoarseTile best_disparity(const Costs& costs, std::size_t tile, float usable, float kernel_error) {
-  const float samples = 6 * usable;         // independent residuals in the window
+/// `share`: of the window, that is there; `kernel_error`: of the disparity, what kernels that are not quite the
+/// camera's err by.
+CoarseTile best_disparity(const Costs& costs, std::size_t tile, float share, float kernel_error) {
+  const float samples = 6 * share;          // independent residuals in the window
   constexpr float kLeastResidual = 0.002f;  // of the contrast: what is never explained
   const int count = static_cast<int>(costs.squares.size()), range = count / 2;
   const auto cost = [&](int i) { return costs.squares[i].data[tile]; };
@@ -156,16 +182,13 @@ std::vector<CoarseTile> search_disparities(const Image& left, const Image& right
   });
   const CoarseViews views = make_coarse_views(left, right, options, filters.back().reach);
   Costs costs = residual_costs(views, filters);
-  const double window = options.window_px / kTilePx;
-  const Image within = gaussian(views.usable, window, Mirror::even);
-  for (std::vector<Image>* images : {&costs.squares, &costs.products}) {
-    sum_over_windows(*images, views.usable, within, window);
-  }
+  const Windows windows = make_windows(views, options.window_px / kTilePx);
+  for (std::vector<Image>* images : {&costs.squares, &costs.products}) sum_over_windows(*images, windows);
   std::vector<CoarseTile> tiles(views.usable.data.size());
   for_rows(views.rows, [&](int row) {
     for (int column = 0; column < views.columns; ++column) {
       const std::size_t i = static_cast<std::size_t>(row) * views.columns + column;
-      tiles[i] = best_disparity(costs, i, within.data[i], kernel_error);
+      tiles[i] = best_disparity(costs, i, windows.share.data[i], kernel_error);
     }
   });
   return tiles;

@@ -259,6 +259,53 @@ TEST(SplitMatch, ALampOutOfFocusIsNotShading) {
   EXPECT_LT(wrong, 0.01 * count);
 }
 
+// Sharp highlights before a blurred wall, over four times as bright: around them most of the wall keeps its disparity.
+// Were their contrast to count in full, half would get theirs; .28 do.
+TEST(SplitMatch, HighlightsDoNotAnswerForWhatIsAroundThem) {
+  RampPair pair = ramp_pair(7, 20, 0.003);
+  constexpr int kStep = 128, kSide = 6;
+  constexpr float kBright = 1;
+  for (int y = kStep / 2; y < kRampHeight; y += kStep) {
+    for (int x = kStep / 2; x < kRampWidth; x += kStep) {
+      for (int i = 0; i < kSide * kSide; ++i) {
+        for (Image* view : {&pair.left, &pair.right}) view->at(x + i % kSide, y + i / kSide) += kBright;
+      }
+    }
+  }
+  const TileDisparity tiles = match_by_split(pair.left, pair.right, {.white = 100});
+  int wrong = 0, count = 0;
+  for (int y = 0; y < tiles.disparity_dp_px.height; ++y) {
+    for (int x = 0; x < tiles.disparity_dp_px.width; ++x) {
+      const double across = (8 * x + 4) % kStep - (kStep + kSide) / 2.0;
+      const double down = (8 * y + 4) % kStep - (kStep + kSide) / 2.0;
+      const double away = std::hypot(across, down);
+      if (away < 24 || away > 44) continue;
+      wrong += std::abs(tiles.disparity_dp_px.at(x, y) - pair.disparity) > 0.5;
+      ++count;
+    }
+  }
+  EXPECT_LT(wrong, 0.35 * count);
+}
+
+// Up to 32 px beside something in focus, windows of the coarse search reach over its edge: alone they would give a
+// third of the background its disparity. The likelihood matcher's narrower windows leave a tenth.
+TEST(SplitMatch, ADepthEdgeIsAsSharpAsNarrowWindowsHaveIt) {
+  const RampPair sharp = ramp_pair(4, 0.5, 0.003), behind = ramp_pair(5, 7.5, 0.003);
+  RampPair pair = behind;
+  for (const auto& [from, to] : {std::pair{&sharp.left, &pair.left}, {&sharp.right, &pair.right}}) {
+    for (int y = 0; y < kRampHeight; ++y) std::copy_n(from->row(y), kRampWidth / 2, to->row(y));
+  }
+  const TileDisparity tiles = match_by_split(pair.left, pair.right);
+  int wrong = 0, count = 0;
+  for (int y = 0; y < tiles.disparity_dp_px.height; ++y) {
+    for (int x = kRampWidth / 16 + 1; x < kRampWidth / 16 + 4; ++x) {  // 8 to 32 px from the edge
+      wrong += std::abs(tiles.disparity_dp_px.at(x, y) - behind.disparity) > 0.5;
+      ++count;
+    }
+  }
+  EXPECT_LT(wrong, 0.2 * count);
+}
+
 TEST(SplitMatch, NearTheFocusIsTheLikelihoodMatcher) {
   const RampPair pair = ramp_pair(4, 2, 0.003);
   const TileDisparity ours = match_by_split(pair.left, pair.right);
