@@ -14,17 +14,19 @@ double seconds(const Work& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// CPU time of all threads of this process so far, seconds.
+inline double cpu_clock_s() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
 /// CPU time of all threads of this process during the work: affected little by other load.
 template <class Work>
 double cpu_seconds(const Work& work) {
-  const auto now = [] {
-    timespec t{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-  };
-  const double start = now();
+  const double start = cpu_clock_s();
   work();
-  return now() - start;
+  return cpu_clock_s() - start;
 }
 
 struct Times {

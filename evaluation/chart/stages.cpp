@@ -9,6 +9,7 @@
 #include "evaluation/benchmarks/lens_benchmark.h"
 #include "evaluation/benchmarks/render_benchmark.h"
 #include "evaluation/benchmarks/smoothing_benchmark.h"
+#include "evaluation/chart/auto_stage.h"
 #include "evaluation/chart/cycles_stage.h"
 #include "evaluation/chart/pipeline_stage.h"
 #include "evaluation/chart/trials.h"
@@ -276,13 +277,18 @@ ChartPart measure_calibration(const ChartInput& input) {
 }  // namespace
 
 const std::vector<ChartStage>& chart_stages() {
-  static const std::vector<ChartStage> stages = {
-      {"pipeline", true, measure_pipeline}, {"renderer", true, measure_renderer},
-      {"light", true, measure_light},       {"lens models", true, measure_lens_models},
-      {"merge", true, measure_merges},      {"matchers", true, measure_matchers},
-      {"solver", true, measure_solver},     {"calibration", false, measure_calibration},
-      {"growth", false, measure_growth},    {"pipeline growth", false, measure_pipeline_growth},
-      {"Cycles", false, measure_cycles}};
+  static const std::vector<ChartStage> stages = {{"pipeline", true, measure_pipeline},
+                                                 {"renderer", true, measure_renderer},
+                                                 {"light", true, measure_light},
+                                                 {"lens models", true, measure_lens_models},
+                                                 {"merge", true, measure_merges},
+                                                 {"matchers", true, measure_matchers},
+                                                 {"solver", true, measure_solver},
+                                                 {"disparity by --auto", false, measure_auto},
+                                                 {"calibration", false, measure_calibration},
+                                                 {"growth", false, measure_growth},
+                                                 {"pipeline growth", false, measure_pipeline_growth},
+                                                 {"Cycles", false, measure_cycles}};
   return stages;
 }
 

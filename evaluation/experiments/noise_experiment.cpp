@@ -20,7 +20,7 @@ using pipeline::Matcher;
 using Json = nlohmann::ordered_json;
 
 constexpr double kGrayReflectance = 0.18, kGrayLevel = 0.108;
-constexpr double kLongest_s = 1.0 / 15;
+constexpr double kLongestExposure_s = 1.0 / 15;
 
 /// Octaves of random cells of equal contrast, as pictures of natural things have them: mean 0.5, deviation 0.18 before
 /// clipping.
@@ -88,7 +88,7 @@ Target render_target(double depth_m, double focus_m, int width_px, int height_px
 /// As automatic exposure would have it.
 simulator::ExposureOptions expose_gray(double lux, double lux_per_nit, const simulator::SensorOptions& sensor) {
   const double electrons_per_s = lux * kGrayReflectance / M_PI * lux_per_nit * sensor.electrons_per_lux_s[1];
-  const double time_s = std::min(kLongest_s, kGrayLevel * sensor.full_well_e / electrons_per_s);
+  const double time_s = std::min(kLongestExposure_s, kGrayLevel * sensor.full_well_e / electrons_per_s);
   return {time_s, 100 * kGrayLevel * sensor.full_well_e / (electrons_per_s * time_s)};
 }
 

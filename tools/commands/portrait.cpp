@@ -17,6 +17,7 @@
 #include "pipeline/defocus/match_lens.h"
 #include "pipeline/disparity/noise_model.h"
 #include "pipeline/portrait/describe_run.h"
+#include "pipeline/portrait/disparity_settings.h"
 #include "pipeline/portrait/photograph.h"
 #include "pipeline/portrait/plain_pair.h"
 #include "pipeline/portrait/result_io.h"
@@ -67,6 +68,7 @@ struct PortraitCommand {
   std::string output;
   std::string mode = "auto";
   std::string matcher{pipeline::kDefaultMatcher};
+  std::optional<double> auto_ms, auto_error_dp_px;
   MapFiles maps;
   std::string mask;
   bool true_mask = false;
@@ -88,6 +90,8 @@ struct PortraitCommand {
     return !plain() && std::filesystem::is_regular_file(capture, unreadable);
   }
   bool mask_given() const { return true_mask || !mask.empty(); }
+  /// --auto or --auto-error, if either is given.
+  const char* automatic() const { return auto_ms ? "--auto" : auto_error_dp_px ? "--auto-error" : nullptr; }
 };
 
 /// What needs views, or a capture's folder.
@@ -100,6 +104,8 @@ void require_usable_by_a_photograph(const PortraitCommand& command) {
   }
   for (const auto& [option, given] : {std::pair{"--match-lens", !command.match_lens.empty()},
                                       {"--disparity", command.maps.any()},
+                                      {"--auto", command.auto_ms.has_value()},
+                                      {"--auto-error", command.auto_error_dp_px.has_value()},
                                       {"--calibration", !command.calibration.empty()},
                                       {"--true-mask", command.true_mask}}) {
     if (given) throw InputError(fmt::format("{}: {}: cannot be used with a photograph; leave it out", option, name));
@@ -112,7 +118,9 @@ PortraitOptions options_of(const PortraitCommand& command) {
   PortraitOptions options = matcher ? pipeline::default_options(matcher->name) : PortraitOptions();
   for (const std::string& assignment : command.assignments) {
     set_field(pipeline::fields(options), assignment);
-    pipeline::require_read_by(matcher, assignment.substr(0, assignment.find('=')));
+    const std::string field = assignment.substr(0, assignment.find('='));
+    if (command.automatic()) pipeline::require_not_chosen(field);
+    pipeline::require_read_by(matcher, field);
   }
   options.mode = value_named(pipeline::kModes, command.mode, "--mode");
   options.seed = command.seed;
@@ -131,6 +139,12 @@ PortraitOptions options_of(const PortraitCommand& command) {
   }
   if (options.mode == pipeline::Mode::seg && command.maps.any()) {
     throw InputError("--mode seg: uses no disparity; leave out --disparity, or choose dp or dp+seg");
+  }
+  if (options.mode == pipeline::Mode::seg && command.automatic()) {
+    throw InputError(
+        fmt::format("{}: chooses how disparity is found, which mode seg does not use; leave it out, or choose dp or "
+                    "dp+seg",
+                    command.automatic()));
   }
   if (options.mode == pipeline::Mode::dp && command.mask_given()) {
     throw InputError("--mode dp: uses no person mask; leave out --mask and --true-mask, or choose dp+seg or seg");
@@ -196,6 +210,24 @@ Capture read_input(const PortraitCommand& command, PortraitOptions& options, std
   return read_capture(command.capture, command.true_mask);
 }
 
+/// What --auto or --auto-error chooses for this capture, in the options.
+void choose_setting(const PortraitCommand& command, const Capture& capture, PortraitOptions& options) {
+  if (!has_views(capture)) {
+    throw InputError(fmt::format("{}: {}: has no dual-pixel views to find disparity in; leave it out",
+                                 command.automatic(), printable(command.capture)));
+  }
+  const Camera& camera = capture.camera;
+  pipeline::Window seen{0, 0, camera.width_px, camera.height_px};
+  if (options.zoom) seen = pipeline::zoom_window(camera, holds_photosites(capture));
+  const double megapixels = 1e-6 * seen.width * seen.height;
+  const pipeline::DisparitySetting& setting = command.auto_ms ? pipeline::best_setting(*command.auto_ms, megapixels)
+                                                              : pipeline::fastest_setting(*command.auto_error_dp_px);
+  options = with_setting(std::move(options), setting);
+  std::cerr << fmt::format("{}: {}: {:.3g} ms of CPU time for disparity and {:g} DP px, as charted ({})\n",
+                           command.automatic(), setting.name, setting.cpu_ms_per_megapixel * megapixels,
+                           setting.error_dp_px, command_line(setting));
+}
+
 /// The mask that the user names, if any. Takes the truth out of the capture.
 std::optional<Image> given_mask(const PortraitCommand& command, Capture& capture) {
   std::optional<Image> mask;
@@ -232,7 +264,7 @@ nlohmann::ordered_json provenance_of(const PortraitCommand& command, const Captu
     provenance["capture"] = absolute(command.capture);
     provenance["capture_hash"] = file_hash(command.capture + "/capture.json");
   }
-  if (!command.maps.any() && !command.photograph()) provenance["matcher"] = command.matcher;
+  if (!command.maps.any() && !command.photograph()) provenance["matcher"] = options.matcher;
   for (const auto& [name, file] : {std::pair{"disparity", &command.maps.disparity},
                                    {"confidence", &command.maps.confidence},
                                    {"sigma", &command.maps.sigma}}) {
@@ -307,6 +339,7 @@ void run(const PortraitCommand& command) {
 
   std::vector<std::string> assumed;
   Capture capture = read_input(command, options, assumed);
+  if (command.automatic()) choose_setting(command, capture, options);
   if (command.tap) options.tap = tapped(*command.tap, capture.camera, options.transposed);
   if (network) {
     const std::optional<pipeline::Face> tap = tap_in_sight(options, capture);
@@ -383,8 +416,19 @@ void add_portrait(CLI::App& program) {
   CLI::Option* matcher = sub->add_option("--matcher", command->matcher, matchers)
                              ->check(CLI::IsMember(names_of(pipeline::matchers())))
                              ->capture_default_str();
+  CLI::Option* by_time =
+      sub->add_option("--auto", command->auto_ms,
+                      "In place of --matcher: how to find disparity with the least error in at most MS milliseconds of "
+                      "CPU time, by the chart in docs/disparity.md")
+          ->type_name("MS")
+          ->excludes(matcher);
+  CLI::Option* by_error = sub->add_option("--auto-error", command->auto_error_dp_px,
+                                          "... or in the least time, with an error of at most PX DP px")
+                              ->type_name("PX")
+                              ->excludes(matcher)
+                              ->excludes(by_time);
   CLI::Option* disparity = add_map_options(*sub, command->maps, "of the views' size, in place of a matcher's");
-  disparity->excludes(matcher);
+  for (CLI::Option* other : {matcher, by_time, by_error}) disparity->excludes(other);
   for (const char* of_a_disparity : {"--confidence", "--sigma", "--scale"}) {
     sub->get_option(of_a_disparity)->needs(disparity);
   }
@@ -450,6 +494,7 @@ void add_portrait(CLI::App& program) {
       "Example:\n  dualpixel portrait out/capture -o out/portrait\n"
       "  dualpixel portrait photo.jpg -o out/portrait\n"
       "  dualpixel portrait --left l.png --right r.png -o out/portrait --matcher likelihood\n"
+      "  dualpixel portrait out/capture -o out/portrait --auto 200\n"
       "  dualpixel portrait out/capture -o out/portrait --disparity d.npy --sigma s.npy");
   sub->callback([command] { run(*command); });
 }
