@@ -1,5 +1,4 @@
 #pragma once
-#include <span>
 #include <string>
 
 #include "capture/capture.h"
@@ -22,7 +21,7 @@ Capture simulate_auto_scene(int index, const std::string& scratch);
 /// Root mean square error of mode dp's disparity over all pixels with valid truth, DP px.
 double disparity_error(const Capture& capture, const pipeline::DisparitySetting& setting);
 
-/// CPU time of matching, smoothing and upsampling over the picture's megapixels, ms: the least of three runs.
+/// CPU time of matching, smoothing and upsampling, ms: the least of three runs.
 double disparity_cpu_ms(const Capture& capture, const pipeline::DisparitySetting& setting);
 
 /// Every setting's root mean square of errors over the scenes, and its time on one capture of 2688 x 2016.

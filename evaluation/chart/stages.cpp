@@ -294,7 +294,9 @@ const std::vector<ChartStage>& chart_stages() {
 
 std::vector<std::string> chart_left_out(bool quick) {
   std::vector<std::string> lines;
-  if (quick) lines.emplace_back("Calibration, growth and Cycles: take minutes; without --quick they are here.");
+  if (quick)
+    lines.emplace_back(
+        "Disparity by --auto, calibration, growth and Cycles: take minutes; without --quick they are here.");
   lines.emplace_back(
       "Networks of other sizes: one is built in; `dualpixel experiment segmentation --weights` judges others.");
   if (!pipeline::has_person_network()) lines.emplace_back("Person masks: this build has no oneDNN.");

@@ -2,76 +2,83 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <cmath>
 
 #include "capture/error.h"
-#include "pipeline/disparity/matchers.h"
+#include "pipeline/disparity/match_pixels.h"
 
 namespace dualpixel::pipeline {
 
 std::span<const DisparitySetting> disparity_settings() {
   static const std::vector<DisparitySetting> settings = {
       {"paper, 1/16",
+       0,
        24,
-       1.68,
+       23,
+       1.7,
        "paper",
        {"smooth.divisor=16", "smooth.grid.cell_px=4", "smooth.grid.cell_luma=4", "smooth.solver.lambda=32",
         "smooth.solver.iterations=10"}},
       {"likelihood, 1/32",
-       30,
-       0.57,
+       0,
+       81,
+       21,
+       0.58,
        "likelihood",
        {"smooth.divisor=32", "smooth.grid.cell_px=4", "smooth.grid.cell_luma=4", "smooth.solver.lambda=32"}},
       {"split, 1/16",
-       34,
-       0.225,
+       7,
+       84,
+       23,
+       0.23,
        "split",
        {"smooth.divisor=16", "smooth.grid.cell_px=4", "smooth.solver.robust_rounds=1"}},
-      {"split, 1/8", 41, 0.22, "split", {"smooth.divisor=8"}},
+      {"split, 1/4", 7, 84, 54, 0.226, "split", {}},
   };
   return settings;
 }
 
-const DisparitySetting& best_setting(double cpu_ms, double megapixels) {
+PictureSize picture_size(const Capture& capture) {
+  const Camera& camera = capture.camera;
+  const double view = 1e-6 * camera.dp_width() * camera.dp_height();
+  return {1e-6 * camera.width_px * camera.height_px, is_dense_mosaic(capture) ? view / 4 : view};
+}
+
+double cpu_ms(const DisparitySetting& setting, const PictureSize& size) {
+  return setting.fixed_ms + setting.matching_ms * size.view + setting.smoothing_ms * size.picture;
+}
+
+const DisparitySetting& best_setting(double most_cpu_ms, const PictureSize& size) {
   const std::span<const DisparitySetting> all = disparity_settings();
-  const auto takes = [&](const DisparitySetting& setting) { return setting.cpu_ms_per_megapixel * megapixels; };
   const DisparitySetting* best = nullptr;
   for (const DisparitySetting& setting : all) {
-    if (takes(setting) <= cpu_ms) best = &setting;
+    if (cpu_ms(setting, size) <= most_cpu_ms) best = &setting;
   }
   if (best) return *best;
-  throw InputError(fmt::format("--auto {:g}: the fastest setting takes {:.3g} ms for {:.3g} megapixels; allow that",
-                               cpu_ms, takes(all.front()), megapixels));
+  const double least = std::ceil(10 * cpu_ms(all.front(), size)) / 10;
+  throw InputError(fmt::format("--auto {:g}: must be at least {:.1f}, ms of the fastest setting for {:.3g} megapixels",
+                               most_cpu_ms, least, size.picture));
 }
 
 const DisparitySetting& fastest_setting(double error_dp_px) {
   for (const DisparitySetting& setting : disparity_settings()) {
     if (setting.error_dp_px <= error_dp_px) return setting;
   }
-  throw InputError(fmt::format("--auto-error {:g}: the least error of any setting is {:g} DP px; allow that",
+  throw InputError(fmt::format("--auto-error {:g}: must be at least {:g}, DP px of the most accurate setting",
                                error_dp_px, disparity_settings().back().error_dp_px));
 }
 
 PortraitOptions with_setting(PortraitOptions options, const DisparitySetting& setting) {
-  PortraitOptions chosen = default_options(setting.matcher);
-  for (const std::string_view assignment : setting.assignments) set_field(fields(chosen), std::string(assignment));
-  options.matcher = chosen.matcher;
-  options.matching = chosen.matching;
-  options.tile_upsample = chosen.tile_upsample;
-  options.smooth = chosen.smooth;
+  options.matcher = setting.matcher;
+  options.smooth = default_options(setting.matcher).smooth;
+  for (const std::string_view assignment : setting.assignments) set_field(fields(options), std::string(assignment));
   return options;
 }
 
-void require_not_chosen(std::string_view field) {
-  PortraitOptions options;
-  OptionFields chosen = fields(options.matching);
-  for (const OptionFields& group :
-       {grouped("tile_upsample", fields(options.tile_upsample)), grouped("smooth", fields(options.smooth))}) {
-    chosen.insert(chosen.end(), group.begin(), group.end());
-  }
-  if (std::ranges::any_of(chosen, [&](const OptionField& each) { return each.name == field; })) {
-    throw InputError(fmt::format("--set {}: is chosen by --auto; leave one of them out", field));
-  }
+void require_not_chosen(std::string_view assignment) {
+  if (!assignment.starts_with("smooth.")) return;
+  throw InputError(
+      fmt::format("--set {}: smoothing is chosen by --auto and --auto-error; leave one of them out", assignment));
 }
 
 std::string command_line(const DisparitySetting& setting) {

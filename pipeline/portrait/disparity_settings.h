@@ -4,39 +4,49 @@
 #include <string_view>
 #include <vector>
 
+#include "capture/capture.h"
 #include "pipeline/portrait/options.h"
 
-/// Speed against accuracy of disparity, for `portrait --auto`: matcher, solver and upsampling that are worth choosing.
+/// Speed against accuracy of disparity, for `portrait --auto`: matchers and smoothing that are worth choosing.
 namespace dualpixel::pipeline {
 
 /// One point of the front that `dualpixel chart` measures ("Disparity by --auto"), on the machine and scenes that
 /// docs/disparity.md names. Figures are of that chart: another machine takes another time, other scenes other errors.
 struct DisparitySetting {
   std::string_view name;
-  /// CPU time of matching, smoothing and upsampling, all threads together, over the picture's megapixels.
-  double cpu_ms_per_megapixel = 0;
-  /// Root mean square of the disparity's error, without a fit, at the views' resolution, DP px.
+  /// CPU time, all threads together: of matching what does not depend on the size, and what does, over the megapixels
+  /// of a view as it is matched; of smoothing and upsampling, over those of the picture.
+  double fixed_ms = 0, matching_ms = 0, smoothing_ms = 0;
+  /// Root mean square of the disparity's error over the scenes, without a fit, DP px.
   double error_dp_px = 0;
   std::string_view matcher;
   std::vector<std::string_view> assignments;  ///< what else differs from the matcher's defaults, as --set has it
 };
 
-/// Fastest first; each errs by less than all before it.
+/// Fastest first, for a phone's DP pixels of 2 x 4 photosites; each errs by less than all before it. The last has the
+/// defaults.
 std::span<const DisparitySetting> disparity_settings();
 
-/// The setting of least error that takes at most `cpu_ms` for a picture of so many megapixels. Throws InputError that
-/// begins with "--auto", where even the fastest takes longer.
-const DisparitySetting& best_setting(double cpu_ms, double megapixels);
+/// Megapixels.
+struct PictureSize {
+  double picture = 0, view = 0;  ///< `view`: as it is matched
+};
+PictureSize picture_size(const Capture& capture);
+
+double cpu_ms(const DisparitySetting& setting, const PictureSize& size);
+
+/// The setting of least error that takes at most so long. Throws InputError that begins with "--auto", where none does.
+const DisparitySetting& best_setting(double most_cpu_ms, const PictureSize& size);
 
 /// The fastest setting that errs by at most `error_dp_px`. Throws InputError that begins with "--auto-error", where
 /// none errs by so little.
 const DisparitySetting& fastest_setting(double error_dp_px);
 
-/// The options of the portrait with the setting's matching, upsampling and smoothing in place of their own.
+/// The options with the setting's matcher and smoothing in place of their own.
 PortraitOptions with_setting(PortraitOptions options, const DisparitySetting& setting);
 
-/// Throws InputError where `field` ("smooth.divisor") is among what settings choose.
-void require_not_chosen(std::string_view field);
+/// Throws InputError where `assignment` ("smooth.divisor=8") is of smoothing, which settings choose.
+void require_not_chosen(std::string_view assignment);
 
 /// The command line's options that do the same: "--matcher likelihood --set smooth.divisor=8".
 std::string command_line(const DisparitySetting& setting);

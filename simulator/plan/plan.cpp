@@ -55,30 +55,44 @@ double photosite_s(const Plan& plan, std::size_t l, std::size_t b, std::size_t t
 /// Steps of a factor of sqrt(2): times scatter.
 double work_steps(double seconds) { return std::round(2 * std::log2(std::max(seconds, 1e-15))); }
 
-/// The least work whose error stays within the tolerance; the reference with the most samples where none does.
-void choose(Plan& plan, const PilotErrors& pilots, int scene_samples) {
-  plan.met = false;
-  plan.lens = plan.lenses.size() - 1;
-  plan.bounce = plan.bounces.size() - 1;
-  plan.light = plan.lights.size() - 1;
-  int chosen_samples = plan.measured ? kMostSamples : scene_samples;
+template <typename Visit>
+void for_all_steps(const Plan& plan, const Visit& visit) {
+  for (std::size_t l = 0; l < plan.lenses.size(); ++l) {
+    for (std::size_t b = 0; b < plan.bounces.size(); ++b) {
+      for (std::size_t t = 0; t < plan.lights.size(); ++t) visit(l, b, t);
+    }
+  }
+}
+
+/// Chooses the least work whose error is at most `error_dp_px`, and returns its samples; 0: there is none.
+int choose_within(Plan& plan, const PilotErrors& pilots, int scene_samples, double error_dp_px) {
   double least_work = std::numeric_limits<double>::infinity();
-  const auto consider = [&](std::size_t l, std::size_t b, std::size_t t) {
-    const auto within = [&](int samples) {
-      return root_of_squares(plan, pilots, l, b, t, samples) <= plan.tolerance_dp_px;
-    };
+  int chosen_samples = 0;
+  for_all_steps(plan, [&](std::size_t l, std::size_t b, std::size_t t) {
+    const auto within = [&](int samples) { return root_of_squares(plan, pilots, l, b, t, samples) <= error_dp_px; };
     int samples = plan.measured ? kPilotSamples[0] : scene_samples;
     while (plan.measured && samples < kMostSamples && !within(samples)) samples *= 2;
     const double work = work_steps(photosite_s(plan, l, b, t, samples));
     if (!within(samples) || work >= least_work) return;
     least_work = work;
-    plan.met = true;
     plan.lens = l, plan.bounce = b, plan.light = t, chosen_samples = samples;
-  };
-  for (std::size_t l = 0; l < plan.lenses.size(); ++l) {
-    for (std::size_t b = 0; b < plan.bounces.size(); ++b) {
-      for (std::size_t t = 0; t < plan.lights.size(); ++t) consider(l, b, t);
-    }
+  });
+  return chosen_samples;
+}
+
+/// The least work whose error stays within the tolerance. Where none does, within a tenth of the least error that there
+/// is: the last percent may take a hundred times as long.
+void choose(Plan& plan, const PilotErrors& pilots, int scene_samples) {
+  constexpr double kNearTheLeast = 1.1;
+  int chosen_samples = choose_within(plan, pilots, scene_samples, plan.tolerance_dp_px);
+  plan.met = chosen_samples > 0;
+  if (!plan.met) {
+    const int most = plan.measured ? kMostSamples : scene_samples;
+    double least = std::numeric_limits<double>::infinity();
+    for_all_steps(plan, [&](std::size_t l, std::size_t b, std::size_t t) {
+      least = std::min(least, root_of_squares(plan, pilots, l, b, t, most));
+    });
+    chosen_samples = choose_within(plan, pilots, scene_samples, kNearTheLeast * least);
   }
   const int first = plan.measured ? kPilotSamples[0] : chosen_samples,
             last = plan.measured ? std::min(4 * chosen_samples, kMostSamples) : first;

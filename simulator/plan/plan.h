@@ -34,6 +34,8 @@
 /// disparity the capture's own sensor noise, its burst merged, blurs by no more than the tolerance. Where fewer than 6
 /// windows have texture, bounces, light and samples stay as the scene file has them, and the plan says so.
 ///
+/// Where nothing keeps the tolerance, the plan is the cheapest within a tenth of the least error that there is.
+///
 /// The choice is by the time that the pilots took on this machine, in steps of a factor of sqrt(2), so that it is
 /// rarely another one the next time: the plan that a capture was made with is kept in it. Times are for the left and
 /// right view of the full sensor.
@@ -51,7 +53,7 @@ struct Plan {
   int windows = 0, windows_textured = 0;
   double photosites = 0;
   bool measured = true;  ///< bounces, light and samples; otherwise left as the scene file has them
-  bool met = true;       ///< the tolerance is
+  bool met = true;       ///< the tolerance is; otherwise the choice is within a tenth of the least error
 
   /// Of lens step l, bounce step b, light step t and sample step s together.
   double error_dp_px(std::size_t l, std::size_t b, std::size_t t, std::size_t s) const;

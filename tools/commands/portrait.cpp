@@ -118,9 +118,11 @@ PortraitOptions options_of(const PortraitCommand& command) {
   PortraitOptions options = matcher ? pipeline::default_options(matcher->name) : PortraitOptions();
   for (const std::string& assignment : command.assignments) {
     set_field(pipeline::fields(options), assignment);
-    const std::string field = assignment.substr(0, assignment.find('='));
-    if (command.automatic()) pipeline::require_not_chosen(field);
-    pipeline::require_read_by(matcher, field);
+    if (command.automatic()) {
+      pipeline::require_not_chosen(assignment);  // the matcher is not known yet
+    } else {
+      pipeline::require_read_by(matcher, assignment.substr(0, assignment.find('=')));
+    }
   }
   options.mode = value_named(pipeline::kModes, command.mode, "--mode");
   options.seed = command.seed;
@@ -210,22 +212,44 @@ Capture read_input(const PortraitCommand& command, PortraitOptions& options, std
   return read_capture(command.capture, command.true_mask);
 }
 
-/// What --auto or --auto-error chooses for this capture, in the options.
-void choose_setting(const PortraitCommand& command, const Capture& capture, PortraitOptions& options) {
+/// What --auto or --auto-error chooses for this capture.
+struct AutoChoice {
+  const pipeline::DisparitySetting* setting = nullptr;  ///< none: nobody asked for a choice
+  double cpu_ms = 0;                                    ///< as charted
+};
+
+/// Puts the choice into the options.
+AutoChoice choose_setting(const PortraitCommand& command, const Capture& capture, PortraitOptions& options) {
+  if (!command.automatic()) return {};
   if (!has_views(capture)) {
     throw InputError(fmt::format("{}: {}: has no dual-pixel views to find disparity in; leave it out",
                                  command.automatic(), printable(command.capture)));
   }
-  const Camera& camera = capture.camera;
-  pipeline::Window seen{0, 0, camera.width_px, camera.height_px};
-  if (options.zoom) seen = pipeline::zoom_window(camera, holds_photosites(capture));
-  const double megapixels = 1e-6 * seen.width * seen.height;
-  const pipeline::DisparitySetting& setting = command.auto_ms ? pipeline::best_setting(*command.auto_ms, megapixels)
+  pipeline::PictureSize size = pipeline::picture_size(capture);
+  if (options.zoom) {
+    const pipeline::Window seen = pipeline::zoom_window(capture.camera, holds_photosites(capture));
+    const double share = 1e-6 * seen.width * seen.height / size.picture;
+    size = {share * size.picture, share * size.view};
+  }
+  const pipeline::DisparitySetting& setting = command.auto_ms ? pipeline::best_setting(*command.auto_ms, size)
                                                               : pipeline::fastest_setting(*command.auto_error_dp_px);
+  for (const std::string& assignment : command.assignments) {
+    pipeline::require_read_by(&pipeline::matcher_named(setting.matcher), assignment.substr(0, assignment.find('=')));
+  }
   options = with_setting(std::move(options), setting);
-  std::cerr << fmt::format("{}: {}: {:.3g} ms of CPU time for disparity and {:g} DP px, as charted ({})\n",
-                           command.automatic(), setting.name, setting.cpu_ms_per_megapixel * megapixels,
-                           setting.error_dp_px, command_line(setting));
+  return {&setting, cpu_ms(setting, size)};
+}
+
+void say_choice(const PortraitCommand& command, const AutoChoice& choice, nlohmann::ordered_json& provenance) {
+  if (!choice.setting) return;
+  const pipeline::DisparitySetting& setting = *choice.setting;
+  provenance["auto"] = {
+      {"setting", setting.name}, {"charted_cpu_ms", choice.cpu_ms}, {"charted_error_dp_px", setting.error_dp_px}};
+  if (command.auto_ms) provenance["auto"]["most_cpu_ms"] = *command.auto_ms;
+  if (command.auto_error_dp_px) provenance["auto"]["most_error_dp_px"] = *command.auto_error_dp_px;
+  std::cerr << fmt::format(
+      "{}: {} ({}); as charted, {:.1f} ms of CPU time for disparity, {:g} DP px over eight scenes\n",
+      command.automatic(), setting.name, command_line(setting), choice.cpu_ms, setting.error_dp_px);
 }
 
 /// The mask that the user names, if any. Takes the truth out of the capture.
@@ -339,7 +363,7 @@ void run(const PortraitCommand& command) {
 
   std::vector<std::string> assumed;
   Capture capture = read_input(command, options, assumed);
-  if (command.automatic()) choose_setting(command, capture, options);
+  const AutoChoice choice = choose_setting(command, capture, options);
   if (command.tap) options.tap = tapped(*command.tap, capture.camera, options.transposed);
   if (network) {
     const std::optional<pipeline::Face> tap = tap_in_sight(options, capture);
@@ -353,6 +377,7 @@ void run(const PortraitCommand& command) {
   const PortraitResult result = run_with_progress(command, capture, options, mask);
   print_warnings(result.warnings);
   nlohmann::ordered_json provenance = provenance_of(command, capture, options, result);
+  say_choice(command, choice, provenance);
   if (const auto split = assumed_split(options, result.mode, capture.camera)) assumed.push_back(*split);
   if (!assumed.empty()) {
     provenance["assumed"] = assumed;
@@ -418,15 +443,19 @@ void add_portrait(CLI::App& program) {
                              ->capture_default_str();
   CLI::Option* by_time =
       sub->add_option("--auto", command->auto_ms,
-                      "In place of --matcher: how to find disparity with the least error in at most MS milliseconds of "
-                      "CPU time, by the chart in docs/disparity.md")
+                      "In place of --matcher: matcher and smoothing of the least charted error that take at most MS "
+                      "milliseconds of CPU time, all else of a portrait not counted (docs/disparity.md)")
           ->type_name("MS")
+          ->check(number_range(0.001, 1e9))
           ->excludes(matcher);
-  CLI::Option* by_error = sub->add_option("--auto-error", command->auto_error_dp_px,
-                                          "... or in the least time, with an error of at most PX DP px")
-                              ->type_name("PX")
-                              ->excludes(matcher)
-                              ->excludes(by_time);
+  CLI::Option* by_error =
+      sub->add_option("--auto-error", command->auto_error_dp_px,
+                      "In place of --matcher: the fastest matcher and smoothing whose error over the charted scenes is "
+                      "at most PX DP px, root mean square")
+          ->type_name("PX")
+          ->check(number_range(0.001, 1000))
+          ->excludes(matcher)
+          ->excludes(by_time);
   CLI::Option* disparity = add_map_options(*sub, command->maps, "of the views' size, in place of a matcher's");
   for (CLI::Option* other : {matcher, by_time, by_error}) disparity->excludes(other);
   for (const char* of_a_disparity : {"--confidence", "--sigma", "--scale"}) {

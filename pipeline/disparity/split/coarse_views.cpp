@@ -138,8 +138,8 @@ Image mean_power(const Image& sum, const Image& difference, double sigma) {
 }
 
 /// A highlight, or the outline of something near, has many times the contrast of what is beside it and would answer
-/// for the whole window. Where the contrast around a sample has over kCalm of the wide mean's power, it counts by the
-/// inverse, so that all such places count alike.
+/// for the whole window. Where the mean square contrast around a sample is over kCalm of the wide mean, it is weighted
+/// by the inverse, so that all such places count alike.
 Image weights_of_tiles(const Image& sum, const Image& difference, const Image& usable) {
   constexpr double kAround = 2;  // samples
   constexpr float kCalm = 0.3f;

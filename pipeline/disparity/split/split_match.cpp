@@ -34,7 +34,7 @@ Answer choose(const split::CoarseTile& coarse, const Answer& fine, float limit) 
   const bool fine_is_near = std::isfinite(fine.deviation) && std::abs(fine.disparity) < limit;
   if (std::abs(far.disparity) < limit) {
     if (fine_is_near) return fine;
-    const bool fine_is_sure = kSureDeviations * fine.deviation < apart;  // beside a depth edge, in narrower windows
+    const bool fine_is_sure = std::isfinite(far.deviation) && kSureDeviations * fine.deviation < apart;  // at an edge
     if (fine_is_sure) return {fine.disparity, std::hypot(fine.deviation, apart / 2), fine.shared};
     return {far.disparity, std::max(far.deviation, fine.deviation), far.shared};
   }

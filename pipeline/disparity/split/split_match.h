@@ -16,8 +16,8 @@ namespace dualpixel::pipeline {
 ///      that no edge outweighs its surroundings. Beyond the left and right border the views change places.
 ///   2. For every whole |d| up to the range, blur b = d / alpha: left through the right view's kernel less
 ///      right through the left's, whitened (split_filters.h), both as flat as the pixels are high. Squares are summed
-///      over a Gaussian window, in which what has more contrast than its surroundings counts by the inverse: highlights
-///      and the outlines of near things would answer for all around them.
+///      over a Gaussian window, in which what has over .3 of the mean square contrast of its surroundings is weighted
+///      by the inverse: highlights and the outlines of near things would answer for all around them.
 ///   3. Between hypotheses the residual is taken as linear in d, and its least square found.
 ///   4. Near the focus, where blur is narrow and fine texture tells more, the likelihood matcher is asked, given
 ///      `near_focus` with a range just wide enough. Where both answers lie under near_focus_dp_px, its answer. Where

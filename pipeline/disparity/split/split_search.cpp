@@ -92,10 +92,8 @@ Costs residual_costs(const CoarseViews& views, const std::vector<SplitFilters>& 
   return costs;
 }
 
-Image product(const Image& a, const Image& b) {
-  Image out = a;
-  for (std::size_t i = 0; i < out.data.size(); ++i) out.data[i] *= b.data[i];
-  return out;
+void multiply(Image& image, const Image& by) {
+  for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] *= by.data[i];
 }
 
 constexpr float kLeastWeight = 1e-6f;  ///< of a window, below which it holds nothing
@@ -104,14 +102,17 @@ constexpr float kLeastWeight = 1e-6f;  ///< of a window, below which it holds no
 struct Windows {
   Image tile;    ///< a tile's weight in them
   Image weight;  ///< the sum of their tiles'
-  Image share;   ///< what they hold, of a window whose tiles are all usable and weigh alike: Kish's effective size
+  Image share;   ///< Kish's effective sample size, over that of a window whose tiles are all usable and weigh alike
   double sigma;  ///< tiles
 };
 
 Windows make_windows(const CoarseViews& views, double sigma) {
-  Windows windows{product(views.usable, views.weight), {}, {}, sigma};
+  Windows windows{views.usable, {}, {}, sigma};
+  multiply(windows.tile, views.weight);
   windows.weight = gaussian(windows.tile, sigma, Mirror::even);
-  windows.share = gaussian(product(windows.tile, views.weight), sigma, Mirror::even);
+  windows.share = windows.tile;
+  multiply(windows.share, views.weight);
+  windows.share = gaussian(windows.share, sigma, Mirror::even);
   for (std::size_t i = 0; i < windows.share.data.size(); ++i) {
     const float weight = windows.weight.data[i], squares = windows.share.data[i];
     windows.share.data[i] = weight > kLeastWeight ? weight * weight / squares : 0;
@@ -122,7 +123,8 @@ Windows make_windows(const CoarseViews& views, double sigma) {
 /// The windows' means of each image.
 void sum_over_windows(std::vector<Image>& costs, const Windows& windows) {
   for (Image& cost : costs) {
-    cost = gaussian(product(cost, windows.tile), windows.sigma, Mirror::even);
+    multiply(cost, windows.tile);
+    cost = gaussian(cost, windows.sigma, Mirror::even);
     for (std::size_t i = 0; i < cost.data.size(); ++i) cost.data[i] /= std::max(windows.weight.data[i], kLeastWeight);
   }
 }
@@ -143,7 +145,7 @@ Between between(const Costs& costs, int i, std::size_t tile) {
   return {static_cast<float>(i) + t, (1 - t) * (1 - t) * a + 2 * t * (1 - t) * ab + t * t * b, sensitivity};
 }
 
-/// `share`: of the window, that is there; `kernel_error`: of the disparity, what kernels that are not quite the
+/// `share`: Windows::share of the tile; `kernel_error`: of the disparity, what kernels that are not quite the
 /// camera's err by.
 CoarseTile best_disparity(const Costs& costs, std::size_t tile, float share, float kernel_error) {
   const float samples = 6 * share;          // independent residuals in the window

@@ -186,6 +186,19 @@ TEST(Plan, SaysSoWhereNothingReachesTheTolerance) {
   EXPECT_NE(plan_text(p).find("Nothing reaches 3e-06 DP px"), std::string::npos);
 }
 
+// The thin lens, the only one on offer, is exact, but light at points leaves an error that no samples take away: what
+// is chosen stops where samples no longer tell.
+TEST(SlowPlan, GoesNotFarBeyondWhatCanBeReached) {
+  Simulation s = small_camera();
+  s.burst_frames = 2000000000;  // so that the sensor's own noise is no excuse
+  const Plan p = plan(s, wall_in_indirect_light(), 1e-4, 1);
+  ASSERT_TRUE(p.measured);
+  EXPECT_FALSE(p.met);
+  EXPECT_LT(chosen_samples(p), 65536);
+  const std::size_t most = p.samples.size() - 1;
+  EXPECT_LE(p.error_dp_px(), 1.1 * p.error_dp_px(p.lens, p.bounce, p.light, most));
+}
+
 // The matcher's pixels are those of the sensor. The error of a lens's focus is a length on the sensor, so that it is
 // twice as many DP pixels where these are half as wide; the least sensor is one window of them.
 TEST(SlowPlan, KnowsTheDpPixelsOfTheSensor) {

@@ -26,16 +26,17 @@ TEST(PortraitAuto, ChoosesByTimeOrError) {
     const char *option, *matcher, *said;
   };
   for (const auto& [option, matcher, said] :
-       {Case{"--auto 1000", "split", "--auto: split, 1/8: 0.252 ms of CPU time for disparity and 0.22 DP px"},
-        Case{"--auto .16", "paper", "--auto: paper, 1/16: 0.147 ms of CPU time"},
-        Case{"--auto-error .6", "likelihood", "--auto-error: likelihood, 1/32: 0.184 ms of CPU time"}}) {
+       {Case{"--auto 1000 --set split_match.alpha=.3", "split",
+             "--auto: split, 1/4 (--matcher split); as charted, 7.8 ms"},
+        Case{"--auto .4", "paper", "--auto: paper, 1/16 (--matcher paper --set smooth.divisor=16 "},
+        Case{"--auto-error .6 --zoom", "likelihood", "as charted, 0.3 ms of CPU time for disparity, 0.58 DP px"}}) {
     const TemporaryFolder folder;
     const Outcome outcome = run_command(write_pair(folder) + "--mode dp " + option);
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_NE(outcome.err.find(said), std::string::npos) << outcome.err;
     const nlohmann::json result = read_json_file(folder / "out/result.json");
     EXPECT_EQ(result["provenance"]["matcher"], matcher);
-    EXPECT_TRUE(result["provenance"]["options"].contains("smooth.divisor")) << result["provenance"].dump();
+    EXPECT_TRUE(result["provenance"]["auto"].contains("charted_cpu_ms")) << result["provenance"].dump();
   }
 }
 
@@ -43,12 +44,16 @@ TEST(PortraitAuto, RefusesWhatItCannotKeep) {
   const TemporaryFolder folder;
   const std::string portrait = write_pair(folder);
   for (const auto& [options, said] :
-       {std::pair{"--auto .01", "--auto 0.01: the fastest setting takes 0.147 ms for 0.00614 megapixels; allow that"},
-        {"--auto nan", "--auto"},
-        {"--auto-error .1", "--auto-error 0.1: the least error of any setting is 0.22 DP px; allow that"},
-        {"--auto 100 --auto-error 1", "--auto-error"},
-        {"--auto 100 --matcher split", "--matcher"},
-        {"--auto 100 --set smooth.divisor=8", "--set smooth.divisor: is chosen by --auto; leave one of them out"},
+       {std::pair{"--auto .01", "--auto 0.01: must be at least 0.3, ms of the fastest setting for 0.00614 megapixels"},
+        {"--auto nan", "--auto: Value nan not in range 0.001 to 1e+09"},
+        {"--auto ''", "--auto: Value  not in range"},
+        {"--auto-error .1", "--auto-error 0.1: must be at least 0.226, DP px of the most accurate setting"},
+        {"--auto 100 --auto-error 1", "--auto excludes --auto-error"},
+        {"--auto 100 --matcher split", "--matcher excludes --auto"},
+        {"--auto 100 --disparity d.npy", "--auto excludes --disparity"},
+        {"--auto 100 --set smooth.divisor=8", "--set smooth.divisor=8: smoothing is chosen by --auto"},
+        {"--auto 100 --set match.range_px=2", "match.range_px: matcher split does not use it"},
+        {"--auto 100 --tap 999,9", "--tap"},
         {"--auto 100 --mode seg", "--auto: chooses how disparity is found, which mode seg does not use"}}) {
     const Outcome outcome = run_command(portrait + options);
     expect_one_line_refusal(outcome);
@@ -58,7 +63,8 @@ TEST(PortraitAuto, RefusesWhatItCannotKeep) {
   const Outcome photograph =
       run_command("portrait '" + (folder / "photo.png") + "' -o '" + (folder / "out") + "' --auto 100");
   expect_one_line_refusal(photograph);
-  EXPECT_NE(photograph.err.find("--auto"), std::string::npos) << photograph.err;
+  EXPECT_NE(photograph.err.find("--auto: "), std::string::npos) << photograph.err;
+  EXPECT_NE(photograph.err.find("cannot be used with a photograph"), std::string::npos) << photograph.err;
 }
 
 }  // namespace

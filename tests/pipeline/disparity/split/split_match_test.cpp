@@ -261,7 +261,7 @@ TEST(SplitMatch, ALampOutOfFocusIsNotShading) {
 
 // Sharp highlights before a blurred wall, over four times as bright: around them most of the wall keeps its disparity.
 // Were their contrast to count in full, half would get theirs; .28 do.
-TEST(SplitMatch, HighlightsDoNotAnswerForWhatIsAroundThem) {
+TEST(SplitMatch, HighlightsAnswerForLessOfWhatIsAroundThem) {
   RampPair pair = ramp_pair(7, 20, 0.003);
   constexpr int kStep = 128, kSide = 6;
   constexpr float kBright = 1;
