@@ -64,7 +64,7 @@ const DisparitySetting& fastest_setting(double error_dp_px) {
   for (const DisparitySetting& setting : disparity_settings()) {
     if (setting.error_dp_px <= error_dp_px) return setting;
   }
-  throw InputError(fmt::format("--auto-error {:g}: must be at least {:g}, DP px of the most accurate setting",
+  throw InputError(fmt::format("--auto-error {:g}: must be at least {:g}, DP px of the most accurate setting on offer",
                                error_dp_px, disparity_settings().back().error_dp_px));
 }
 

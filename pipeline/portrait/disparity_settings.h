@@ -10,14 +10,15 @@
 /// Speed against accuracy of disparity, for `portrait --auto`: matchers and smoothing that are worth choosing.
 namespace dualpixel::pipeline {
 
-/// One point of the front that `dualpixel chart` measures ("Disparity by --auto"), on the machine and scenes that
+/// One of the settings that `dualpixel chart` measures ("Disparity by --auto"), on the machine and scenes that
 /// docs/disparity.md names. Figures are of that chart: another machine takes another time, other scenes other errors.
 struct DisparitySetting {
   std::string_view name;
   /// CPU time, all threads together: of matching what does not depend on the size, and what does, over the megapixels
   /// of a view as it is matched; of smoothing and upsampling, over those of the picture.
   double fixed_ms = 0, matching_ms = 0, smoothing_ms = 0;
-  /// Root mean square of the disparity's error over the scenes, without a fit, DP px.
+  /// Promised: root mean square of the disparity's error over the scenes, without a fit, DP px; 1 to 3 % above what was
+  /// measured.
   double error_dp_px = 0;
   std::string_view matcher;
   std::vector<std::string_view> assignments;  ///< what else differs from the matcher's defaults, as --set has it

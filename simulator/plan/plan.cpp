@@ -81,7 +81,7 @@ int choose_within(Plan& plan, const PilotErrors& pilots, int scene_samples, doub
 }
 
 /// The least work whose error stays within the tolerance. Where none does, within a tenth of the least error that there
-/// is: the last percent may take a hundred times as long.
+/// is: the last tenth may take a hundred times as long.
 void choose(Plan& plan, const PilotErrors& pilots, int scene_samples) {
   constexpr double kNearTheLeast = 1.1;
   int chosen_samples = choose_within(plan, pilots, scene_samples, plan.tolerance_dp_px);
@@ -93,6 +93,7 @@ void choose(Plan& plan, const PilotErrors& pilots, int scene_samples) {
       least = std::min(least, root_of_squares(plan, pilots, l, b, t, most));
     });
     chosen_samples = choose_within(plan, pilots, scene_samples, kNearTheLeast * least);
+    if (chosen_samples == 0) throw InputError("plan: no error could be measured: values of the scene are too large");
   }
   const int first = plan.measured ? kPilotSamples[0] : chosen_samples,
             last = plan.measured ? std::min(4 * chosen_samples, kMostSamples) : first;

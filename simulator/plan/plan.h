@@ -34,7 +34,8 @@
 /// disparity the capture's own sensor noise, its burst merged, blurs by no more than the tolerance. Where fewer than 6
 /// windows have texture, bounces, light and samples stay as the scene file has them, and the plan says so.
 ///
-/// Where nothing keeps the tolerance, the plan is the cheapest within a tenth of the least error that there is.
+/// Where nothing keeps the tolerance, the plan is the cheapest within a tenth of the least error that there is: it may
+/// take far less than that of a tolerance that can just be kept.
 ///
 /// The choice is by the time that the pilots took on this machine, in steps of a factor of sqrt(2), so that it is
 /// rarely another one the next time: the plan that a capture was made with is kept in it. Times are for the left and

@@ -153,7 +153,8 @@ std::string plan_text(const Plan& plan) {
   text += plan.met ? fmt::format("Enough for {} DP px: {}: error {:.4f} DP px, {:.1f} s for the two views.\n",
                                  plan.tolerance_dp_px, chosen, error, chosen_s)
                    : fmt::format(
-                         "Nothing reaches {} DP px; within a tenth of the least error is {}: {:.4f} DP px, {:.1f} s.\n",
+                         "Nothing reaches {} DP px; the cheapest within a tenth of the least error is {}: {:.4f} DP "
+                         "px, {:.1f} s.\n",
                          plan.tolerance_dp_px, chosen, error, chosen_s);
   return text;
 }

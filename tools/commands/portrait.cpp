@@ -233,9 +233,6 @@ AutoChoice choose_setting(const PortraitCommand& command, const Capture& capture
   }
   const pipeline::DisparitySetting& setting = command.auto_ms ? pipeline::best_setting(*command.auto_ms, size)
                                                               : pipeline::fastest_setting(*command.auto_error_dp_px);
-  for (const std::string& assignment : command.assignments) {
-    pipeline::require_read_by(&pipeline::matcher_named(setting.matcher), assignment.substr(0, assignment.find('=')));
-  }
   options = with_setting(std::move(options), setting);
   return {&setting, cpu_ms(setting, size)};
 }
@@ -244,11 +241,11 @@ void say_choice(const PortraitCommand& command, const AutoChoice& choice, nlohma
   if (!choice.setting) return;
   const pipeline::DisparitySetting& setting = *choice.setting;
   provenance["auto"] = {
-      {"setting", setting.name}, {"charted_cpu_ms", choice.cpu_ms}, {"charted_error_dp_px", setting.error_dp_px}};
+      {"setting", setting.name}, {"charted_cpu_ms", choice.cpu_ms}, {"promised_error_dp_px", setting.error_dp_px}};
   if (command.auto_ms) provenance["auto"]["most_cpu_ms"] = *command.auto_ms;
   if (command.auto_error_dp_px) provenance["auto"]["most_error_dp_px"] = *command.auto_error_dp_px;
   std::cerr << fmt::format(
-      "{}: {} ({}); as charted, {:.1f} ms of CPU time for disparity, {:g} DP px over eight scenes\n",
+      "{}: {} ({}): some {:.1f} ms of CPU time for disparity, at most {:g} DP px on charted scenes\n",
       command.automatic(), setting.name, command_line(setting), choice.cpu_ms, setting.error_dp_px);
 }
 

@@ -18,7 +18,7 @@ struct CoarseViews {
   int columns = 0, rows = 0;  ///< tiles; the last may reach over the border
   Image sum, difference;
   Image usable;  ///< one pixel a tile: share of its pixels that are finite and not clipped in both views
-  Image weight;  ///< one pixel a tile: 0 to 1, of its residuals; less where it outshines its surroundings
+  Image weight;  ///< one pixel a tile: 0 to 1, of its residuals; less where it has more contrast than its surroundings
 };
 
 CoarseViews make_coarse_views(const Image& left, const Image& right, const SplitMatchOptions& options, int margin);

@@ -1,5 +1,6 @@
 #include "pipeline/portrait/disparity_settings.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <tuple>
@@ -34,7 +35,7 @@ TEST(DisparitySettings, TheLastThatFitsIsTheBest) {
             }),
             "--auto 1: must be at least 52.0, ms of the fastest setting for 2 megapixels");
   EXPECT_EQ(message_of<InputError>([] { fastest_setting(0.01); }),
-            "--auto-error 0.01: must be at least 0.226, DP px of the most accurate setting");
+            "--auto-error 0.01: must be at least 0.226, DP px of the most accurate setting on offer");
 }
 
 // Matching takes its time by DP pixels, which are eight times as many where each is one photosite.
@@ -72,7 +73,7 @@ TEST(DisparitySettings, ReplaceMatcherAndSmoothingAlone) {
 }
 
 TEST(DisparitySettings, SayWhatTheyChoose) {
-  EXPECT_EQ(command_line(disparity_settings().back()), "--matcher split");
+  EXPECT_EQ(command_line(disparity_settings().back()), fmt::format("--matcher {}", kDefaultMatcher));
   EXPECT_NE(command_line(disparity_settings().front()).find("--matcher paper --set smooth.divisor=16 --set "),
             std::string::npos);
   EXPECT_EQ(message_of<InputError>([] { require_not_chosen("smooth.divisor=8"); }),

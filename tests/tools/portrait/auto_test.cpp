@@ -27,9 +27,11 @@ TEST(PortraitAuto, ChoosesByTimeOrError) {
   };
   for (const auto& [option, matcher, said] :
        {Case{"--auto 1000 --set split_match.alpha=.3", "split",
-             "--auto: split, 1/4 (--matcher split); as charted, 7.8 ms"},
-        Case{"--auto .4", "paper", "--auto: paper, 1/16 (--matcher paper --set smooth.divisor=16 "},
-        Case{"--auto-error .6 --zoom", "likelihood", "as charted, 0.3 ms of CPU time for disparity, 0.58 DP px"}}) {
+             "--auto: split, 1/4 (--matcher split): some 7.8 ms of CPU time"},
+        Case{"--auto .4 --set split_match.alpha=.3", "paper",
+             "--auto: paper, 1/16 (--matcher paper --set smooth.divisor=16 "},
+        Case{"--auto-error .6 --zoom", "likelihood",
+             "some 0.3 ms of CPU time for disparity, at most 0.58 DP px on charted"}}) {
     const TemporaryFolder folder;
     const Outcome outcome = run_command(write_pair(folder) + "--mode dp " + option);
     ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -47,12 +49,11 @@ TEST(PortraitAuto, RefusesWhatItCannotKeep) {
        {std::pair{"--auto .01", "--auto 0.01: must be at least 0.3, ms of the fastest setting for 0.00614 megapixels"},
         {"--auto nan", "--auto: Value nan not in range 0.001 to 1e+09"},
         {"--auto ''", "--auto: Value  not in range"},
-        {"--auto-error .1", "--auto-error 0.1: must be at least 0.226, DP px of the most accurate setting"},
+        {"--auto-error .1", "--auto-error 0.1: must be at least 0.226, DP px of the most accurate setting on offer"},
         {"--auto 100 --auto-error 1", "--auto excludes --auto-error"},
         {"--auto 100 --matcher split", "--matcher excludes --auto"},
         {"--auto 100 --disparity d.npy", "--auto excludes --disparity"},
         {"--auto 100 --set smooth.divisor=8", "--set smooth.divisor=8: smoothing is chosen by --auto"},
-        {"--auto 100 --set match.range_px=2", "match.range_px: matcher split does not use it"},
         {"--auto 100 --tap 999,9", "--tap"},
         {"--auto 100 --mode seg", "--auto: chooses how disparity is found, which mode seg does not use"}}) {
     const Outcome outcome = run_command(portrait + options);
