@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "capture/timing.h"
+#include "evaluation/metrics/disparity_metrics.h"
 #include "evaluation/simulated_scene.h"
 #include "pipeline/portrait/run_portrait.h"
 #include "scenes/kinds/kinds.h"
@@ -76,13 +77,13 @@ Capture simulate_auto_scene(int index, const std::string& scratch) {
 double disparity_error(const Capture& capture, const pipeline::DisparitySetting& setting) {
   const Image found = pipeline::run_portrait(capture, disparity_alone(setting)).disparity_dp_px;
   const Image& truth = capture.truth->disparity_dp_px;
-  double squares = 0, count = 0;
+  std::vector<float> estimates, truths;
   for (std::size_t i = 0; i < truth.data.size(); ++i) {
     if (!std::isfinite(truth.data[i])) continue;
-    squares += std::pow(found.data[i] - truth.data[i], 2);
-    ++count;
+    estimates.push_back(found.data[i]);
+    truths.push_back(truth.data[i]);
   }
-  return std::sqrt(squares / count);
+  return rmse(estimates, truths);
 }
 
 double disparity_cpu_ms(const Capture& capture, const pipeline::DisparitySetting& setting) {
