@@ -8,6 +8,7 @@
 #include "capture/image/resample.h"
 #include "evaluation/calibration_sweep/calibration_sweep.h"
 #include "evaluation/calibration_sweep/plane_disparity.h"
+#include "evaluation/calibration_sweep/traced_skew.h"
 #include "evaluation/methods/disparity_method.h"
 #include "pipeline/calibration/nodes.h"
 
@@ -52,10 +53,11 @@ TargetViews photograph_plane(const simulator::Simulation& simulation, double pla
   return plane;
 }
 
-Image matched_disparity(const simulator::Simulation& simulation, double plane_m) {
+Image matched_disparity(const simulator::Simulation& simulation, double plane_m, const pipeline::SkewField& skew) {
   const TargetViews plane = photograph_plane(simulation, plane_m);
   pipeline::ViewSensor sensor;
   sensor.noise = frame_noise(simulation.sensor, kBaseIso);
+  sensor.skew = skew;
   const DisparityMethod method = method_named(std::string(pipeline::kDefaultMatcher));
   return method.run(plane.left, plane.right, of_camera(sensor, describe_camera(simulation))).found.disparity_dp_px;
 }
@@ -84,7 +86,8 @@ std::vector<CalibrationRemainder> measure_remainders(const simulator::Simulation
   SweepOptions noisy, by_hand;
   noisy.noise = by_hand.noise = frame_noise(simulation.sensor, kHighIso);
   by_hand.focuses = 5, by_hand.targets = 3, by_hand.tilt_x_deg = 1;
-  const pipeline::Calibration calibration = measured({});
+  pipeline::Calibration calibration = measured({});
+  add_traced_skew(simulation, calibration);
   add("grid", traced({focus_m}), plane);
   const auto [far_m, near_m] = focuses_around(focus_m, {}).focus_distances_m;
   add("focus", traced({far_m, near_m}), plane);
@@ -94,7 +97,8 @@ std::vector<CalibrationRemainder> measure_remainders(const simulator::Simulation
   constexpr int kLeastSquares = 10;
   const int columns = camera.dp_width() / kSquare_px, rows = camera.dp_height() / kSquare_px;
   if (std::isfinite(plane_m) && std::min(columns, rows) >= kLeastSquares) {
-    add("matching", calibration, resize_area(matched_disparity(simulation, plane_m), columns, rows));
+    const pipeline::SkewField skew = make_correction(calibration, camera).skew;
+    add("matching", calibration, resize_area(matched_disparity(simulation, plane_m, skew), columns, rows));
   } else {
     remainders.push_back({"matching", std::numeric_limits<double>::quiet_NaN()});
   }

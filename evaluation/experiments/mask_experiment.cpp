@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kWorst = 20;
-constexpr int kThumbnail_px = 360;
+constexpr int kMaskThumbnail_px = 360;
 
 /// Linear, one or three channels. EXR and HDR files hold linear values, all others sRGB.
 Image read_linear(const std::string& path) {
@@ -94,7 +94,7 @@ Scored score(const MaskedPicture& pair, pipeline::PersonNetwork& network) {
 
 /// A small copy of the picture in gray: orange where the filtered mask covers too much, blue where it is missing.
 Image errors_srgb(const Image& picture_linear, const Image& true_mask, const Image& filtered_mask) {
-  const double scale = std::min(1.0, 1.0 * kThumbnail_px / std::max(picture_linear.width, picture_linear.height));
+  const double scale = std::min(1.0, 1.0 * kMaskThumbnail_px / std::max(picture_linear.width, picture_linear.height));
   const int width = std::max(1, static_cast<int>(scale * picture_linear.width));
   const int height = std::max(1, static_cast<int>(scale * picture_linear.height));
   const Image picture = resized(picture_linear, width, height), truth = resized(true_mask, width, height);

@@ -74,10 +74,10 @@ float redistributed(float distance) {
   return share < kKnee ? kValue / kKnee * share : kValue + (share - kKnee) / (1 - kKnee) * (1 - kValue);
 }
 
-using Kernel = std::vector<float>;  // of odd length, about its middle
+using Weights = std::vector<float>;  // of odd length, about its middle
 
 /// One channel of `image`, along x by the one kernel and along y by the other; added, times `share`, to `sum`.
-void add_filtered(const Image& image, int channel, const Kernel& along_x, const Kernel& along_y, float share,
+void add_filtered(const Image& image, int channel, const Weights& along_x, const Weights& along_y, float share,
                   Image& sum) {
   const int reach_x = static_cast<int>(along_x.size() / 2), reach_y = static_cast<int>(along_y.size() / 2);
   Image rows(image.width, image.height);
@@ -105,8 +105,8 @@ struct Sensitivity {
 };
 constexpr Sensitivity kSensitivities[] = {{1, 0.0047, 0, 1e-5}, {1, 0.0053, 0, 1e-5}, {34.1, 0.04, 13.5, 0.025}};
 
-Kernel gaussian(double b, int reach, double pixels_per_degree) {
-  Kernel kernel;
+Weights gaussian(double b, int reach, double pixels_per_degree) {
+  Weights kernel;
   for (int k = -reach; k <= reach; ++k) {
     const double degrees = k / pixels_per_degree;
     kernel.push_back(static_cast<float>(std::exp(-std::numbers::pi * std::numbers::pi * degrees * degrees / b)));
@@ -122,8 +122,8 @@ Image seen(const Image& opponents, double pixels_per_degree) {
   Image filtered(opponents.width, opponents.height, 3);
   for (int c = 0; c < 3; ++c) {
     const Sensitivity& s = kSensitivities[c];
-    const Kernel first = gaussian(s.b1, reach, pixels_per_degree), second = gaussian(s.b2, reach, pixels_per_degree);
-    const auto mass = [](const Kernel& k) { return std::pow(std::accumulate(k.begin(), k.end(), 0.0), 2); };
+    const Weights first = gaussian(s.b1, reach, pixels_per_degree), second = gaussian(s.b2, reach, pixels_per_degree);
+    const auto mass = [](const Weights& k) { return std::pow(std::accumulate(k.begin(), k.end(), 0.0), 2); };
     const double w1 = s.a1 * std::sqrt(std::numbers::pi / s.b1), w2 = s.a2 * std::sqrt(std::numbers::pi / s.b2);
     const double sum = w1 * mass(first) + w2 * mass(second);
     add_filtered(opponents, c, first, first, static_cast<float>(w1 / sum), filtered);
@@ -140,7 +140,7 @@ Image seen(const Image& opponents, double pixels_per_degree) {
 /// First or second derivative of a Gaussian whose positive and whose negative weights add up to 1 and -1, and the
 /// Gaussian itself.
 struct FeatureFilter {
-  Kernel across, along;
+  Weights across, along;
 };
 
 FeatureFilter feature_filter(bool edges, double pixels_per_degree) {

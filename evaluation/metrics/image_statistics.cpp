@@ -11,14 +11,13 @@ namespace dualpixel::evaluation {
 namespace {
 
 using Spectrum = Eigen::MatrixXcf;
-constexpr double kPi = std::numbers::pi;
 
 /// Rows of the discrete Fourier transform of n points.
 Eigen::MatrixXcf fourier_matrix(int n) {
   Eigen::MatrixXcf matrix(n, n);
   for (int k = 0; k < n; ++k) {
     for (int x = 0; x < n; ++x)
-      matrix(k, x) = std::complex<float>(std::polar(1.0, -2 * kPi * static_cast<double>(k * x % n) / n));
+      matrix(k, x) = std::complex<float>(std::polar(1.0, -2 * std::numbers::pi * static_cast<double>(k * x % n) / n));
   }
   return matrix;
 }
@@ -27,7 +26,7 @@ Eigen::MatrixXcf fourier_matrix(int n) {
 Spectrum windowed_spectrum(const Image& picture, const Eigen::MatrixXcf& fourier) {
   const int side = static_cast<int>(fourier.rows());
   const int left = (picture.width - side) / 2, top = (picture.height - side) / 2;
-  const auto window = [&](int i) { return 0.5 - 0.5 * std::cos(2 * kPi * (i + 0.5) / side); };
+  const auto window = [&](int i) { return 0.5 - 0.5 * std::cos(2 * std::numbers::pi * (i + 0.5) / side); };
   double mean = 0, weights = 0;
   for (int y = 0; y < side; ++y) {
     for (int x = 0; x < side; ++x) {

@@ -5,6 +5,7 @@
 
 #include "capture/capture.h"
 #include "pipeline/calibration/target_measurement.h"
+#include "pipeline/disparity/kernel_skew.h"
 
 /// Calibration of disparity over the field, so that equal depth gives equal disparity (Wadhwa et al. 2018, section 4.2
 /// "Imaging Model and Calibration").
@@ -22,6 +23,7 @@ struct FocusCalibration {
                          ///< they lie too close together
   Image intercept_dp_px;  ///< I, by that slope
   Image residual_dp_px;   ///< root mean square of the measurements about the node's own line, its slope not smoothed
+  SkewField skew;         ///< of the views' kernels, where the lens is known: not from targets; may have no nodes
 };
 
 struct Calibration {
@@ -40,7 +42,9 @@ Calibration fit_calibration(const Camera& camera, const std::vector<TargetMeasur
 std::size_t principal_node(const Camera& camera);
 
 /// calibration.json: {"format", "version": 2, "camera": {name and intrinsics}, "nearest_target_m", "farthest_target_m",
-/// "warnings", "focuses": [{"focus_distance_m", "r_squared", "slope_dp_px_m": [21 x 15 row by row], ...}]}.
+/// "warnings", "focuses": [{"focus_distance_m", "r_squared", "slope_dp_px_m": [21 x 15 row by row], ...,
+/// "kernel_skew": {"columns", "rows", "farthest_dp_px", "xxx": [6 coefficients a node], "xyy": [...]}}]}. All focus
+/// distances have a kernel_skew of as many nodes, or none has.
 nlohmann::ordered_json to_json(const Calibration& calibration);
 /// Every field checked; `file` names it in messages. Throws InputError.
 Calibration read_calibration(const nlohmann::json& json, const std::string& file);

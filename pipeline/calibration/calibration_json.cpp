@@ -42,6 +42,50 @@ void read_nodes(Fields& fields, const std::string& key, Image& image, double low
   for (std::size_t i = 0; i < kNodes; ++i) image.data[i] = static_cast<float>(values[i]);
 }
 
+/// Coefficients node after node.
+Json coefficients_json(const SkewField& field, SkewCurve::Coefficients SkewCurve::*which) {
+  Json numbers = Json::array();
+  for (const SkewCurve& curve : field.nodes) {
+    for (const float value : curve.*which) numbers.push_back(rounded(value));
+  }
+  return numbers;
+}
+
+Json skew_json(const SkewField& field) {
+  return {{"columns", field.columns},
+          {"rows", field.rows},
+          {"farthest_dp_px", field.nodes.front().farthest_dp_px},
+          {"xxx", coefficients_json(field, &SkewCurve::xxx)},
+          {"xyy", coefficients_json(field, &SkewCurve::xyy)}};
+}
+
+SkewField read_skew(Fields fields) {
+  constexpr int kMostNodes = 100;  // along an axis
+  constexpr std::size_t kCoefficients = std::tuple_size_v<SkewCurve::Coefficients>;
+  SkewField field;
+  double farthest = 0;
+  fields.required("columns").integer("columns", field.columns, 1, kMostNodes);
+  fields.required("rows").integer("rows", field.rows, 1, kMostNodes);
+  fields.required("farthest_dp_px").number("farthest_dp_px", farthest, 0, 100);
+  field.nodes.assign(static_cast<std::size_t>(field.columns) * field.rows, {{}, {}, static_cast<float>(farthest)});
+  const auto read = [&](const std::string& key, SkewCurve::Coefficients SkewCurve::*which) {
+    std::vector<double> values;
+    const std::size_t count = field.nodes.size() * kCoefficients;
+    fields.required(key).list(key, values, -kMost, kMost, count);
+    if (values.size() != count) {
+      fields.fail(key, fmt::format("{} numbers: must be {} for each of {} x {} nodes, row by row", values.size(),
+                                   kCoefficients, field.columns, field.rows));
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      (field.nodes[i / kCoefficients].*which)[i % kCoefficients] = static_cast<float>(values[i]);
+    }
+  };
+  read("xxx", &SkewCurve::xxx);
+  read("xyy", &SkewCurve::xyy);
+  fields.done();
+  return field;
+}
+
 void read_header(Fields& fields, const std::string& expected) {
   std::string format;
   int version = 0;
@@ -82,6 +126,7 @@ Json to_json(const Calibration& calibration) {
                        {"slope_dp_px_m", nodes_json(f.slope_dp_px_m)},
                        {"intercept_dp_px", nodes_json(f.intercept_dp_px)},
                        {"residual_dp_px", nodes_json(f.residual_dp_px)}});
+    if (!f.skew.nodes.empty()) focuses.back()["kernel_skew"] = skew_json(f.skew);
   }
   return {{"format", kCalibrationFormat},
           {"version", kVersion},
@@ -118,6 +163,11 @@ Calibration read_calibration(const nlohmann::json& json, const std::string& file
     read_nodes(entry, "slope_dp_px_m", f.slope_dp_px_m, -kMost);
     read_nodes(entry, "intercept_dp_px", f.intercept_dp_px, -kMost);
     read_nodes(entry, "residual_dp_px", f.residual_dp_px, 0);
+    if (entry.has("kernel_skew")) f.skew = read_skew(entry.object("kernel_skew"));
+    const SkewField& first = calibration.focuses.front().skew;
+    if (f.skew.columns != first.columns || f.skew.rows != first.rows) {
+      entry.fail("kernel_skew", "must have as many nodes as that of the first focus distance");
+    }
     if (f.slope_dp_px_m.data[principal_node(calibration.camera)] == 0) {
       entry.fail("slope_dp_px_m", "0 at the principal point: there is nothing to correct to");
     }

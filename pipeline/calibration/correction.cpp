@@ -40,14 +40,14 @@ FocusCalibration focus_at(const Calibration& calibration, double focus_distance_
   const FocusCalibration& far = next == focuses.begin() ? near : *(next - 1);
   const double span = 1 / near.focus_distance_m - 1 / far.focus_distance_m;
   const auto t = static_cast<float>(span > 0 && next != focuses.end() ? (wanted - 1 / far.focus_distance_m) / span : 1);
-  if (t >= 1) return {focus_distance_m, 0, near.slope_dp_px_m, near.intercept_dp_px, {}};
-  FocusCalibration mixed{focus_distance_m, 0, node_image(), node_image(), {}};
-  for (std::size_t i = 0; i < mixed.slope_dp_px_m.data.size(); ++i) {
+  if (t >= 1) return {focus_distance_m, 0, near.slope_dp_px_m, near.intercept_dp_px, {}, near.skew};
+  FocusCalibration between{focus_distance_m, 0, node_image(), node_image(), {}, mixed(far.skew, near.skew, t)};
+  for (std::size_t i = 0; i < between.slope_dp_px_m.data.size(); ++i) {
     if (far.slope_dp_px_m.data[i] == 0 || near.slope_dp_px_m.data[i] == 0) continue;
-    mixed.slope_dp_px_m.data[i] = std::lerp(far.slope_dp_px_m.data[i], near.slope_dp_px_m.data[i], t);
-    mixed.intercept_dp_px.data[i] = std::lerp(far.intercept_dp_px.data[i], near.intercept_dp_px.data[i], t);
+    between.slope_dp_px_m.data[i] = std::lerp(far.slope_dp_px_m.data[i], near.slope_dp_px_m.data[i], t);
+    between.intercept_dp_px.data[i] = std::lerp(far.intercept_dp_px.data[i], near.intercept_dp_px.data[i], t);
   }
-  return mixed;
+  return between;
 }
 
 void require_same_camera(const Camera& own, const Camera& camera, const std::string& what) {
@@ -73,9 +73,9 @@ void require_same_camera(const Camera& own, const Camera& camera, const std::str
 
 Correction make_correction(const Calibration& calibration, const Camera& camera) {
   require_same_camera(calibration.camera, camera, "capture does not fit the calibration");
-  Correction correction{node_image(1), node_image(), node_image(), 1, ""};
-  set_focus_confidence(calibration, camera.focus_distance_m, correction);
   const FocusCalibration focus = focus_at(calibration, camera.focus_distance_m);
+  Correction correction{node_image(1), node_image(), focus.skew, node_image(), 1, ""};
+  set_focus_confidence(calibration, camera.focus_distance_m, correction);
   // the line at the principal point, between nodes that all have one
   Image slopes = focus.slope_dp_px_m, intercepts = focus.intercept_dp_px;
   fill_holes(focus.slope_dp_px_m, slopes);
@@ -102,6 +102,7 @@ Correction make_correction(const Calibration& calibration, const Camera& camera)
 
 Correction of_part(const Correction& whole, double x, double y, double width, double height) {
   Correction part = whole;
+  part.skew = of_part(whole.skew, x, y, width, height);
   for (int row = 0; row < kCalibrationRows; ++row) {
     for (int column = 0; column < kCalibrationColumns; ++column) {
       const double u = x + width * column / (kCalibrationColumns - 1), v = y + height * row / (kCalibrationRows - 1);

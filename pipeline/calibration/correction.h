@@ -10,7 +10,7 @@ namespace dualpixel::pipeline {
 
 /// S_z and I_z at a focus distance z, interpolated linearly in 1/z between the calibrated focus distances: both are
 /// nearly linear in 1/z (the thin lens's intercept is -S/z), and 1/z is finite for a focus at infinity. Outside the
-/// calibrated range: those of the nearest focus distance. Residual and r_squared stay empty.
+/// calibrated range: those of the nearest focus distance. So is the kernels' skew. Residual and r_squared stay empty.
 FocusCalibration focus_at(const Calibration& calibration, double focus_distance_m);
 
 /// The correction for one capture, ready to be applied to its maps.
@@ -18,6 +18,7 @@ struct Correction {
   /// At the nodes: d_corrected = gain d + offset. Nodes that are not usable hold the values of the nearest usable
   /// ones, so that interpolation beside them stays smooth.
   Image gain, offset_dp_px;
+  SkewField skew;        ///< at that focus distance, for the matcher; may have no nodes
   Image usable;          ///< 0: no line, or its slope is under a fifth of the principal point's and mostly noise
   float confidence = 1;  ///< exp(-distance / 0.5 per meter) to the calibrated range of 1/z; 1 inside
   std::string warning;   ///< names both where the focus distance lies outside the range; else empty

@@ -25,6 +25,7 @@ Image green_means(const Image& dense, const std::string& cfa) {
 ViewSensor sensor_of_green_means(const ViewSensor& dense) {
   ViewSensor sensor = dense;
   if (sensor.noise) sensor.noise = ViewNoise{dense.noise->shot / 2, dense.noise->read / 2};
+  for (SkewCurve& curve : sensor.skew.nodes) curve = in_larger_pixels(curve, 2);
   return sensor;
 }
 

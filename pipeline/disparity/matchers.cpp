@@ -42,15 +42,17 @@ TileDisparity match_as_in_paper(const Image& left, const Image& right, const Vie
   return tiles;
 }
 
-LikelihoodMatchOptions of_sensor(LikelihoodMatchOptions options, const ViewSensor& sensor) {
+LikelihoodMatchOptions of_sensor(LikelihoodMatchOptions options, const ViewSensor& sensor, float alpha) {
   options.noise = sensor.noise;
   options.white = sensor.white;
+  options.skew = sensor.skew;
+  if (options.skew.nodes.empty() && alpha > 0) options.skew = {1, 1, {skew_of_split(alpha, sensor.pixel_height)}};
   return options;
 }
 
 TileDisparity match_likeliest(const Image& left, const Image& right, const ViewSensor& sensor,
                               const MatcherOptions& options) {
-  return match_by_likelihood(left, right, of_sensor(options.likelihood_match, sensor));
+  return match_by_likelihood(left, right, of_sensor(options.likelihood_match, sensor, alpha_of_camera(sensor.alpha)));
 }
 
 TileDisparity match_knowing_split(const Image& left, const Image& right, const ViewSensor& sensor,
@@ -59,7 +61,7 @@ TileDisparity match_knowing_split(const Image& left, const Image& right, const V
   split.white = sensor.white;
   split.pixel_height = sensor.pixel_height;
   if (split.alpha == 0) split.alpha = alpha_of_camera(sensor.alpha);
-  return match_by_split(left, right, split, of_sensor(options.likelihood_match, sensor));
+  return match_by_split(left, right, split, of_sensor(options.likelihood_match, sensor, split.alpha));
 }
 
 constexpr std::string_view kPaperGroups[] = {"normalize", "match"}, kLikelihoodGroups[] = {"likelihood_match"},

@@ -4,6 +4,7 @@
 
 #include "capture/capture.h"
 #include "capture/image/image.h"
+#include "pipeline/disparity/kernel_skew.h"
 
 /// Noise of DP views.
 namespace dualpixel::pipeline {
@@ -20,6 +21,7 @@ struct ViewSensor {
   float white = 1;                 ///< normalized signal at which a view clips
   float pixel_height = 1;          ///< of a view's pixel, over its width
   float alpha = 0;                 ///< centroid disparity over signed blur diameter; 0: unknown
+  SkewField skew;                  ///< of the views' kernels, as calibrated; no nodes: that of an ideal split of alpha
 };
 
 /// The same with what the camera says of its views' pixels. A hard split's alpha needs no saying: the centroids of half

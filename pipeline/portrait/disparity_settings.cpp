@@ -38,17 +38,17 @@ std::span<const DisparitySetting> disparity_settings() {
   return settings;
 }
 
-PictureSize picture_size(const Capture& capture) {
+Megapixels megapixels_of(const Capture& capture) {
   const Camera& camera = capture.camera;
   const double view = 1e-6 * camera.dp_width() * camera.dp_height();
   return {1e-6 * camera.width_px * camera.height_px, is_dense_mosaic(capture) ? view / 4 : view};
 }
 
-double cpu_ms(const DisparitySetting& setting, const PictureSize& size) {
+double cpu_ms(const DisparitySetting& setting, const Megapixels& size) {
   return setting.fixed_ms + setting.matching_ms * size.view + setting.smoothing_ms * size.picture;
 }
 
-const DisparitySetting& best_setting(double most_cpu_ms, const PictureSize& size) {
+const DisparitySetting& best_setting(double most_cpu_ms, const Megapixels& size) {
   const std::span<const DisparitySetting> all = disparity_settings();
   const DisparitySetting* best = nullptr;
   for (const DisparitySetting& setting : all) {

@@ -28,16 +28,15 @@ struct DisparitySetting {
 /// defaults.
 std::span<const DisparitySetting> disparity_settings();
 
-/// Megapixels.
-struct PictureSize {
+struct Megapixels {
   double picture = 0, view = 0;  ///< `view`: as it is matched
 };
-PictureSize picture_size(const Capture& capture);
+Megapixels megapixels_of(const Capture& capture);
 
-double cpu_ms(const DisparitySetting& setting, const PictureSize& size);
+double cpu_ms(const DisparitySetting& setting, const Megapixels& size);
 
 /// The setting of least error that takes at most so long. Throws InputError that begins with "--auto", where none does.
-const DisparitySetting& best_setting(double most_cpu_ms, const PictureSize& size);
+const DisparitySetting& best_setting(double most_cpu_ms, const Megapixels& size);
 
 /// The fastest setting that errs by at most `error_dp_px`. Throws InputError that begins with "--auto-error", where
 /// none errs by so little.

@@ -183,7 +183,8 @@ void find_people(Run& run) {
 /// Section 4.1: disparity of every tile, then of every DP pixel.
 void match_views(Run& run) {
   const double noise_left = merged_view_variance(static_cast<int>(run.capture.frames.size()));
-  const ViewSensor sensor = view_sensor(run.capture.exposure, noise_left);
+  ViewSensor sensor = view_sensor(run.capture.exposure, noise_left);
+  if (run.correction) sensor.skew = run.correction->skew;
   run.matched = match_pixels(run.capture, run.burst.left, run.burst.right, sensor, matcher_named(run.options.matcher),
                              run.options.matching, run.options.tile_upsample);
 }

@@ -9,9 +9,8 @@
 #include <limits>
 
 #include "capture/image/bilinear.h"
-#include "simulator/lens/lens_packet.h"
 #include "simulator/lens/lens_sampler.h"
-#include "simulator/sampling/sobol.h"
+#include "simulator/lens/pupil_rays.h"
 
 namespace dualpixel::simulator {
 namespace {
@@ -50,42 +49,24 @@ bool same_everywhere(const Lens& lens) {
 }
 
 DisparityCoefficients trace_disparity(const LensSampler& lens, int x, int y, int samples) {
+  const PupilRays pupil = trace_pupil(lens, x, y, samples);
   Sums left, right;
-  std::vector<glm::dvec2> origins, slopes;
-  std::vector<double> weights;
-  alignas(64) float s[4][kPacket];
-  LensPacket packet;
-  for (int first = 0; first < samples; first += kPacket) {
-    joint_samples(first, 0, s);
-    std::fill(&s[0][0], &s[2][0], 0.5f);
-    lens.sample(x, y, 1, s, packet);
-    for (int i = 0; i < kPacket; ++i) {
-      if (!(packet.left[i] > 0 || packet.right[i] > 0)) continue;
-      const glm::dvec2 o(packet.origin_x[i], packet.origin_y[i]), m(packet.slope_x[i], packet.slope_y[i]);
-      left.add(packet.left[i], o, m);
-      right.add(packet.right[i], o, m);
-      origins.push_back(o);
-      slopes.push_back(m);
-      weights.push_back(static_cast<double>(packet.left[i]) + packet.right[i]);
-    }
+  for (const PupilRay& ray : pupil.rays) {
+    left.add(ray.left, ray.origin_m, ray.slope);
+    right.add(ray.right, ray.origin_m, ray.slope);
   }
   DisparityCoefficients c;
   c.left_light = left.light / samples;
   c.right_light = right.light / samples;
   if (!c.has_blur()) return c;
 
-  const SensorGrid& sensor = lens.sensor();
-  const double step_m = sensor.pixel_pitch_m;
-  const glm::dvec2 at = sensor.middle_m(x, y);
-  const glm::dmat2 slope_per_m(
-      (lens.chief_slope(at.x + step_m, at.y) - lens.chief_slope(at.x - step_m, at.y)) / (2 * step_m),
-      (lens.chief_slope(at.x, at.y + step_m) - lens.chief_slope(at.x, at.y - step_m)) / (2 * step_m));
-  const glm::dmat2 px_per_slope = glm::inverse(slope_per_m) / sensor.pixel_pitch_m;
+  const glm::dmat2& px_per_slope = pupil.photosites_per_slope;
   if (c.has_disparity()) {
+    const int dp_px = lens.sensor().dp_downsample_x;
     const glm::dvec2 origin_gap = right.origin / right.light - left.origin / left.light;
     const glm::dvec2 slope_gap = right.slope / right.light - left.slope / left.light;
-    c.slope_dp_px_m = -(px_per_slope * origin_gap).x / sensor.dp_downsample_x;
-    c.intercept_dp_px = -(px_per_slope * slope_gap).x / sensor.dp_downsample_x;
+    c.slope_dp_px_m = -(px_per_slope * origin_gap).x / dp_px;
+    c.intercept_dp_px = -(px_per_slope * slope_gap).x / dp_px;
   }
 
   // the disc of the whole pupil that fits the rays' misses best
@@ -93,11 +74,12 @@ DisparityCoefficients trace_disparity(const LensSampler& lens, int x, int y, int
   const glm::dvec2 mean_origin = (left.origin + right.origin) / light;
   const glm::dvec2 mean_slope = (left.slope + right.slope) / light;
   double square = 0, from_origin = 0, from_slope = 0;
-  for (std::size_t i = 0; i < weights.size(); ++i) {
-    const glm::dvec2 o = origins[i] - mean_origin;
-    square += weights[i] * glm::dot(o, o);
-    from_origin += weights[i] * glm::dot(px_per_slope * o, o);
-    from_slope += weights[i] * glm::dot(px_per_slope * (slopes[i] - mean_slope), o);
+  for (const PupilRay& ray : pupil.rays) {
+    const double weight = ray.left + ray.right;
+    const glm::dvec2 o = ray.origin_m - mean_origin;
+    square += weight * glm::dot(o, o);
+    from_origin += weight * glm::dot(px_per_slope * o, o);
+    from_slope += weight * glm::dot(px_per_slope * (ray.slope - mean_slope), o);
   }
   const double diameter = lens.lens().thin.pupil_diameter_m();
   c.blur_slope_px_m = -diameter * from_origin / square;

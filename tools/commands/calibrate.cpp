@@ -10,6 +10,7 @@
 #include "capture/json_fields.h"
 #include "evaluation/calibration_sweep/calibration_captures.h"
 #include "evaluation/calibration_sweep/calibration_sweep.h"
+#include "evaluation/calibration_sweep/traced_skew.h"
 #include "pipeline/calibration/calibration.h"
 #include "simulator/lens/disparity_field.h"
 #include "simulator/lens/lens_file.h"
@@ -86,9 +87,10 @@ void sweep_camera(const CalibrateOptions& options) {
   evaluation::require_focuses(simulation, options.sweep);
   open_sweep(options.output, describe_sweep(simulation, options.sweep));
   Progress bar("calibrate");
-  const pipeline::Calibration calibration = pipeline::fit_calibration(
+  pipeline::Calibration calibration = pipeline::fit_calibration(
       camera,
       evaluation::run_sweep(simulation, options.sweep, options.output + "/measurements", [&](double f) { bar(f); }));
+  evaluation::add_traced_skew(simulation, calibration);
   replace_file(options.output + "/calibration.json", to_json(calibration).dump() + "\n");
   print_warnings(calibration.warnings);
 }

@@ -225,7 +225,7 @@ AutoChoice choose_setting(const PortraitCommand& command, const Capture& capture
     throw InputError(fmt::format("{}: {}: has no dual-pixel views to find disparity in; leave it out",
                                  command.automatic(), printable(command.capture)));
   }
-  pipeline::PictureSize size = pipeline::picture_size(capture);
+  pipeline::Megapixels size = pipeline::megapixels_of(capture);
   if (options.zoom) {
     const pipeline::Window seen = pipeline::zoom_window(capture.camera, holds_photosites(capture));
     const double share = 1e-6 * seen.width * seen.height / size.picture;

@@ -4,11 +4,12 @@
 /// Band-limited interpolation along a row, and what white noise becomes under it.
 namespace dualpixel::pipeline {
 
-/// Weights of eight neighboring pixels: the value, or its slope, at position i + fraction is the sum over k of
-/// row[i - 3 + k] * weight[k].
+/// Weights of eight neighboring pixels: the value at position i + fraction is the sum over k of
+/// row[i - 3 + k] * weight[k]. So are its first and third derivative by the position, per pixel and per pixel^3.
 struct SincTaps {
   std::array<float, 8> value{};
-  std::array<float, 8> slope{};  ///< derivative of `value` by the position, per pixel
+  std::array<float, 8> slope{};
+  std::array<float, 8> third{};
   // Covariances at this position when every pixel holds independent noise of variance 1. "smooth" is the slope of the
   // view after smoothing by 1/4 1/2 1/4 along x and y.
   float value_value = 0;

@@ -55,8 +55,9 @@ TileDisparity match_by_likelihood(const Image& left, const Image& right, const L
       const FoundShift& tile = found[i];
       const float signal = std::max(level.at(column, row), 1e-4f);
       const float offset = local_difference.at(column, row) / std::max(local_level.at(column, row), 1e-4f) * signal;
-      refined[i] = refine_shift(views, column * kTile, row * kTile, static_cast<float>(tile.shift), offset,
-                                options.offset * signal, 1.5f);
+      const SkewCurve skew = options.skew.at((column + 0.5) * kTile / left.width, (row + 0.5) * kTile / left.height);
+      refined[i] = refine_shift(views, column * kTile, row * kTile, static_cast<float>(tile.shift),
+                                {offset, options.offset * signal}, skew, 1.5f);
       refined[i].disparity = std::clamp(refined[i].disparity, -limit, limit);
       refined[i].model += tile.ambiguity;
       if (tile.at_end) refined[i].noise = INFINITY;

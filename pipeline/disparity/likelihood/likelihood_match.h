@@ -15,15 +15,18 @@ namespace dualpixel::pipeline {
 ///      marginalized (normal, `offset_search`). The costs of neighbors 1, 2 and 4 tiles away are added,
 ///      capped, so that a tile without texture takes its neighbors' and a depth edge stays where it is.
 ///   3. Gauss-Newton on the views interpolated by a windowed sinc, each pixel weighed by its noise, the offset
-///      marginalized (`offset`). What noise alone adds to the curvature is known, and taken out of it.
+///      marginalized (`offset`). What noise alone adds to the curvature is known, and taken out of it. So is the part
+///      of the difference that is due to the third moments of the kernels at this shift (`skew`), or fine texture
+///      would be found up to a quarter farther from the focus than it is.
 ///   4. Beyond 1.4 px of shift, where blur is wider than a tile, the mean over the neighbors that agree.
 ///
 /// sigma_dp_px is the predicted standard deviation of the error, at most range_px; root-sum-square of
 ///   - that of steps 3 and 4 (noise, offset), its square times 1 + 3 x the residual's excess over what noise explains
 ///     (mirrored kernels, depth edges);
 ///   - the spread of other shifts that step 2 cannot rule out (repetition, no texture);
-///   - 0.02 d^2, at most 0.08 px: what matching mirrored half discs errs by from their centroids. Right on the average
-///     of textures: beyond |b| = 4 px of blur a single one may err by more, 0.13 px were seen at |b| = 6;
+///   - 0.02 d^2, at most 0.08 px: what matching mirrored half discs errs by from their centroids where their third
+///     moments are not given. Right on the average of textures: beyond |b| = 4 px of blur a single one may err by more,
+///     0.13 px were seen at |b| = 6;
 ///   - 0.3 px times the root of the share of pixels that are left out, of the tile's inside the views: what is left may
 ///     be a highlight's rim;
 ///   - half the spread of disparity over 3 x 3 tiles beyond what their errors explain, where it clearly is: on a

@@ -1,6 +1,7 @@
 #pragma once
 #include <optional>
 
+#include "pipeline/disparity/kernel_skew.h"
 #include "pipeline/disparity/noise_model.h"
 #include "pipeline/option_field.h"
 
@@ -9,6 +10,7 @@ namespace dualpixel::pipeline {
 struct LikelihoodMatchOptions {
   int range_px = 16;               ///< shifts from -range to range are tried, DP pixels; 2..64
   std::optional<ViewNoise> noise;  ///< of one view's pixel; estimated from the views where not given
+  SkewField skew;                  ///< of the views' kernels
   float white = 1;                 ///< normalized signal at which the views clip
   float clipped = 0.98f;           ///< pixels at or above this share of it are invalid
   /// Standard deviation of the offset between the views that is left after the local gain is taken out, over the

@@ -9,15 +9,17 @@ namespace {
 
 constexpr float kTilesPerPixel = 0.25f;  // standard deviation of pooling's weight in tiles, for a DP px of shift
 
-/// Sums over a tile, each pixel weighed by one over the variance of the difference: r the difference right - left, b
-/// the slope of the smoothed views, e the excess over it of the unsmoothed views' slope; both are means of the views.
+/// Sums over a tile, each pixel weighed by one over the variance of the difference: r the difference right - left, less
+/// what the kernels' skew makes of it; b the slope of the smoothed views, e the excess over it of the unsmoothed views'
+/// slope, both means of the views. In br and er each view's slope is multiplied by the other's skew term, so that
+/// noise, which is not common to the views, adds nothing.
 struct TileSums {
   float one = 0, r = 0, b = 0, e = 0, rr = 0, br = 0, er = 0, bb = 0, be = 0, ee = 0;
   float left_noise = 0, right_noise = 0;  // the views' variances, as weighed
 };
 
 TileSums sample_tile(const PreparedView& left, const PreparedView& right, int x0, int y0, float disparity, float offset,
-                     SincTaps& left_taps, SincTaps& right_taps) {
+                     const KernelSkew& skew, SincTaps& left_taps, SincTaps& right_taps) {
   const float at_left = -0.5f * disparity, at_right = 0.5f * disparity;
   const int left_whole = static_cast<int>(std::floor(at_left)), right_whole = static_cast<int>(std::floor(at_right));
   left_taps = sinc_taps(at_left - static_cast<float>(left_whole));
@@ -25,6 +27,8 @@ TileSums sample_tile(const PreparedView& left, const PreparedView& right, int x0
   // Variances are those of the nearest pixel.
   const int left_near = static_cast<int>(std::lround(at_left)), right_near = static_cast<int>(std::lround(at_right));
 
+  // Smoothing by 1/4 1/2 1/4 along x and y adds a fourth of the second derivatives along both.
+  const float xyy = 4 * skew.xyy / 2, xxx = skew.xxx / 6 - skew.xyy / 2;
   Columns one{}, r{}, b{}, e{}, rr{}, br{}, er{}, bb{}, be{}, ee{}, left_noise{}, right_noise{};
   for (int y = y0; y < y0 + kTile; ++y) {
     const float* l = left.signal.row(y) + left.margin + x0 + left_whole - 3;
@@ -33,24 +37,32 @@ TileSums sample_tile(const PreparedView& left, const PreparedView& right, int x0
     const float* q = right.signal.row(y) + right.margin + x0 + right_whole - 3;
     const float* qs = right.smooth.row(y) + right.margin + x0 + right_whole - 3;
     const float* qv = right.variance.row(y) + right.margin + x0 + right_near;
-    Columns difference{}, slope{}, smooth{};
+    Columns difference{}, left_slope{}, right_slope{}, left_smooth{}, right_smooth{}, left_third{}, right_third{};
     for (int k = 0; k < 8; ++k) {
       for (int i = 0; i < kTile; ++i) {
         difference[i] += right_taps.value[k] * q[i + k] - left_taps.value[k] * l[i + k];
-        slope[i] += right_taps.slope[k] * q[i + k] + left_taps.slope[k] * l[i + k];
-        smooth[i] += right_taps.slope[k] * qs[i + k] + left_taps.slope[k] * ls[i + k];
+        left_slope[i] += left_taps.slope[k] * l[i + k];
+        right_slope[i] += right_taps.slope[k] * q[i + k];
+        left_smooth[i] += left_taps.slope[k] * ls[i + k];
+        right_smooth[i] += right_taps.slope[k] * qs[i + k];
+        left_third[i] += left_taps.third[k] * l[i + k];
+        right_third[i] += right_taps.third[k] * q[i + k];
       }
     }
     for (int i = 0; i < kTile; ++i) {
       const float w = weight(lv[i], qv[i]);
-      const float d = difference[i] - offset, s = 0.5f * smooth[i], x = 0.5f * (slope[i] - smooth[i]);
+      const float left_excess = left_slope[i] - left_smooth[i], right_excess = right_slope[i] - right_smooth[i];
+      const float left_skew = xxx * left_third[i] - xyy * left_excess;
+      const float right_skew = xxx * right_third[i] - xyy * right_excess;
+      const float seen = difference[i] - offset, d = seen + left_skew + right_skew;
+      const float s = 0.5f * (left_smooth[i] + right_smooth[i]), x = 0.5f * (left_excess + right_excess);
       one[i] += w;
       r[i] += w * d;
       b[i] += w * s;
       e[i] += w * x;
       rr[i] += w * d * d;
-      br[i] += w * s * d;
-      er[i] += w * x * d;
+      br[i] += w * (s * seen + left_smooth[i] * right_skew + right_smooth[i] * left_skew);
+      er[i] += w * (x * seen + left_excess * right_skew + right_excess * left_skew);
       bb[i] += w * s * s;
       be[i] += w * s * x;
       ee[i] += w * x * x;
@@ -72,8 +84,8 @@ int inside(const PreparedViews& views, int x0, int y0, float disparity) {
 
 }  // namespace
 
-RefinedTile refine_shift(const PreparedViews& views, int x0, int y0, float start, float offset, float offset_sigma,
-                         float farthest) {
+RefinedTile refine_shift(const PreparedViews& views, int x0, int y0, float start, const ViewOffset& offset,
+                         const SkewCurve& skew, float farthest) {
   constexpr int kIterations = 4;
   constexpr float kSmallStep = 0.02f;     // DP px; what would follow is below 0.02 sigma in 99 % of the tiles
   constexpr float kCorrelatedPixels = 3;  // noise is white; what the model gets wrong is alike over some pixels
@@ -81,7 +93,8 @@ RefinedTile refine_shift(const PreparedViews& views, int x0, int y0, float start
   RefinedTile out{start};
   for (int iteration = 0;; ++iteration) {
     SincTaps lt, rt;
-    const TileSums s = sample_tile(views.left, views.right, x0, y0, out.disparity, offset, lt, rt);
+    const TileSums s =
+        sample_tile(views.left, views.right, x0, y0, out.disparity, offset.mean, skew.at(out.disparity), lt, rt);
     const float pixels = s.left_noise + s.right_noise;  // each adds 1, invalid ones nothing
     if (pixels < kTile) return {start};                 // nearly all are invalid
 
@@ -99,7 +112,7 @@ RefinedTile refine_shift(const PreparedViews& views, int x0, int y0, float start
       return t.slope_smooth + share * (t.slope_slope - t.slope_smooth);
     };
     // The offset between the views, normal with its standard deviation, marginalized.
-    const float prior = 1 / square(offset_sigma);
+    const float prior = 1 / square(offset.sigma);
     const float mean_D = D / (s.one + prior);
     const float gradient = Dr - mean_D * s.r;
     const float hessian =

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <vector>
 
+#include "pipeline/disparity/kernel_skew.h"
 #include "pipeline/disparity/likelihood/prepared_views.h"
 
 /// The second step of the likelihood matcher: refines a whole shift to a fraction of a pixel, predicts the error's
@@ -14,10 +15,15 @@ struct RefinedTile {
   float model = 0;         ///< variance due to differences that no shift explains; partly shared by neighbors
 };
 
-/// Gauss-Newton from `start`, at most `farthest` away from it, with both views interpolated symmetrically. `offset` is
-/// how much brighter the right view is, with its standard deviation. A tile without information gets infinite noise.
-RefinedTile refine_shift(const PreparedViews& views, int x0, int y0, float start, float offset, float offset_sigma,
-                         float farthest);
+/// How much brighter the right view is, with its standard deviation.
+struct ViewOffset {
+  float mean = 0, sigma = 0;
+};
+
+/// Gauss-Newton from `start`, at most `farthest` away from it, with both views interpolated symmetrically, and with the
+/// skew of their kernels taken out. A tile without information gets infinite noise.
+RefinedTile refine_shift(const PreparedViews& views, int x0, int y0, float start, const ViewOffset& offset,
+                         const SkewCurve& skew, float farthest);
 
 /// The weighted mean over those tiles around that agree; the weight's reach grows with the shift. Where blur is wider
 /// than a tile, neighboring tiles see much of the same light through other parts of the mirrored kernels, and their

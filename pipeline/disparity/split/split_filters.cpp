@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/disparity/split/split_shape.h"
+
 namespace dualpixel::pipeline::split {
 namespace {
 
@@ -80,25 +82,6 @@ SeparableFilter take_term(Quadrant& filter) {
     for (int i = 0; i < side; ++i) filter.at(i, j) -= x[i] * y[j];
   }
   return {{x.begin(), x.end()}, {y.begin(), y.end()}};
-}
-
-/// alpha of the share g(p) = p / k between -1 and 1, k from 0 to 1: (2 / pi) times the integral of p g(p) sqrt(1 -
-/// p^2).
-double alpha_of(double k) {
-  const double rim = std::sqrt(1 - k * k);
-  const double ramp = k > 0 ? (std::asin(k) - k * rim * (1 - 2 * k * k)) / (8 * k) : 0;
-  return 4 / std::numbers::pi * (ramp + rim * rim * rim / 3);
-}
-
-/// k for alpha: above 1 for ramps that do not reach the pupil's rim.
-double ramp_width(double alpha) {
-  if (alpha <= 0.25) return 1 / (4 * alpha);
-  double low = 0, high = 1;  // alpha falls with k
-  for (int halving = 0; halving < 40; ++halving) {
-    const double middle = 0.5 * (low + high);
-    (alpha_of(middle) > alpha ? low : high) = middle;
-  }
-  return low;
 }
 
 /// The transform of g D, odd along x, for frequencies that `radius` and `radius_y` turn into phases at the disc's rim,

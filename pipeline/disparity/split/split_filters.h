@@ -11,9 +11,7 @@ struct SeparableFilter {
 };
 
 /// A split sees a point at blur diameter b through the disc D of that diameter, weighted by 1 -+ g(x / (b / 2)) in the
-/// left and right view. g(p) = p / k is that of a soft split, k = 1 / (4 alpha); where alpha is above 1/4, k is below 1
-/// and g between -1 and 1, up to the sign of p for a hard split. Left through the right view's kernel equals right
-/// through the left's, so
+/// left and right view (split_shape.h). Left through the right view's kernel equals right through the left's, so
 ///     D * (left - right) + (g D) * (left + right) = 0.
 /// `difference` and `sum` are those two filters, divided at each frequency by the root of both spectra's squares, which
 /// makes noise white again, under a Gaussian. Both views' kernels swap at -b: `sum` changes its sign.

@@ -34,8 +34,10 @@ Answer choose(const split::CoarseTile& coarse, const Answer& fine, float limit) 
   const bool fine_is_near = std::isfinite(fine.deviation) && std::abs(fine.disparity) < limit;
   if (std::abs(far.disparity) < limit) {
     if (fine_is_near) return fine;
-    const bool fine_is_sure = std::isfinite(far.deviation) && kSureDeviations * fine.deviation < apart;  // at an edge
-    if (fine_is_sure) return {fine.disparity, std::hypot(fine.deviation, apart / 2), fine.shared};
+    const bool fine_is_sure = kSureDeviations * fine.deviation < std::max(apart, std::abs(fine.disparity));
+    if (std::isfinite(far.deviation) && fine_is_sure) {  // beside a depth edge
+      return {fine.disparity, std::hypot(fine.deviation, apart / 2), fine.shared};
+    }
     return {far.disparity, std::max(far.deviation, fine.deviation), far.shared};
   }
   const bool may_be_near = std::isfinite(far.deviation) && std::abs(far.disparity) - reach < limit;

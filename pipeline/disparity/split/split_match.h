@@ -21,9 +21,10 @@ namespace dualpixel::pipeline {
 ///   3. Between hypotheses the residual is taken as linear in d, and its least square found.
 ///   4. Near the focus, where blur is narrow and fine texture tells more, the likelihood matcher is asked, given
 ///      `near_focus` with a range just wide enough. Where both answers lie under near_focus_dp_px, its answer. Where
-///      only the answer of step 3 does, and the likelihood matcher's excludes it by two standard deviations, again the
-///      likelihood matcher's, with half of their distance in sigma: its narrower windows do not reach over a depth
-///      edge. Else that of step 3, with the larger sigma: nothing, where the likelihood matcher sees nothing. Where
+///      only the answer of step 3 does, and the likelihood matcher's excludes it, or the focus, by two standard
+///      deviations, again the likelihood matcher's, with half of their distance in sigma: its narrower windows do not
+///      reach over a depth edge. Else that of step 3, with the larger sigma: nothing, where the likelihood matcher sees
+///      nothing. Where
 ///      step 3's lies beyond it by less than two standard deviations, it may be chance. It is kept as it is where the
 ///      likelihood matcher's agrees (within two joint standard deviations), lies beyond the limit on the same side, and
 ///      excludes 0 by two of its own. Otherwise: the likelihood matcher's answer, if that lies under near_focus_dp_px

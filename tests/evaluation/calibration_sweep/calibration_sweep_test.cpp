@@ -17,9 +17,8 @@
 #include "pipeline/calibration/tilt.h"
 #include "pipeline/portrait/run_portrait.h"
 #include "simulator/lens/disparity_field.h"
-#include "simulator/lens/lens_file.h"
-#include "simulator/lens/prescription/prescription.h"
 #include "simulator/sampling/hash.h"
+#include "tests/evaluation/calibration_sweep/camera_with.h"
 #include "tests/evaluation/calibration_sweep/target_wall.h"
 #include "tests/run_program.h"
 #include "tests/temporary_folder.h"
@@ -29,17 +28,6 @@ namespace {
 
 using pipeline::kCalibrationColumns;
 using pipeline::kCalibrationRows;
-
-simulator::Simulation camera_with(const std::string& lens, int width_px = 2688, int height_px = 2016) {
-  simulator::Simulation simulation;
-  simulation.lens = simulator::read_lens_file(std::string(DUALPIXEL_SOURCE_DIR "/lens_models/") + lens + ".json", 1);
-  simulation.sensor.width_px = width_px;
-  simulation.sensor.height_px = height_px;
-  if (const simulator::Prescription* prescription = simulator::prescription_of(simulation.lens)) {
-    simulation.sensor.pixel_pitch_um = 2e3 * prescription->image_radius_mm / std::hypot(width_px, height_px);
-  }
-  return simulation;
-}
 
 std::vector<pipeline::TargetMeasurement> measure_all(const FocusSweep& sweep, std::uint64_t seed) {
   std::vector<pipeline::TargetMeasurement> measurements;

@@ -129,8 +129,6 @@ TEST(FailureAtlas, ThePapersMatcherHoldsAndBreaksWhereItShould) {
 
 /// Where a matcher is wrong with confidence, and why.
 bool known_to_be_overconfident(std::string_view matcher, std::string_view row) {
-  // It takes both views for shifts of each other, which a soft split's are not.
-  if (matcher == "likelihood") return row == "soft_defocus" || row == "near_soft_defocus";
   // It expects a soft split's blur at such disparities, and there is none.
   return matcher == "split" && row == "range";
 }

@@ -460,6 +460,52 @@ TEST(Calibration, SurvivesItsFileAndRefusesADamagedOne) {
   EXPECT_TRUE(refused("/warnings", "text"));
 }
 
+/// Two focus distances, whose kernels skew by 1 and 3 DP px^3 at the left border, none at the right.
+Calibration with_skew() {
+  Calibration calibration = fit_calibration(test_camera(), sweep({kInfinity, 0.8}));
+  for (int i = 0; i < 2; ++i) {
+    calibration.focuses[i].skew = {2, 1, std::vector<SkewCurve>(2, SkewCurve{{}, {}, 1.25f})};
+    calibration.focuses[i].skew.nodes[0].xxx[0] = static_cast<float>(1 + 2 * i);
+    calibration.focuses[i].skew.nodes[0].xyy[5] = 0.25f;
+  }
+  return calibration;
+}
+
+TEST(Calibration, KernelSkewIsThatOfTheFocusDistanceAndOfThePart) {
+  const Calibration calibration = with_skew();
+  EXPECT_FLOAT_EQ(focus_at(calibration, kInfinity).skew.at(0, 0).at(0).xxx, 1);
+  EXPECT_FLOAT_EQ(focus_at(calibration, 1.6).skew.at(0, 0).at(0).xxx, 2);
+  EXPECT_FLOAT_EQ(focus_at(calibration, 0.5).skew.at(0, 0).at(0).xxx, 3);
+  Camera camera = test_camera();
+  camera.focus_distance_m = 1.6;
+  const Correction correction = make_correction(calibration, camera);
+  EXPECT_FLOAT_EQ(correction.skew.at(0.5, 0.5).at(0).xxx, 1);
+  EXPECT_FLOAT_EQ(of_part(correction, 0.5, 0, 0.5, 1).skew.at(0, 0).at(0).xxx, 1);
+  EXPECT_FLOAT_EQ(of_part(correction, 0.5, 0, 0.5, 1).skew.at(1, 1).at(0).xxx, 0);
+}
+
+TEST(Calibration, KernelSkewSurvivesItsFileAndADamagedOneIsRefused) {
+  const nlohmann::json json = to_json(with_skew());
+  const Calibration read = read_calibration(json, "c.json");
+  EXPECT_EQ(nlohmann::json(to_json(read)), json);
+  EXPECT_EQ(read.focuses[1].skew.nodes[0].xxx[0], 3);
+  EXPECT_EQ(read.focuses[1].skew.nodes[1].farthest_dp_px, 1.25f);
+  const auto message = [&](const char* pointer, const nlohmann::json& value) {
+    nlohmann::json damaged = json;
+    damaged[nlohmann::json::json_pointer(pointer)] = value;
+    return message_of<InputError>([&] { read_calibration(damaged, "c.json"); });
+  };
+  EXPECT_EQ(message("/focuses/0/kernel_skew/xxx", {1, 2}),
+            "c.json: /focuses/0/kernel_skew/xxx: 2 numbers: must be 6 for each of 2 x 1 nodes, row by row");
+  EXPECT_TRUE(message("/focuses/0/kernel_skew/columns", 0).starts_with("c.json: /focuses/0/kernel_skew/columns"));
+  EXPECT_TRUE(message("/focuses/0/kernel_skew/more", 0).starts_with("c.json: /focuses/0/kernel_skew"));
+  EXPECT_TRUE(message("/focuses/0/kernel_skew/farthest_dp_px", "x").starts_with("c.json: /focuses/0/kernel_skew"));
+  nlohmann::json uneven = json;
+  uneven["focuses"][1].erase("kernel_skew");
+  EXPECT_EQ(message_of<InputError>([&] { read_calibration(uneven, "c.json"); }),
+            "c.json: /focuses/1/kernel_skew: must have as many nodes as that of the first focus distance");
+}
+
 // Whatever a capture may say of its camera must come back from the file that `calibrate` makes of it.
 TEST(Calibration, ReadsWhateverCameraACaptureMayHave) {
   Calibration calibration = fit_calibration(test_camera(), sweep({0.8}));

@@ -11,7 +11,7 @@
 namespace dualpixel::pipeline {
 namespace {
 
-constexpr PictureSize kPhone = {5.4, 5.4 / 8};
+constexpr Megapixels kPhone = {5.4, 5.4 / 8};
 
 TEST(DisparitySettings, MoreTimeErrsLess) {
   const auto all = disparity_settings();
@@ -51,8 +51,8 @@ TEST(DisparitySettings, CostFollowsBothSizes) {
     capture.camera.dp_downsample_x = x;
     capture.camera.dp_downsample_y = y;
     capture.frames[0].mosaic = mosaic ? ImageU16(1, 1) : ImageU16();
-    EXPECT_NEAR(picture_size(capture).picture, 2, 1e-12);
-    EXPECT_NEAR(picture_size(capture).view, view, 1e-12);  // dense ones by their green photosites, at half the size
+    EXPECT_NEAR(megapixels_of(capture).picture, 2, 1e-12);
+    EXPECT_NEAR(megapixels_of(capture).view, view, 1e-12);  // dense ones by their green photosites, at half the size
   }
 }
 
