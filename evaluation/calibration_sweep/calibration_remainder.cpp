@@ -87,7 +87,6 @@ std::vector<CalibrationRemainder> measure_remainders(const simulator::Simulation
   noisy.noise = by_hand.noise = frame_noise(simulation.sensor, kHighIso);
   by_hand.focuses = 5, by_hand.targets = 3, by_hand.tilt_x_deg = 1;
   pipeline::Calibration calibration = measured({});
-  add_traced_skew(simulation, calibration);
   add("grid", traced({focus_m}), plane);
   const auto [far_m, near_m] = focuses_around(focus_m, {}).focus_distances_m;
   add("focus", traced({far_m, near_m}), plane);
@@ -97,6 +96,7 @@ std::vector<CalibrationRemainder> measure_remainders(const simulator::Simulation
   constexpr int kLeastSquares = 10;
   const int columns = camera.dp_width() / kSquare_px, rows = camera.dp_height() / kSquare_px;
   if (std::isfinite(plane_m) && std::min(columns, rows) >= kLeastSquares) {
+    add_traced_skew(simulation, calibration);
     const pipeline::SkewField skew = make_correction(calibration, camera).skew;
     add("matching", calibration, resize_area(matched_disparity(simulation, plane_m, skew), columns, rows));
   } else {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "evaluation/calibration_sweep/calibration_sweep.h"
-#include "pipeline/calibration/nodes.h"
+#include "pipeline/disparity/split/options.h"
 #include "simulator/lens/disparity_field.h"
 #include "simulator/lens/pupil_rays.h"
 
@@ -53,6 +53,7 @@ class PupilKernels {
  public:
   PupilKernels(const simulator::LensSampler& lens, int x, int y) {
     constexpr int kRays = 2048;
+    constexpr double kLeastLight = 0.005, kLeastSlope = 0.2;  // of the axis
     const simulator::PupilRays pupil = trace_pupil(lens, x, y, kRays);
     double left = 0, right = 0;
     for (const simulator::PupilRay& ray : pupil.rays) left += ray.left, right += ray.right;
@@ -65,7 +66,14 @@ class PupilKernels {
       slope_ += gap * slope.x;
       intercept_ += gap * intercept.x;
     }
+    const simulator::ThinLens& thin = lens.lens().thin;
+    const double axis_slope = -lens.lens().split.alpha(thin.rim_slope()) * thin.pupil_diameter_m() *
+                              thin.image_distance_m() / (lens.sensor().pixel_pitch_m * dp_px);
+    tells_ = std::min(left, right) > kLeastLight * kRays && slope_ / axis_slope >= kLeastSlope;
   }
+
+  /// Whether there is enough light, and disparity that changes with depth.
+  bool tells() const { return tells_; }
 
   /// At the depth where the centroids lie `disparity` apart.
   Kernels at(double disparity) const {
@@ -88,9 +96,10 @@ class PupilKernels {
   };
   std::vector<Ray> rays_;
   double slope_ = 0, intercept_ = 0;
+  bool tells_ = false;
 };
 
-/// As large as `kernels` leave enough of the wave; radians a DP px.
+/// The highest frequency of which both kernels leave enough; radians a DP px.
 double frequency(const Kernels& kernels, bool along) {
   constexpr double kHighest = 2 * std::numbers::pi * 0.15, kLowest = 0.1 * kHighest, kLeastLeft = 0.4;
   double f = kHighest;
@@ -117,12 +126,12 @@ double skew_across(const Kernels& kernels) {
 pipeline::SkewCurve trace_skew(const simulator::LensSampler& lens, double pixel_height, int x, int y) {
   const double alpha = std::abs(lens.lens().split.alpha(lens.lens().thin.rim_slope()));
   pipeline::SkewCurve curve = pipeline::skew_of_split(alpha, pixel_height);
-  if (!trace_disparity(lens, x, y, 1024).has_disparity()) return curve;
+  const PupilKernels pupil(lens, x, y);
+  if (!pupil.tells()) return curve;
   constexpr int kDisparities = 9;
   constexpr int kCoefficients = std::tuple_size_v<pipeline::SkewCurve::Coefficients>;
   Eigen::Matrix<double, kDisparities, kCoefficients> powers;
   Eigen::Matrix<double, kDisparities, 2> skews;
-  const PupilKernels pupil(lens, x, y);
   for (int i = 0; i < kDisparities; ++i) {
     const double disparity = curve.farthest_dp_px * (2.0 * i / (kDisparities - 1) - 1);
     const Kernels kernels = pupil.at(disparity);
@@ -131,6 +140,7 @@ pipeline::SkewCurve trace_skew(const simulator::LensSampler& lens, double pixel_
     skews(i, 1) = skew_across(kernels) / (pixel_height * pixel_height);
   }
   const Eigen::Matrix<double, kCoefficients, 2> fit = powers.colPivHouseholderQr().solve(skews);
+  if (!fit.allFinite()) return curve;
   for (int k = 0; k < kCoefficients; ++k) {
     curve.xxx[k] = static_cast<float>(fit(k, 0));
     curve.xyy[k] = static_cast<float>(fit(k, 1));
@@ -143,7 +153,7 @@ pipeline::SkewField trace_skew(const simulator::LensSampler& lens, double pixel_
   if (same_everywhere(lens.lens())) {
     return {1, 1, {trace_skew(lens, pixel_height, sensor.width_px / 2, sensor.height_px / 2)}};
   }
-  constexpr int kColumns = pipeline::kCalibrationColumns, kRows = pipeline::kCalibrationRows;
+  constexpr int kColumns = 11, kRows = 8;  // linear in between: that errs by .013 DP px^3, or .004 DP px of shift
   pipeline::SkewField field{kColumns, kRows,
                             std::vector<pipeline::SkewCurve>(static_cast<std::size_t>(kColumns) * kRows)};
   tbb::parallel_for(0, kColumns * kRows, [&](int i) {
@@ -157,6 +167,7 @@ pipeline::SkewField trace_skew(const simulator::LensSampler& lens, double pixel_
 void add_traced_skew(const simulator::Simulation& simulation, pipeline::Calibration& calibration) {
   const simulator::SensorOptions& sensor = simulation.sensor;
   const double pixel_height = static_cast<double>(sensor.dp_downsample_y) / sensor.dp_downsample_x;
+  if (!(pipeline::alpha_of_camera(static_cast<float>(describe_camera(simulation).alpha)) > 0)) return;
   for (pipeline::FocusCalibration& focus : calibration.focuses) {
     focus.skew = trace_skew(focused_lens(simulation, focus.focus_distance_m), pixel_height);
   }

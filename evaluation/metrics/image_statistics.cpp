@@ -48,7 +48,7 @@ std::vector<double> ring_power(const Spectrum& a, const Spectrum& b) {
   std::vector<double> power(static_cast<std::size_t>(n) / 2), count(power.size());
   for (int y = 0; y < n; ++y) {
     for (int x = 0; x < n; ++x) {
-      const auto ring = static_cast<std::size_t>(std::hypot(std::min(x, n - x), std::min(y, n - y)) + 0.5);
+      const auto ring = static_cast<std::size_t>(std::lround(std::hypot(std::min(x, n - x), std::min(y, n - y))));
       if (ring >= power.size()) continue;
       power[ring] += std::real(std::conj(a(y, x)) * b(y, x));
       ++count[ring];
@@ -111,7 +111,7 @@ std::array<double, 5> quantiles(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   constexpr double kShares[] = {0.05, 0.25, 0.5, 0.75, 0.95};
   for (std::size_t i = 0; i < 5; ++i)
-    found[i] = values[static_cast<std::size_t>(kShares[i] * static_cast<double>(values.size() - 1) + 0.5)];
+    found[i] = values[static_cast<std::size_t>(std::lround(kShares[i] * static_cast<double>(values.size() - 1)))];
   return found;
 }
 

@@ -7,7 +7,7 @@
 namespace dualpixel::pipeline {
 
 /// Node (i, j) lies at (i / (columns - 1) * width, j / (rows - 1) * height) of the picture: the outermost are on its
-/// border. A focus distance then takes 7 kB in a file.
+/// border. A focus distance's lines then take 7 kB in a file.
 inline constexpr int kCalibrationColumns = 21;
 inline constexpr int kCalibrationRows = 15;
 

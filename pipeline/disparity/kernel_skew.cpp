@@ -15,6 +15,12 @@ float polynomial(const SkewCurve::Coefficients& c, float d) {
   return sum;
 }
 
+float slope_of_polynomial(const SkewCurve::Coefficients& c, float d) {
+  float sum = 0;
+  for (std::size_t i = c.size(); i-- > 1;) sum = sum * d + static_cast<float>(i) * c[i];
+  return sum;
+}
+
 /// a + share (b - a).
 SkewCurve mixed(SkewCurve a, const SkewCurve& b, float share) {
   const auto mix = [share](float& to, float from) { to += share * (from - to); };
@@ -44,6 +50,11 @@ double fraction_of_node(int i, int count) { return count > 1 ? static_cast<doubl
 KernelSkew SkewCurve::at(float disparity_dp_px) const {
   const float d = std::clamp(disparity_dp_px, -farthest_dp_px, farthest_dp_px);
   return {polynomial(xxx, d), polynomial(xyy, d)};
+}
+
+KernelSkew SkewCurve::slope_at(float disparity_dp_px) const {
+  if (std::abs(disparity_dp_px) > farthest_dp_px) return {};
+  return {slope_of_polynomial(xxx, disparity_dp_px), slope_of_polynomial(xyy, disparity_dp_px)};
 }
 
 SkewCurve skew_of_split(double alpha, double pixel_height) {

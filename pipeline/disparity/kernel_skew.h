@@ -23,6 +23,7 @@ struct SkewCurve {
   float farthest_dp_px = 0;
 
   KernelSkew at(float disparity_dp_px) const;
+  KernelSkew slope_at(float disparity_dp_px) const;  ///< its derivative by the disparity
 };
 
 /// The same in pixels `side` times as wide and as high.
@@ -30,8 +31,8 @@ SkewCurve in_larger_pixels(const SkewCurve& curve, int side);
 
 /// Of an ideal split of this alpha, see split/split_shape.h; `pixel_height` is a DP pixel's over its width. Third
 /// moments are in d^3; a term in d^5 makes up for the fifth and higher ones, such that the shift is right at 0.15
-/// cycles a pixel along the baseline. Ends at a blur of 6 DP px: farther, frequencies from 0.2 cycles a pixel on lie
-/// past the first zero of the blur.
+/// cycles a pixel's width, along the baseline and across it. Ends at a blur of 6 DP px: farther, frequencies from 0.2
+/// cycles a pixel on lie past the first zero of the blur.
 SkewCurve skew_of_split(double alpha, double pixel_height);
 
 /// Over the picture, from border to border: node (i, j) of row after row at (i / (columns - 1) * width, j / (rows - 1)

@@ -9,7 +9,7 @@
 namespace dualpixel::simulator {
 
 PupilRays trace_pupil(const LensSampler& lens, int x, int y, int samples) {
-  PupilRays pupil{{}, samples};
+  PupilRays pupil;
   alignas(64) float s[4][kPacket];
   LensPacket packet;
   for (int first = 0; first < samples; first += kPacket) {

@@ -15,7 +15,6 @@ struct PupilRay {
 /// The rays of a photosite's center, green, evenly over the pupil.
 struct PupilRays {
   std::vector<PupilRay> rays;  ///< those that light passes along
-  int samples = 0;             ///< of the pupil, those that are blocked included
   /// What a ray misses the chief ray by, per unit of depth, becomes photosites on the sensor.
   glm::dmat2 photosites_per_slope{1};
 };

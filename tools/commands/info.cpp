@@ -187,6 +187,7 @@ json describe_calibration(const std::string& path) {
           {"fitted_position_share", static_cast<double>(lines) / static_cast<double>(nodes)},
           {"median_residual_dp_px", evaluation::median(std::move(residuals))},
           {"least_r_squared", least_r_squared},
+          {"has_kernel_skew", !calibration.focuses.front().skew.nodes.empty()},
           {"warnings", calibration.warnings}};
 }
 

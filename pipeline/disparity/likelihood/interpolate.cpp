@@ -43,7 +43,7 @@ Weights value_weights(double fraction) {
   return weights;
 }
 
-/// The third derivative of the polynomial through the eight pixels: within 1 % up to 0.15 cycles a pixel, 5 % at 0.2.
+/// The third derivative of the polynomial through the eight pixels: within 2 % up to 0.15 cycles a pixel, 7 % at 0.2.
 Weights third_weights(double fraction) {
   Eigen::Matrix<double, kTaps, kTaps> powers;
   for (int k = 0; k < kTaps; ++k) {

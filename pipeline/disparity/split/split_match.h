@@ -24,12 +24,11 @@ namespace dualpixel::pipeline {
 ///      only the answer of step 3 does, and the likelihood matcher's excludes it, or the focus, by two standard
 ///      deviations, again the likelihood matcher's, with half of their distance in sigma: its narrower windows do not
 ///      reach over a depth edge. Else that of step 3, with the larger sigma: nothing, where the likelihood matcher sees
-///      nothing. Where
-///      step 3's lies beyond it by less than two standard deviations, it may be chance. It is kept as it is where the
-///      likelihood matcher's agrees (within two joint standard deviations), lies beyond the limit on the same side, and
-///      excludes 0 by two of its own. Otherwise: the likelihood matcher's answer, if that lies under near_focus_dp_px
-///      and within two standard deviations of step 3's, with their distance in sigma; or step 3's, with its distance
-///      from 0 in sigma.
+///      nothing. Where step 3's lies beyond it by less than two standard deviations, it may be chance. It is kept as
+///      it is where the likelihood matcher's agrees (within two joint standard deviations), lies beyond the limit on
+///      the same side, and excludes 0 by two of its own. Otherwise: the likelihood matcher's answer, if that lies
+///      under near_focus_dp_px and within two standard deviations of step 3's, with their distance in sigma; or step
+///      3's, with its distance from 0 in sigma.
 ///
 /// sigma_dp_px is the predicted standard deviation of the error, at most range_px; away from the focus root-sum-square
 /// of the least residual over its sensitivity to d, for six independent samples a window, fewer where parts of it clip

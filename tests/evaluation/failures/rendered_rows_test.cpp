@@ -188,11 +188,8 @@ constexpr KnownOverconfidence kKnown[] = {
     {"thin", "likelihood split", "strips as wide as the blur look like one surface between both"},
     {"hair", "likelihood split", "so do strands and what is seen between them"},
     {"edges", "likelihood split", "beside an edge a tile sees one surface's texture in the other's place"},
-    {"reflection", "likelihood", "the brighter of two pictures is found, and it is the mirrored one"},
     {"highlights", "split", "lamps in a varnish are bright, and lie behind it"},
-    {"defocus", "likelihood", "it takes both views for shifts of each other, which a soft split's are not"},
-    {"near_defocus", "likelihood", "likewise"},
-    {"vignetting", "likelihood", "nor are those of a pupil that is cut on one side"},
+    {"vignetting", "likelihood", "a pupil that is cut on one side has other kernels than it takes the views to have"},
     {"motion", "likelihood split", "a card that moves by half of the picture is seen on both sides of its edges"},
 };
 
