@@ -400,7 +400,8 @@ CLI::Option* add_pair_options(CLI::App& command, pipeline::PlainPair& pair, CLI:
   command
       .add_option("--metadata", pair.metadata,
                   "JSON about the views: encoding (srgb, linear), black_level, white_level, noise, focus_distance_m, "
-                  "face_px; alpha, for matchers likelihood and split, and --match-lens; for that also focal_length_mm, f_number")
+                  "face_px; alpha, for matchers likelihood and split, and --match-lens; for that also focal_length_mm, "
+                  "f_number")
       ->type_name("FILE")
       ->needs(left);
   command
