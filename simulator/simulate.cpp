@@ -14,6 +14,7 @@
 
 #include "capture/error.h"
 #include "capture/folder/capture_json.h"
+#include "simulator/held_camera.h"
 #include "simulator/lens/lens_shading.h"
 #include "simulator/picture_sampling.h"
 #include "simulator/render/motion.h"
@@ -26,7 +27,6 @@
 #include "simulator/sampling/random_streams.h"
 #include "simulator/scene/gltf/gltf.h"
 #include "simulator/scene/scale.h"
-#include "simulator/sensor/hand_shake.h"
 #include "simulator/sensor_noise.h"
 
 namespace dualpixel::simulator {
@@ -84,11 +84,6 @@ std::vector<Band> bands_of(const Simulation& s) {
   return bands;
 }
 
-/// How much later than the picture's middle a row is exposed, whose middle is at `row`.
-double row_delay_s(const Simulation& s, double row) {
-  return 1e-6 * s.sensor.row_time_us * (row - 0.5 * s.sensor.height_px);
-}
-
 /// When the middle of a band is exposed in a picture whose middle is exposed at `time_s`.
 double band_s(const Simulation& s, double time_s, const Band& band) {
   return time_s + row_delay_s(s, 0.5 * (band.first_row + band.end_row));
@@ -108,14 +103,7 @@ Moment moment(const Simulation& s, const CameraView& first, double time_s, const
     now.own_scene = std::make_unique<Scene>(load_scene(s, scene_s));
     now.view.world_from_camera = camera_pose(s, *now.own_scene);
   }
-  const glm::dmat4 held(now.view.world_from_camera);
-  const auto pose_at = [&](double at_s) { return glm::mat4(held * hand_shake(s.hand_shake_seed, at_s, s.hand_shake)); };
-  now.view.world_from_camera = pose_at(time_s);
-  if (s.hand_shake > 0 && s.sensor.row_time_us > 0) {
-    std::vector<glm::mat4> poses;
-    for (int y = 0; y < s.sensor.height_px; ++y) poses.push_back(pose_at(time_s + row_delay_s(s, y + 0.5)));
-    now.view.row_poses = std::make_shared<const std::vector<glm::mat4>>(std::move(poses));
-  }
+  now.view = held_at(s, std::move(now.view), time_s);
   return now;
 }
 
@@ -161,19 +149,6 @@ double bytes_of(const Scene& scene) {
     bytes += size(m.placements) + size(m.radii);
   }
   return bytes;
-}
-
-/// Adds a `count`-th of `views` to `mean`, which is empty at first.
-void add_share(Views views, int count, Views& mean) {
-  if (count > 1) scale(views.left, 1.0 / count), scale(views.right, 1.0 / count);
-  if (mean.left.empty()) {
-    mean = std::move(views);
-    return;
-  }
-  for (std::size_t i = 0; i < mean.left.data.size(); ++i) {
-    mean.left.data[i] += views.left.data[i];
-    mean.right.data[i] += views.right.data[i];
-  }
 }
 
 /// The world of a moment that has a scene of its own.

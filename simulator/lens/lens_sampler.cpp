@@ -64,6 +64,12 @@ LensSampler LensSampler::with_split(const SplitPixel& split) const {
   return LensSampler(std::make_shared<const Prepared>(std::move(other)));
 }
 
+LensSampler LensSampler::over(const SensorGrid& part) const {
+  Prepared other = *prepared_;
+  other.sensor = part;
+  return LensSampler(std::make_shared<const Prepared>(std::move(other)));
+}
+
 const Lens& LensSampler::lens() const { return prepared_->lens; }
 const SensorGrid& LensSampler::sensor() const { return prepared_->sensor; }
 

@@ -23,6 +23,9 @@ class LensSampler {
   /// The same lens and sensor with another split pixel. Shares what was prepared: it takes no time.
   LensSampler with_split(const SplitPixel& split) const;
 
+  /// The same lens over a part of the sensor. Likewise.
+  LensSampler over(const SensorGrid& part) const;
+
   /// Rays of photosite (x, y) from sixteen points s of the unit 4-cube: two coordinates on the photosite, two on the
   /// pupil. `color`: 0 R, 1 G, 2 B; it matters where has_color(). `draw`: which wavelength of the filter's band all
   /// sixteen have, where the lens has several: any number, by turns.

@@ -17,7 +17,15 @@ constexpr int kFewestWindows = 6;
 
 double work(int bounces, int samples) { return (1.0 + bounces) * samples; }
 
-double work_in_all(bool light_at_points) {
+/// At which of kPilotSamples an effect is judged: each pose of an exposure has the least, which are many together.
+std::size_t effect_pilot(int poses) { return poses > 1 ? kBouncePilot : kPilotSamples.size() - 1; }
+
+/// Of pilots with an effect: two renders of each pose, and two, to know their time, of as many samples as a bounce's.
+double work_of_effect(int poses) {
+  return 2.0 * poses * work(0, kPilotSamples[effect_pilot(poses)]) + 2 * work(0, kPilotSamples[kBouncePilot]);
+}
+
+double work_in_all(const Simulation& simulation) {
   double sum = work(kReferenceBounces, kPilotSamples[kBouncePilot]);  // the first one is timed
   for (std::size_t n = 0; n < kPilotSamples.size(); ++n) {
     sum += kPilotRenders[n] * work(kReferenceBounces, kPilotSamples[n]);
@@ -25,30 +33,43 @@ double work_in_all(bool light_at_points) {
   for (int bounces : kBounces) {
     if (bounces != kReferenceBounces) sum += 3 * work(bounces, kPilotSamples[kBouncePilot]);
   }
-  return sum + (light_at_points ? 4 : 0) * work(kReferenceBounces, kPilotSamples[kBouncePilot]);
+  if (simulation.light.light_spacing_px > 0) sum += 4 * work(kReferenceBounces, kPilotSamples[kBouncePilot]);
+  sum += 2 * work(0, kPilotSamples.back());  // without effects
+  for (const Effect effect : effects_of(simulation)) {
+    Simulation with = without_effects(simulation);
+    add(effect, simulation, with);
+    sum += work_of_effect(poses_of(with));
+  }
+  return sum;
 }
 
 /// Pilot renders that report how much of all their work is done.
 class CountedPilots {
  public:
-  CountedPilots(const PilotRenders& pilots, double light_spacing_px, const ProgressCallback& progress)
-      : pilots_(pilots), light_spacing_px_(light_spacing_px), progress_(progress) {}
+  CountedPilots(const PilotRenders& pilots, const Simulation& file, const ProgressCallback& progress)
+      : pilots_(pilots),
+        light_spacing_px_(file.light.light_spacing_px),
+        work_in_all_(work_in_all(file)),
+        progress_(progress) {}
 
-  PilotRender render(const PilotSettings& settings) {
-    PilotRender pilot = pilots_.render(settings);
-    done_ += (settings.timed ? 2 : 1) * work(settings.bounces, settings.samples);
-    if (progress_) progress_(done_ / work_in_all(light_spacing_px_ > 0));
+  PilotRender render(const PilotRenders& pilots, const PilotSettings& settings) {
+    PilotRender pilot = pilots.render(settings);
+    done_ += (settings.timed ? 2 : 1) * pilots.poses() * work(settings.bounces, settings.samples);
+    if (progress_) progress_(done_ / work_in_all_);
     return pilot;
   }
 
   /// At the scene file's spacing; repeats differ in the noise of light, too, and the first one is timed.
   PilotRender render(int bounces, int samples, int repeat) {
-    return render({bounces, samples, light_spacing_px_, repeat, repeat, repeat == 0 && samples == kPilotSamples[0]});
+    return render(pilots_,
+                  {bounces, samples, light_spacing_px_, repeat, repeat, repeat == 0 && samples == kPilotSamples[0]});
   }
+
+  const PilotRenders& plain() const { return pilots_; }
 
  private:
   const PilotRenders& pilots_;
-  double light_spacing_px_;
+  double light_spacing_px_, work_in_all_;
   const ProgressCallback& progress_;
   double done_ = 0;
 };
@@ -145,7 +166,8 @@ std::vector<LightStep> compare_lights(const std::vector<TileWindow>& windows, do
                                       const RenderPair& as_asked, CountedPilots& pilots) {
   const double coarse_px = std::min(2 * spacing_px, 1000.0);
   const auto render = [&](int repeat) {
-    return pilots.render({kReferenceBounces, kPilotSamples[kBouncePilot], coarse_px, repeat, repeat, repeat == 0});
+    return pilots.render(pilots.plain(),
+                         {kReferenceBounces, kPilotSamples[kBouncePilot], coarse_px, repeat, repeat, repeat == 0});
   };
   const PilotRender renders[2] = {render(0), render(1)};
   const RenderPair coarse(windows, renders);
@@ -156,6 +178,40 @@ std::vector<LightStep> compare_lights(const std::vector<TileWindow>& windows, do
            .lost_windows = lost_windows,
            .making = as_asked_s > 0 ? std::min(renders[0].light_seconds / as_asked_s, 1.0) : 1},
           {.spacing_px = spacing_px, .error_dp_px = difference_dp_px / 3}};
+}
+
+/// One effect against none of them, without bounces; `without` at each of kPilotSamples. Of the poses of an exposure
+/// each has as many samples as the picture without it, so that noise is no part of the difference; the time of the
+/// effect is that of as many samples in all.
+EffectStep compare_effect(Effect effect, const Simulation& file, const std::vector<TileWindow>& windows,
+                          const std::array<RenderPair, kPilotSamples.size()>& without, CountedPilots& pilots) {
+  Simulation with = pilots.plain().simulation();
+  add(effect, file, with);
+  const PilotRenders with_effect = pilots.plain().of(with);
+  const int poses = with_effect.poses();
+  const auto render = [&](int samples, int repeat, bool timed) {
+    return pilots.render(with_effect, {0, samples, file.light.light_spacing_px, repeat, repeat, timed});
+  };
+  const std::size_t pilot = effect_pilot(poses);
+  const PilotRender renders[2] = {render(kPilotSamples[pilot], 0, false), render(kPilotSamples[pilot], 1, false)};
+  const auto [error_dp_px, lost_windows] = compare(windows, RenderPair(windows, renders), without[pilot]);
+  const PilotRender timed = render(std::max(kPilotSamples[kBouncePilot] / poses, 2), 0, true);
+  const double plain_s = without[kBouncePilot].renders[0].seconds_per_sample;
+  return {.effect = effect,
+          .error_dp_px = error_dp_px,
+          .lost_windows = lost_windows,
+          .cost = std::max(timed.seconds_per_sample / plain_s, 1.0)};
+}
+
+std::vector<EffectStep> compare_effects(const Simulation& file, const std::vector<TileWindow>& windows,
+                                        const RenderPair& few_samples, CountedPilots& pilots) {
+  const PilotRender many[2] = {pilots.render(0, kPilotSamples.back(), 0), pilots.render(0, kPilotSamples.back(), 1)};
+  const std::array without = {few_samples, RenderPair(windows, many)};
+  std::vector<EffectStep> steps;
+  for (const Effect effect : effects_of(file)) {
+    steps.push_back(compare_effect(effect, file, windows, without, pilots));
+  }
+  return steps;
 }
 
 }  // namespace
@@ -172,7 +228,7 @@ double PilotErrors::sample_error(int samples) const {
 PilotErrors measure_pilots(const PilotRenders& pilot_renders, const Simulation& simulation, double tolerance_dp_px,
                            const ProgressCallback& progress) {
   const double spacing_px = simulation.light.light_spacing_px;
-  CountedPilots pilots(pilot_renders, spacing_px, progress);
+  CountedPilots pilots(pilot_renders, simulation, progress);
   std::array<std::vector<PilotRender>, kPilotSamples.size()> full;  // with the reference's bounces
   for (std::size_t n = 0; n < full.size(); ++n) {
     for (int repeat = 0; repeat < kPilotRenders[n]; ++repeat) {
@@ -191,7 +247,8 @@ PilotErrors measure_pilots(const PilotRenders& pilot_renders, const Simulation& 
   }
   const RenderPair reference(windows, full[kBouncePilot].data());  // its first two
   if (spacing_px > 0) {
-    const PilotRender other = pilots.render({kReferenceBounces, kPilotSamples[kBouncePilot], spacing_px, 0, 1, false});
+    const PilotRender other =
+        pilots.render(pilots.plain(), {kReferenceBounces, kPilotSamples[kBouncePilot], spacing_px, 0, 1, false});
     errors.light_noise = noise_error({reference.shifts_dp_px[0], shifts(windows, other)});
     errors.lights = compare_lights(windows, spacing_px, reference, pilots);
   } else {
@@ -206,7 +263,9 @@ PilotErrors measure_pilots(const PilotRenders& pilot_renders, const Simulation& 
     }
     const PilotRender cheap[2] = {pilots.render(bounces, kPilotSamples[kBouncePilot], 0),
                                   pilots.render(bounces, kPilotSamples[kBouncePilot], 1)};
-    errors.bounces.push_back(compare_bounces(bounces, windows, RenderPair(windows, cheap), reference));
+    const RenderPair pair(windows, cheap);
+    errors.bounces.push_back(compare_bounces(bounces, windows, pair, reference));
+    if (bounces == 0) errors.effects = compare_effects(simulation, windows, pair, pilots);
   }
   return errors;
 }

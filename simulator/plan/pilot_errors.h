@@ -10,11 +10,12 @@ namespace dualpixel::simulator {
 inline constexpr int kReferenceBounces = 8;
 inline constexpr std::array kPilotSamples = {16, 64};  ///< less than a packet of 16 costs as much
 
-/// What the pilot renders show of bounces, light and samples, in the windows that have texture.
+/// What the pilot renders show of bounces, light, effects and samples, in the windows that have texture.
 struct PilotErrors {
   int windows = 0, windows_textured = 0;
   std::vector<BounceStep> bounces;                   ///< 0, 1, 2, 4, 8; empty where too few windows have texture
   std::vector<LightStep> lights;                     ///< twice the scene file's spacing, and that
+  std::vector<EffectStep> effects;                   ///< those of effects_of(simulation)
   std::array<double, kPilotSamples.size()> noise{};  ///< with the reference's bounces, at kPilotSamples
   double light_noise = 0;                            ///< the part of it that more camera samples do not reduce
 
@@ -22,6 +23,7 @@ struct PilotErrors {
   double sample_error(int samples) const;
 };
 
+/// `pilots` without effects; `simulation` is the scene file's.
 PilotErrors measure_pilots(const PilotRenders& pilots, const Simulation& simulation, double tolerance_dp_px,
                            const ProgressCallback& progress);
 

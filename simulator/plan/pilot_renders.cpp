@@ -3,11 +3,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
-#include <optional>
-#include <utility>
 
 #include "capture/timing.h"
+#include "simulator/held_camera.h"
 #include "simulator/render/views.h"
 #include "simulator/sampling/hash.h"
 #include "simulator/simulate.h"
@@ -38,17 +38,26 @@ std::vector<SensorGrid> tile_grids(const SensorOptions& options, std::uint64_t s
   return grids;
 }
 
-std::vector<CameraView> tile_cameras(const Simulation& simulation, const Lens& lens, const Scene& scene,
-                                     std::uint64_t seed) {
-  const glm::mat4 pose = camera_pose(simulation, scene);
-  const std::vector<SensorGrid> grids = tile_grids(simulation.sensor, seed);
-  std::vector<std::optional<CameraView>> ready(grids.size());
-  tbb::parallel_for(std::size_t{0}, grids.size(), [&](std::size_t i) {
-    ready[i] = CameraView{pose, prepare_lens(simulation, lens, grids[i])};
-  });
-  std::vector<CameraView> cameras;
-  for (std::optional<CameraView>& camera : ready) cameras.push_back(std::move(*camera));
-  return cameras;
+/// A tile's camera, as the hand holds it during the first frame's exposure; `whole` is that of the whole sensor.
+std::vector<CameraView> poses_of_tile(const Simulation& s, const CameraView& whole, const SensorGrid& tile) {
+  const CameraView camera{whole.world_from_camera, whole.lens.over(tile)};
+  const auto first_row = std::lround(sensor_grid(s.sensor).principal_point_px.y - tile.principal_point_px.y);
+  const int count = poses_of(s);
+  std::vector<CameraView> poses;
+  for (int pose = 0; pose < count; ++pose) {
+    const double time_s = ((pose + 0.5) / count - 0.5) * s.exposure.time_s;
+    poses.push_back(held_at(s, camera, time_s, static_cast<int>(first_row)));
+  }
+  return poses;
+}
+
+std::vector<std::vector<CameraView>> tiles_of(const Simulation& simulation, const Scene& scene, std::uint64_t seed) {
+  const CameraView camera = place_camera(simulation, scene);
+  std::vector<std::vector<CameraView>> tiles;
+  for (const SensorGrid& grid : tile_grids(simulation.sensor, seed)) {
+    tiles.push_back(poses_of_tile(simulation, camera, grid));
+  }
+  return tiles;
 }
 
 }  // namespace
@@ -57,29 +66,30 @@ LeastSensor least_sensor(const SensorOptions& sensor) {
   return {(kWindowDpPx + 2 * color_period(sensor)) * sensor.dp_downsample_x, kWindowDpPx * sensor.dp_downsample_y};
 }
 
-PilotRenders::PilotRenders(const Simulation& simulation, RenderScene& world, const Lens& lens, std::uint64_t seed)
-    : simulation_(simulation),
-      world_(world),
-      cameras_(tile_cameras(simulation, lens, world.scene, hash(seed, 1))),
-      seed_(hash(seed, 2)) {}
+PilotRenders::PilotRenders(const Simulation& simulation, RenderScene& world, std::uint64_t seed)
+    : simulation_(simulation), world_(world), tiles_(tiles_of(simulation, world.scene, hash(seed, 1))), seed_(seed) {}
 
 PilotRender PilotRenders::render(const PilotSettings& settings) const {
   PilotRender pilot;
-  pilot.tiles.resize(cameras_.size());
-  double photosites = 0;
-  for (const CameraView& camera : cameras_) {
-    photosites += static_cast<double>(camera.lens.sensor().width_px) * camera.lens.sensor().height_px;
+  pilot.tiles.resize(tiles_.size());
+  double photosites = 0;  // of all poses
+  for (const std::vector<CameraView>& poses : tiles_) {
+    const SensorGrid& tile = poses[0].lens.sensor();
+    photosites += static_cast<double>(poses.size()) * tile.width_px * tile.height_px;
   }
   LightCacheOptions light = simulation_.light;
   light.light_spacing_px = settings.light_spacing_px;
   world_.light_cache =
       light.light_spacing_px > 0 ? std::make_unique<LightCache>(light, settings.light_repeat) : nullptr;
   const auto render_all = [&] {
-    tbb::parallel_for(std::size_t{0}, cameras_.size(), [&](std::size_t i) {
-      const RenderOptions options{settings.samples, settings.bounces, hash(seed_, settings.repeat, i)};
-      const Views views = render_views(world_, cameras_[i], options);
-      pilot.tiles[i] =
-          expected_dp_views(views, simulation_.sensor, simulation_.exposure, cameras_[i].lens.lux_per_nit());
+    tbb::parallel_for(std::size_t{0}, tiles_.size(), [&](std::size_t i) {
+      const RenderOptions options{settings.samples, settings.bounces, hash(hash(seed_, 2), settings.repeat, i)};
+      const std::vector<CameraView>& poses = tiles_[i];
+      Views mean;
+      for (const CameraView& pose : poses) {
+        add_share(render_views(world_, pose, options), static_cast<int>(poses.size()), mean);
+      }
+      pilot.tiles[i] = expected_dp_views(mean, simulation_.sensor, simulation_.exposure, poses[0].lens.lux_per_nit());
     });
   };
   const double first_s = seconds(render_all);

@@ -16,7 +16,8 @@ LeastSensor least_sensor(const SensorOptions& sensor);
 
 /// How the pilots are rendered. The same random numbers for the same `repeat` and `light_repeat`, whatever the rest.
 struct PilotSettings {
-  int bounces = 0, samples = 16;
+  int bounces = 0;
+  int samples = 16;  ///< of each pose
   double light_spacing_px = 0;
   int repeat = 0;        ///< of the camera samples
   int light_repeat = 0;  ///< of light at points
@@ -30,18 +31,25 @@ struct PilotRender {
   double light_seconds = 0;       ///< of finding it, per photosite; of a timed one
 };
 
-/// Renders tiles spread over the frame, or the whole sensor where it is small.
+/// Renders tiles spread over the frame, or the whole sensor where it is small: the burst's first frame. Every pose of
+/// its exposure takes the same random numbers, so that their mean has a single pose's noise, and what remains of the
+/// difference is motion. Animated things stand still.
 class PilotRenders {
  public:
-  /// `world` gets a light cache of its own for every render.
-  PilotRenders(const Simulation& simulation, RenderScene& world, const Lens& lens, std::uint64_t seed);
+  /// `simulation` must outlive the pilots; `world` gets a light cache of its own for every render.
+  PilotRenders(const Simulation& simulation, RenderScene& world, std::uint64_t seed);
 
   PilotRender render(const PilotSettings& settings) const;
+
+  /// The same tiles and random numbers of another simulation.
+  PilotRenders of(const Simulation& other) const { return {other, world_, seed_}; }
+  const Simulation& simulation() const { return simulation_; }
+  int poses() const { return static_cast<int>(tiles_[0].size()); }  ///< of each exposure
 
  private:
   const Simulation& simulation_;
   RenderScene& world_;
-  std::vector<CameraView> cameras_;
+  std::vector<std::vector<CameraView>> tiles_;  ///< of each, the poses in which the hand holds the camera
   std::uint64_t seed_;
 };
 

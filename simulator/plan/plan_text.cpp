@@ -17,6 +17,33 @@ std::string light_name(double spacing_px) {
 std::string lost(int windows) { return windows > 0 ? fmt::format("; {} windows cannot be matched", windows) : ""; }
 std::string samples_name(int samples) { return fmt::format("{} sample{}", samples, samples == 1 ? "" : "s"); }
 
+/// What was chosen but for one step.
+PlanChoice chosen_but(const Plan& plan, std::size_t PlanChoice::*kind, std::size_t step) {
+  PlanChoice choice = plan.chosen;
+  choice.*kind = step;
+  return choice;
+}
+
+PlanChoice but_effect(const Plan& plan, std::size_t effect, bool simulated) {
+  PlanChoice choice = plan.chosen;
+  choice.effects[effect] = simulated;
+  return choice;
+}
+
+/// Of an effect's row: it is, or is left out.
+std::string effect_name(Effect effect, bool simulated) {
+  return (simulated ? "" : "no ") + std::string(name_of(kEffects, effect));
+}
+
+/// ", diffraction, motion blur": those that are simulated.
+std::string effects_text(const Plan& plan) {
+  std::string text;
+  for (std::size_t i = 0; i < plan.effects.size(); ++i) {
+    if (plan.chosen.effects[i]) text += ", " + std::string(name_of(kEffects, plan.effects[i].effect));
+  }
+  return text;
+}
+
 std::string differences_text(const Plan& plan) {
   std::string text = fmt::format("\n{:<18}{:>14}{:>16}{:>12}{:>12}{:>18}\n", "beside disparity", "picture, px",
                                  "red - blue, px", "blur, px", "light, %", "left's share, %");
@@ -36,14 +63,16 @@ std::string differences_text(const Plan& plan) {
 
 nlohmann::ordered_json plan_json(const Plan& plan, bool with_times) {
   using nlohmann::ordered_json;
-  // each step with the others as chosen
-  const auto step = [&](ordered_json row, std::size_t l, std::size_t b, std::size_t t, std::size_t s, bool chosen) {
-    row["error_with_the_others_as_chosen_dp_px"] = plan.error_dp_px(l, b, t, s);
-    if (with_times) row["picture_s"] = plan.picture_s(l, b, t, s);
+  const PlanChoice& best = plan.chosen;
+  // a step with the others as chosen
+  const auto step = [&](ordered_json row, const PlanChoice& choice, bool chosen) {
+    row["error_with_the_others_as_chosen_dp_px"] = plan.error_dp_px(choice);
+    if (with_times) row["picture_s"] = plan.picture_s(choice);
     row["chosen"] = chosen;
     return row;
   };
-  ordered_json lenses = ordered_json::array(), bounces = lenses, lights = lenses, samples = lenses;
+  ordered_json lenses = ordered_json::array(), bounces = lenses, lights = lenses, effects = lenses, samples = lenses,
+               chosen_effects = lenses;
   for (std::size_t l = 0; l < plan.lenses.size(); ++l) {
     const LensStep& r = plan.lenses[l];
     lenses.push_back(step({{"model", r.candidate.name},
@@ -54,35 +83,42 @@ nlohmann::ordered_json plan_json(const Plan& plan, bool with_times) {
                            {"blur_difference_px", r.differences.blur_px},
                            {"light_difference", r.differences.light},
                            {"left_share_difference", r.differences.left_share}},
-                          l, plan.bounce, plan.light, plan.sample, l == plan.lens));
+                          chosen_but(plan, &PlanChoice::lens, l), l == best.lens));
   }
   for (std::size_t b = 0; b < plan.bounces.size(); ++b) {
     const BounceStep& r = plan.bounces[b];
     bounces.push_back(
-        step({{"max_bounces", r.bounces}, {"error_dp_px", r.error_dp_px}, {"lost_windows", r.lost_windows}}, plan.lens,
-             b, plan.light, plan.sample, b == plan.bounce));
+        step({{"max_bounces", r.bounces}, {"error_dp_px", r.error_dp_px}, {"lost_windows", r.lost_windows}},
+             chosen_but(plan, &PlanChoice::bounce, b), b == best.bounce));
   }
   for (std::size_t t = 0; t < plan.lights.size(); ++t) {
     const LightStep& r = plan.lights[t];
     lights.push_back(
         step({{"light_spacing_px", r.spacing_px}, {"error_dp_px", r.error_dp_px}, {"lost_windows", r.lost_windows}},
-             plan.lens, plan.bounce, t, plan.sample, t == plan.light));
+             chosen_but(plan, &PlanChoice::light, t), t == best.light));
+  }
+  for (std::size_t i = 0; i < plan.effects.size(); ++i) {
+    const EffectStep& r = plan.effects[i];
+    const char* name = name_of(kEffects, r.effect);
+    effects.push_back(step({{"without", name}, {"error_dp_px", r.error_dp_px}, {"lost_windows", r.lost_windows}},
+                           but_effect(plan, i, false), !best.effects[i]));
+    if (best.effects[i]) chosen_effects.push_back(name);
   }
   for (std::size_t s = 0; s < plan.samples.size(); ++s) {
     const SampleStep& r = plan.samples[s];
-    samples.push_back(step({{"samples_per_pixel", r.samples}, {"error_dp_px", r.error_dp_px}}, plan.lens, plan.bounce,
-                           plan.light, s, s == plan.sample));
+    samples.push_back(step({{"samples_per_pixel", r.samples}, {"error_dp_px", r.error_dp_px}},
+                           chosen_but(plan, &PlanChoice::sample, s), s == best.sample));
   }
-  ordered_json chosen = {{"lens_model", plan.lenses[plan.lens].candidate.name},
-                         {"max_bounces", plan.bounces[plan.bounce].bounces},
-                         {"light_spacing_px", plan.lights[plan.light].spacing_px},
-                         {"samples_per_pixel", plan.samples[plan.sample].samples},
-                         {"error_dp_px", plan.error_dp_px()}};
-  const Lens& lens = plan.lenses[plan.lens].candidate.lens;
+  ordered_json chosen = {
+      {"lens_model", plan.lenses[best.lens].candidate.name},    {"max_bounces", plan.bounces[best.bounce].bounces},
+      {"light_spacing_px", plan.lights[best.light].spacing_px}, {"effects", chosen_effects},
+      {"samples_per_pixel", plan.samples[best.sample].samples}, {"error_dp_px", plan.error_dp_px(best)}};
+  const Lens& lens = plan.lenses[best.lens].candidate.lens;
   if (std::holds_alternative<Aberrations>(lens.model)) chosen["lens"] = aberrated_lens_json(lens);
   return {{"tolerance_dp_px", plan.tolerance_dp_px},
           {"tolerance_met", plan.met},
           {"seed", plan.seed},
+          {"frames", plan.frames},
           {"windows", plan.windows},
           {"windows_textured", plan.windows_textured},
           {"bounces_and_samples_measured", plan.measured},
@@ -90,6 +126,7 @@ nlohmann::ordered_json plan_json(const Plan& plan, bool with_times) {
           {"lens_models", lenses},
           {"bounces", bounces},
           {"light", lights},
+          {"effects", effects},
           {"samples", samples}};
 }
 
@@ -99,11 +136,12 @@ std::string plan_text(const Plan& plan) {
     text += fmt::format("{}{:<18}{:>14}{:>14}{:>14}{:>12}\n", text.empty() ? "" : "\n", name, "error, DP px",
                         "in all, DP px", "picture, s", "saves, s");
   };
-  const double chosen_s = plan.picture_s(plan.lens, plan.bounce, plan.light, plan.sample);
-  const auto row = [&](const std::string& name, double error, std::size_t l, std::size_t b, std::size_t t,
-                       std::size_t s, bool chosen, const std::string& note) {
-    const double all = plan.error_dp_px(l, b, t, s);
-    const double time_s = plan.picture_s(l, b, t, s);
+  const PlanChoice& best = plan.chosen;
+  const double chosen_s = plan.picture_s(best);
+  const auto row = [&](const std::string& name, double error, const PlanChoice& choice, bool chosen,
+                       const std::string& note) {
+    const double all = plan.error_dp_px(choice);
+    const double time_s = plan.picture_s(choice);
     const char* verdict = chosen ? "chosen" : all > plan.tolerance_dp_px ? "over the tolerance" : "more work";
     text += fmt::format("{:<18}{:>14.4f}{:>14.4f}{:>14.2f}{:>12.2f}  {}{}\n", name, error, all, time_s,
                         chosen_s - time_s, verdict, note);
@@ -111,51 +149,64 @@ std::string plan_text(const Plan& plan) {
   heading("lens model");
   for (std::size_t l = 0; l < plan.lenses.size(); ++l) {
     const LensStep& r = plan.lenses[l];
-    row(r.candidate.name, r.error_dp_px, l, plan.bounce, plan.light, plan.sample, l == plan.lens,
+    row(r.candidate.name, r.error_dp_px, chosen_but(plan, &PlanChoice::lens, l), l == best.lens,
         fmt::format("; 95 % within {:.4f}", r.error_95_dp_px));
   }
   if (plan.lenses.size() > 1) text += differences_text(plan);
   heading("bounces");
   for (std::size_t b = 0; b < plan.bounces.size(); ++b) {
     const BounceStep& r = plan.bounces[b];
-    row(bounces_name(r.bounces), r.error_dp_px, plan.lens, b, plan.light, plan.sample, b == plan.bounce,
+    row(bounces_name(r.bounces), r.error_dp_px, chosen_but(plan, &PlanChoice::bounce, b), b == best.bounce,
         lost(r.lost_windows));
   }
   heading("light");
   for (std::size_t t = 0; t < plan.lights.size(); ++t) {
     const LightStep& r = plan.lights[t];
-    row(light_name(r.spacing_px), r.error_dp_px, plan.lens, plan.bounce, t, plan.sample, t == plan.light,
+    row(light_name(r.spacing_px), r.error_dp_px, chosen_but(plan, &PlanChoice::light, t), t == best.light,
         lost(r.lost_windows));
+  }
+  const std::size_t effects = plan.measured ? plan.effects.size() : 0;
+  if (effects > 0) heading("effects");
+  for (std::size_t i = 0; i < effects; ++i) {
+    const EffectStep& r = plan.effects[i];
+    for (const bool simulated : {false, true}) {
+      row(effect_name(r.effect, simulated), simulated ? 0 : r.error_dp_px, but_effect(plan, i, simulated),
+          simulated == best.effects[i], simulated ? "" : lost(r.lost_windows));
+    }
   }
   heading("samples");
   for (std::size_t s = 0; s < plan.samples.size(); ++s) {
     const SampleStep& r = plan.samples[s];
-    row(samples_name(r.samples), r.error_dp_px, plan.lens, plan.bounce, plan.light, s, s == plan.sample, "");
+    row(samples_name(r.samples), r.error_dp_px, chosen_but(plan, &PlanChoice::sample, s), s == best.sample, "");
   }
   text +=
       "\nEach row with the others as chosen. Lens models: disparity traced at 432 field points, at the depth that "
       "the scene has there; beside it what else they change, RMS over those of the points where it can be told "
       "(colors: where "
       "the pupil is nearly whole), which does not count.\n";
-  text += plan.measured
-              ? fmt::format(
-                    "Bounces, light and samples: pilot renders, as a matcher sees them in the {} of {} windows whose "
-                    "texture stands out of the sensor's noise.\n",
-                    plan.windows_textured, plan.windows)
-              : fmt::format(
-                    "Bounces, light and samples were not measured and are the scene file's: just {} of {} windows have "
-                    "texture that stands out of the sensor's noise.\n",
-                    plan.windows_textured, plan.windows);
-  const auto chosen = fmt::format(
-      "{}, {}, {}, {}", plan.lenses[plan.lens].candidate.name, bounces_name(plan.bounces[plan.bounce].bounces),
-      light_name(plan.lights[plan.light].spacing_px), samples_name(plan.samples[plan.sample].samples));
-  const double error = plan.error_dp_px();
-  text += plan.met ? fmt::format("Enough for {} DP px: {}: error {:.4f} DP px, {:.1f} s for the two views.\n",
-                                 plan.tolerance_dp_px, chosen, error, chosen_s)
+  text += plan.measured ? fmt::format(
+                              "Bounces, light, effects and samples: pilot renders, as a matcher sees them in the {} of "
+                              "{} windows whose "
+                              "texture stands out of the sensor's noise.\n",
+                              plan.windows_textured, plan.windows)
+                        : fmt::format(
+                              "Bounces, light, effects and samples were not measured and are the scene file's: just {} "
+                              "of {} windows have "
+                              "texture that stands out of the sensor's noise.\n",
+                              plan.windows_textured, plan.windows);
+  const auto chosen =
+      fmt::format("{}, {}, {}, {}{}", plan.lenses[best.lens].candidate.name,
+                  bounces_name(plan.bounces[best.bounce].bounces), light_name(plan.lights[best.light].spacing_px),
+                  samples_name(plan.samples[best.sample].samples), effects_text(plan));
+  const double error = plan.error_dp_px(best);
+  const std::string views =
+      plan.frames > 1 ? fmt::format("the two views of each of {} frames", plan.frames) : "the two views";
+  text += plan.met ? fmt::format("Enough for {} DP px: {}: error {:.4f} DP px, {:.1f} s for {}.\n",
+                                 plan.tolerance_dp_px, chosen, error, chosen_s, views)
                    : fmt::format(
                          "Nothing reaches {} DP px; the cheapest within a tenth of the least error is {}: {:.4f} DP "
-                         "px, {:.1f} s.\n",
-                         plan.tolerance_dp_px, chosen, error, chosen_s);
+                         "px, {:.1f} s for {}.\n",
+                         plan.tolerance_dp_px, chosen, error, chosen_s, views);
   return text;
 }
 

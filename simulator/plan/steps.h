@@ -2,9 +2,10 @@
 #include <string>
 
 #include "simulator/lens/lens.h"
+#include "simulator/plan/effects.h"
 
-/// The steps from the cheapest to the most accurate simulation, along each of the four choices of a plan, with the
-/// disparity error that each leaves.
+/// The steps from the cheapest to the most accurate simulation, along each of the choices of a plan, with the disparity
+/// error that each leaves.
 namespace dualpixel::simulator {
 
 /// A lens that may replace another one.
@@ -46,6 +47,14 @@ struct LightStep {
   double error_dp_px = 0;
   int lost_windows = 0;  ///< those that count as 1 DP px
   double making = 1;     ///< time of finding it over that at the scene file's spacing
+};
+
+/// An effect that can be left out.
+struct EffectStep {
+  Effect effect;
+  double error_dp_px = 0;  ///< without it
+  int lost_windows = 0;    ///< those that count as 1 DP px
+  double cost = 1;         ///< time of a sample with it over that without
 };
 
 struct SampleStep {

@@ -64,6 +64,16 @@ Views render_views(const RenderScene& world, const CameraView& camera, const Ren
   return views;
 }
 
+void add_share(const Views& views, int count, Views& mean) {
+  const double share = 1.0 / count;
+  for (Image Views::*side : {&Views::left, &Views::right}) {
+    const Image& view = views.*side;
+    Image& sum = mean.*side;
+    if (sum.empty()) sum = Image(view.width, view.height, view.channels);
+    for (std::size_t i = 0; i < view.data.size(); ++i) sum.data[i] += static_cast<float>(view.data[i] * share);
+  }
+}
+
 Image undivided(Views views) {
   for (std::size_t i = 0; i < views.left.data.size(); ++i) views.left.data[i] += views.right.data[i];
   return std::move(views.left);

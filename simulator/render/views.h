@@ -23,6 +23,9 @@ Views render_views(const RenderScene& scene, const CameraView& camera, const Ren
 Views render_views(const RenderScene& scene, const CameraView& camera, const RenderOptions& options,
                    const SampleMap& map, const ProgressCallback& progress = {});
 
+/// Adds a `count`-th of `views` to `mean`, which is empty at first.
+void add_share(const Views& views, int count, Views& mean);
+
 /// left + right: what an undivided sensor sees. `views` is used up.
 Image undivided(Views views);
 

@@ -39,7 +39,8 @@ void run(const PlanCommandOptions& options) {
 void add_plan(CLI::App& program) {
   auto options = std::make_shared<PlanCommandOptions>();
   CLI::App* command = program.add_subcommand(
-      "plan", "Find the lens model, bounces, light and samples that a scene needs, and the error of cheaper ones");
+      "plan",
+      "Find the lens model, bounces, light, effects and samples that a scene needs, and the error of cheaper ones");
   command->add_option("scene", options->scene, "Scene JSON file")->required()->type_name("SCENE.json");
   add_tolerance_option(*command, options->tolerance_dp_px);
   add_overrides_option(*command, options->overrides, "camera.focus_distance_m=0.9");

@@ -1,0 +1,31 @@
+#pragma once
+#include <vector>
+
+#include "capture/names.h"
+#include "simulator/scene_file.h"
+
+/// What a simulation can have or leave out beside its lens model, bounces, light and samples.
+namespace dualpixel::simulator {
+
+enum class Effect { diffraction, filter_bands, motion_blur };
+
+inline constexpr Named<Effect> kEffects[] = {
+    {"diffraction", Effect::diffraction, "rays bend at the stop"},
+    {"filter bands", Effect::filter_bands, "five wavelengths of each filter's band, not one"},
+    {"motion blur", Effect::motion_blur, "the hand moves the camera while a frame is exposed: eight poses, not one"},
+};
+
+/// Those that the simulation can have: diffraction but behind a hard split, where bent rays are no model of it
+/// (docs/camera_effects.md); filter bands through a prescription with wavelengths, motion in a hand that
+/// shakes. What costs nothing, as a shutter that rolls, stays as the scene file has it.
+std::vector<Effect> effects_of(const Simulation& simulation);
+
+bool has(const Simulation& simulation, Effect effect);
+
+Simulation without_effects(Simulation simulation);
+
+/// Adds an effect of effects_of(file) to what without_effects(file) left; as strong as the file has it, at least as
+/// kEffects says. Another lens than the file's may know no filter bands, and stays as it is.
+void add(Effect effect, const Simulation& file, Simulation& simulation);
+
+}  // namespace dualpixel::simulator
