@@ -75,25 +75,28 @@ double sampling_seconds(const LensSampler& lens, const std::vector<FieldPoint>& 
 }
 
 /// By how much red lies farther along each axis than blue, as slopes; none where a tenth of either is blocked, since
-/// what passes the rest of the pupil lies elsewhere.
+/// what passes the rest of the pupil lies elsewhere. A sample's weight is the area that it stands for: where rims block
+/// light, the largest is that of the whole pupil.
 std::optional<glm::dvec2> color_gap(const LensSampler& lens, const FieldPoint& point) {
   constexpr int kRed = 0, kBlue = 2, kRays = 256;
   const auto mean_slope = [&](int color) -> std::optional<glm::dvec2> {
     alignas(64) float s[4][kPacket];
     LensPacket packet;
     glm::dvec2 sum(0);
-    int passed = 0;
+    double passed = 0, most = 0;
     for (int first = 0; first < kRays; first += kPacket) {
       joint_samples(first, 1, s);
       lens.sample(point.x, point.y, color, s, packet);
       for (int i = 0; i < kPacket; ++i) {
-        if (packet.left[i] + packet.right[i] == 0) continue;  // blocked: where it would go may not be a number
-        sum += glm::dvec2(packet.slope_x[i], packet.slope_y[i]);
-        ++passed;
+        const double weight = packet.left[i] + packet.right[i];
+        if (weight == 0) continue;  // blocked: where it would go may not be a number
+        sum += weight * glm::dvec2(packet.slope_x[i], packet.slope_y[i]);
+        passed += weight;
+        most = std::max(most, weight);
       }
     }
-    if (passed < 0.9 * kRays) return {};
-    return sum / static_cast<double>(passed);
+    if (passed < 0.9 * kRays * most) return {};
+    return sum / passed;
   };
   const auto red = mean_slope(kRed), blue = mean_slope(kBlue);
   if (!red || !blue) return {};

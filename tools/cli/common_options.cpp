@@ -31,6 +31,8 @@ void print_warnings(const std::vector<std::string>& warnings, const std::string&
   }
 }
 
+void print_written(const std::string& page) { std::cerr << "Wrote " << printable(page) << '\n'; }
+
 void add_threads_option(CLI::App& command) {
   command
       .add_option_function<int>(

@@ -104,10 +104,11 @@ void run(const ChartOptions& options) {
   }
   progress(1);
   chart.complete = true;
-  if (!older) return write();
-  const evaluation::ChartComparison since = compare(*older, chart);
+  std::optional<evaluation::ChartComparison> since;
+  if (older) since = compare(*older, chart);
   write(since);
-  std::cout << to_text(since);
+  print_written(options.page);
+  if (since) std::cout << to_text(*since);
 }
 
 }  // namespace
@@ -122,9 +123,13 @@ void add_chart(CLI::App& program) {
   command->add_option("--compare", options->older, "Say what differs from an older chart by more than noise")
       ->type_name("OLD.json");
   command->add_option("--scenes", options->scenes, "Folder of the shipped scenes")
+      ->check(CLI::ExistingDirectory)
       ->type_name("DIR")
       ->capture_default_str();
-  command->add_option("--lenses", options->lenses, "Folder of lens files")->type_name("DIR")->capture_default_str();
+  command->add_option("--lenses", options->lenses, "Folder of lens files")
+      ->check(CLI::ExistingDirectory)
+      ->type_name("DIR")
+      ->capture_default_str();
   command
       ->add_option("--cycles", options->cycles_script,
                    "Measure Blender's Cycles beside the renderer, by this script (some minutes more): "

@@ -20,6 +20,9 @@ void add_overrides_option(CLI::App& command, std::vector<std::string>& overrides
 /// A line on stderr for each; `about`: the name of what they are told of, empty where there is but one.
 void print_warnings(const std::vector<std::string>& warnings, const std::string& about = "");
 
+/// A line on stderr for a page that is in its place.
+void print_written(const std::string& page);
+
 void add_simulate(CLI::App& program);
 void add_calibrate(CLI::App& program);
 void add_portrait(CLI::App& program);

@@ -46,9 +46,29 @@ AberratedSampler::Local AberratedSampler::local_at(const PixelFrame& f, int colo
   return at;
 }
 
+/// Moves positions that are spread evenly over the whole pupil into what the rims leave of it; `area`: of the pupil,
+/// that each stands for. So no samples are lost, whose number would differ from photosite to photosite: noise that both
+/// views share. A rim that hides the pupil's middle is left to weigh().
+void AberratedSampler::draw_in(const Local& at, PupilPositions& p) const {
+  for (int i = 0; i < kPacket; ++i) {
+    constexpr float kNone = 1e-20f;  // in the middle
+    const float radius = std::sqrt(p.along[i] * p.along[i] + p.across[i] * p.across[i]) + kNone;
+    const float cosine = p.along[i] / radius, sine = p.across[i] / radius;
+    float reach = 1;
+    for (const Aberrations::Rim& rim : aberrations_.rims) {
+      const auto shift = static_cast<float>(rim.shift * at.h), rim_radius = static_cast<float>(rim.radius);
+      if (std::abs(shift) >= rim_radius) continue;
+      const float aside = shift * sine;
+      reach = std::min(reach, shift * cosine + std::sqrt(rim_radius * rim_radius - aside * aside));
+    }
+    for (float* position : {&p.x[i], &p.y[i], &p.along[i], &p.across[i]}) *position *= reach;
+    p.area[i] = reach * reach;
+  }
+}
+
 /// Falloff, and the rims that cut the pupil.
-void AberratedSampler::weigh(const PixelFrame& f, const Local& at, const float p[2][kPacket],
-                             const float along[kPacket], const float across[kPacket], float weight[kPacket]) const {
+void AberratedSampler::weigh(const PixelFrame& f, const Local& at, const PupilPositions& p,
+                             float weight[kPacket]) const {
   const Aberrations& a = aberrations_;
   // etendue: light from the pupil's area and the scene's solid angle that one photosite sees
   const float chief = static_cast<float>(f.radius_m) * at.stretch_around * at.per_m;
@@ -57,17 +77,19 @@ void AberratedSampler::weigh(const PixelFrame& f, const Local& at, const float p
   for (int i = 0; i < kPacket; ++i) {
     weight[i] = a.falloff == Aberrations::Falloff::cos4 ? cos4 : 1.0f;
     if (a.falloff == Aberrations::Falloff::disc) {
-      const float tx = f.x_m * at.per_m + p[0][i] * at.rim, ty = f.y_m * at.per_m + p[1][i] * at.rim;
+      const float tx = f.x_m * at.per_m + p.x[i] * at.rim, ty = f.y_m * at.per_m + p.y[i] * at.rim;
       const float c2 = 1 / (1 + tx * tx + ty * ty);
       weight[i] = c2 * c2;
     }
+    weight[i] *= p.area[i];
   }
   for (const Aberrations::Rim& rim_disc : a.rims) {
     const auto shift = static_cast<float>(rim_disc.shift * at.h);
-    const auto radius2 = static_cast<float>(rim_disc.radius * rim_disc.radius);
+    constexpr float kRounding = 1.00001f;  // of positions at the rim
+    const auto radius2 = kRounding * static_cast<float>(rim_disc.radius * rim_disc.radius);
     for (int i = 0; i < kPacket; ++i) {
-      const float d = along[i] - shift;
-      weight[i] = d * d + across[i] * across[i] <= radius2 ? weight[i] : 0.0f;
+      const float d = p.along[i] - shift;
+      weight[i] = d * d + p.across[i] * p.across[i] <= radius2 ? weight[i] : 0.0f;
     }
   }
 }
@@ -76,36 +98,40 @@ void AberratedSampler::sample(const PixelFrame& f, int color, const float s[4][k
                               PupilPacket& pupil) const {
   const Aberrations& a = aberrations_;
   const Local at = local_at(f, color);
-  alignas(64) float p[2][kPacket], along[kPacket], across[kPacket];
-  concentric_disc(s[2], s[3], p[0], p[1]);
   const float rx = f.radial_x, ry = f.radial_y;
+  PupilPositions p;
+  concentric_disc(s[2], s[3], p.x, p.y);
+  for (int i = 0; i < kPacket; ++i) {
+    p.along[i] = p.x[i] * rx + p.y[i] * ry;
+    p.across[i] = -p.x[i] * ry + p.y[i] * rx;
+  }
+  draw_in(at, p);
   const auto radius_m = static_cast<float>(f.radius_m);
   for (int i = 0; i < kPacket; ++i) {
-    along[i] = p[0][i] * rx + p[1][i] * ry;
-    across[i] = -p[0][i] * ry + p[1][i] * rx;
+    const float along = p.along[i], across = p.across[i];
     const float dx = (s[0][i] - 0.5f) * f.pitch_m, dy = (s[1][i] - 0.5f) * f.pitch_m;
     const float image_r = radius_m * at.stretch_around + at.stretch_radial * (dx * rx + dy * ry);
     const float image_a = at.stretch_around * (-dx * ry + dy * rx);
-    const float rho2 = p[0][i] * p[0][i] + p[1][i] * p[1][i];
+    const float rho2 = along * along + across * across;
     float spherical = 0;
     for (auto c = a.spherical_um.rbegin(); c != a.spherical_um.rend(); ++c) {
       spherical = (spherical + 1e-6f * static_cast<float>(*c)) * rho2;
     }
-    const float origin_r = along[i] * at.pupil_t * sampled_.radius_m;
-    const float origin_a = across[i] * at.pupil_s * sampled_.radius_m;
-    const float coma_r = rho2 + 2 * along[i] * along[i], coma_a = 2 * along[i] * across[i];
-    const float to_r = image_r - along[i] * (at.defocus_t + spherical) - at.coma * coma_r;
-    const float to_a = image_a - across[i] * (at.defocus_s + spherical) - at.coma * coma_a;
+    const float origin_r = along * at.pupil_t * sampled_.radius_m;
+    const float origin_a = across * at.pupil_s * sampled_.radius_m;
+    const float coma_r = rho2 + 2 * along * along, coma_a = 2 * along * across;
+    const float to_r = image_r - along * (at.defocus_t + spherical) - at.coma * coma_r;
+    const float to_a = image_a - across * (at.defocus_s + spherical) - at.coma * coma_a;
     const float slope_r = to_r * at.per_m - origin_r * sampled_.inverse_focus;
     const float slope_a = to_a * at.per_m - origin_a * sampled_.inverse_focus;
     out.origin_x[i] = origin_r * rx - origin_a * ry;
     out.origin_y[i] = origin_r * ry + origin_a * rx;
     out.slope_x[i] = slope_r * rx - slope_a * ry;
     out.slope_y[i] = slope_r * ry + slope_a * rx;
-    pupil.p[i] = p[0][i];
-    pupil.t[i] = p[0][i] * at.rim;
+    pupil.p[i] = p.x[i];
+    pupil.t[i] = p.x[i] * at.rim;
   }
-  weigh(f, at, p, along, across, pupil.weight);
+  weigh(f, at, p, pupil.weight);
 
   const double moved_m = sampled_.image_distance_m - thin_.focal_length_m;
   const double exit_pupil_m = a.exit_pupil_mm > 0 ? 1e-3 * a.exit_pupil_mm + moved_m : sampled_.image_distance_m;

@@ -26,8 +26,13 @@ class AberratedSampler {
     float stretch_radial, stretch_around;  ///< of the ideal picture over the real one, for steps within the photosite
   };
   Local local_at(const PixelFrame& f, int color) const;
-  void weigh(const PixelFrame& f, const Local& at, const float p[2][kPacket], const float along[kPacket],
-             const float across[kPacket], float weight[kPacket]) const;
+  /// Of sixteen samples, in pupil radii: in the picture's axes, and away from the axis and around it.
+  struct PupilPositions {
+    alignas(64) float x[kPacket], y[kPacket], along[kPacket], across[kPacket];
+    alignas(64) float area[kPacket];
+  };
+  void draw_in(const Local& at, PupilPositions& p) const;
+  void weigh(const PixelFrame& f, const Local& at, const PupilPositions& p, float weight[kPacket]) const;
 
   Aberrations aberrations_;
   ThinLens thin_;

@@ -1,5 +1,7 @@
 #include "simulator/lens/prescription/prescription_sampler.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -134,6 +136,7 @@ struct PrescriptionSampler::Tables {
   // for each wavelength of R's band, G's and B's; one where the lens has no color
   std::vector<RayPolynomials> polynomials;
   std::vector<TracedLens<float>> traced;
+  std::vector<PupilReaches> reaches;
   double entrance_pupil_z_mm = 0;
   /// Of a packet's filter and draw; 0 is the middle of the band.
   std::size_t index(int color, std::uint32_t draw) const {
@@ -161,13 +164,34 @@ PrescriptionSampler::PrescriptionSampler(const PrescriptionModel& model, const T
   for (double nm : wavelengths) {
     const PupilBounds bounds = find_pupil(p, nm, reach_mm);
     t.polynomials.push_back(fit_ray_polynomials(p, nm, bounds, t.entrance_pupil_z_mm));
-    if (t.exact_trace) t.traced.emplace_back(p, nm);
+    t.traced.emplace_back(p, nm);
   }
   const RayPolynomials& green = t.polynomials[t.polynomials.size() / 2];
   t.axis_area = green.bounds.nodes[0].pass_area;
   if (!(t.axis_area > 0)) throw InputError("surfaces: no light passes the lens on its axis: some must");
   t.chief_slopes = trace_chief_slopes(p, p.wavelengths_nm[1], green.bounds);
-  tables_ = std::make_shared<const Tables>(std::move(t));
+  const auto tables = std::make_shared<Tables>(std::move(t));
+  tables_ = tables;
+  std::vector<PupilReaches> reaches(tables->polynomials.size());
+  tbb::parallel_for(std::size_t{0}, reaches.size(), [&](std::size_t i) { reaches[i] = reaches_of(i); });
+  tables->reaches = std::move(reaches);
+}
+
+/// What either form of the lens lets pass, so that both draw the same positions.
+PupilReaches PrescriptionSampler::reaches_of(std::size_t index) const {
+  constexpr float kMiddle[2][kPacket] = {};
+  const auto passes = [&](double r_mm, const PupilPositions& at, bool passing[kPacket]) {
+    // a photosite without extent, which the lens frame's axes are those of the picture for
+    const auto radius_m = static_cast<float>(1e-3 * r_mm);
+    const PixelFrame frame{
+        .x_m = 0, .y_m = -radius_m, .pitch_m = 0, .radial_x = 0, .radial_y = -1, .radius_m = radius_m};
+    LensPacket rays;
+    PupilPacket by_polynomials, traced;
+    sample_polynomials(frame, index, kMiddle, at, rays, by_polynomials);
+    sample_traced(frame, index, kMiddle, at, rays, traced);
+    for (int i = 0; i < kPacket; ++i) passing[i] = by_polynomials.weight[i] > 0 || traced.weight[i] > 0;
+  };
+  return find_reaches(tables_->polynomials[index].bounds, passes);
 }
 
 double PrescriptionSampler::lux_per_nit() const { return tables_->axis_area; }
@@ -179,8 +203,8 @@ double PrescriptionSampler::chief_slope_per_m(double radius_m) const {
   return interpolate_odd(tables_->chief_slopes, spacing, radius_m).value / radius_m;
 }
 
-void PrescriptionSampler::sample_polynomials(const PixelFrame& f, std::size_t index, const float s[4][kPacket],
-                                             LensPacket& out, PupilPacket& pupil) const {
+void PrescriptionSampler::sample_polynomials(const PixelFrame& f, std::size_t index, const float s[2][kPacket],
+                                             const PupilPositions& at, LensPacket& out, PupilPacket& pupil) const {
   const RayPolynomials& lens = tables_->polynomials[index];
   const auto radius_m = static_cast<float>(f.radius_m);
   const double r_mm = radius_m * 1e3;
@@ -188,13 +212,7 @@ void PrescriptionSampler::sample_polynomials(const PixelFrame& f, std::size_t in
   const RayPolynomial c = lens.at(r_mm);
   // the lens frame's y axis points from the axis to the photosite on the real, inverted sensor
   const float yx = -f.radial_x, yy = -f.radial_y, xx = yy, xy = -yx;
-  alignas(64) float q[2][kPacket], x[kPacket], y[kPacket];
-  concentric_disc(s[2], s[3], q[0], q[1]);
-  for (int i = 0; i < kPacket; ++i) {
-    x[i] = q[0][i] * xx + q[1][i] * xy;
-    y[i] = q[0][i] * yx + q[1][i] * yy;
-  }
-  const PupilTerms terms(x, y);
+  const PupilTerms terms(at.x, at.y);
   alignas(64) float origin_x[kPacket], origin_y[kPacket], slope_x[kPacket], slope_y[kPacket], stop_x[kPacket],
       stop_y[kPacket], rim[kPacket];
   terms.odd<kSlopeDegree - 1>(c.slope_x, slope_x);
@@ -204,7 +222,9 @@ void PrescriptionSampler::sample_polynomials(const PixelFrame& f, std::size_t in
   terms.odd<kSmoothDegree - 1>(c.stop_x, stop_x);
   terms.even<kSmoothDegree>(c.stop_y, stop_y);
   const auto full = static_cast<float>(M_PI * ellipse.half_l * ellipse.half_m / tables_->axis_area);
-  for (int i = 0; i < kPacket; ++i) pupil.weight[i] = stop_x[i] * stop_x[i] + stop_y[i] * stop_y[i] <= 1 ? full : 0.0f;
+  for (int i = 0; i < kPacket; ++i) {
+    pupil.weight[i] = stop_x[i] * stop_x[i] + stop_y[i] * stop_y[i] <= 1 ? full * at.area[i] : 0.0f;
+  }
   for (std::size_t k = 0; k < lens.rims.size(); ++k) {
     terms.even<kRimDegree>(c.rim[k], rim);
     for (int i = 0; i < kPacket; ++i) pupil.weight[i] = rim[i] <= 1 ? pupil.weight[i] : 0.0f;
@@ -227,7 +247,7 @@ void PrescriptionSampler::sample_polynomials(const PixelFrame& f, std::size_t in
     out.slope_x[i] = slope_x[i] * xx + slope_y[i] * yx + dr * f.radial_x - da * f.radial_y;
     out.slope_y[i] = slope_x[i] * xy + slope_y[i] * yy + dr * f.radial_y + da * f.radial_x;
     pupil.p[i] = stop_x[i] * xx + stop_y[i] * yx;
-    const float l = half_l * x[i], m = center_m + half_m * y[i];
+    const float l = half_l * at.x[i], m = center_m + half_m * at.y[i];
     const float n = std::sqrt(std::max(1 - l * l - m * m, 1e-9f));
     pupil.t[i] = (l * xx + m * yx) / n - chief_at_sensor;
   }
@@ -235,22 +255,19 @@ void PrescriptionSampler::sample_polynomials(const PixelFrame& f, std::size_t in
   pupil.chief_slope = chief_at_sensor;
 }
 
-void PrescriptionSampler::sample_traced(const PixelFrame& f, std::size_t index, const float s[4][kPacket],
-                                        LensPacket& out, PupilPacket& pupil) const {
+void PrescriptionSampler::sample_traced(const PixelFrame& f, std::size_t index, const float s[2][kPacket],
+                                        const PupilPositions& at, LensPacket& out, PupilPacket& pupil) const {
   const TracedLens<float>& lens = tables_->traced[index];
   const auto radius_m = static_cast<float>(f.radius_m);
   const PupilEllipse ellipse = tables_->polynomials[index].bounds.at(radius_m * 1e3);
   const float yx = -f.radial_x, yy = -f.radial_y, xx = yy, xy = -yx;
-  alignas(64) float q[2][kPacket];
-  concentric_disc(s[2], s[3], q[0], q[1]);
   const auto half_l = static_cast<float>(ellipse.half_l), half_m = static_cast<float>(ellipse.half_m);
   const auto center_m = static_cast<float>(ellipse.center_m);
   const auto chief_n = static_cast<float>(std::sqrt(std::max(1 - ellipse.chief_m * ellipse.chief_m, 1e-9)));
   const float chief_at_sensor = yx * static_cast<float>(ellipse.chief_m) / chief_n;
   RayBatch<float, kPacket> rays;
   for (int i = 0; i < kPacket; ++i) {
-    const float l = half_l * (q[0][i] * xx + q[1][i] * xy);
-    const float m = center_m + half_m * (q[0][i] * yx + q[1][i] * yy);
+    const float l = half_l * at.x[i], m = center_m + half_m * at.y[i];
     rays.x[i] = -1e3f * (f.x_m + (s[0][i] - 0.5f) * f.pitch_m);
     rays.y[i] = -1e3f * (f.y_m + (s[1][i] - 0.5f) * f.pitch_m);
     rays.z[i] = static_cast<float>(lens.sensor_z_mm());
@@ -270,7 +287,7 @@ void PrescriptionSampler::sample_traced(const PixelFrame& f, std::size_t index, 
     out.slope_x[i] = rays.l[i] / -rays.n[i];
     out.slope_y[i] = rays.m[i] / -rays.n[i];
     pupil.p[i] = rays.stop_x[i];
-    pupil.weight[i] = rays.end[i] == 0 ? full : 0.0f;
+    pupil.weight[i] = rays.end[i] == 0 ? full * at.area[i] : 0.0f;
   }
   block_stray(out, pupil.weight);
   pupil.chief_slope = chief_at_sensor;
@@ -279,7 +296,17 @@ void PrescriptionSampler::sample_traced(const PixelFrame& f, std::size_t index, 
 void PrescriptionSampler::sample(const PixelFrame& f, int color, const float s[4][kPacket], LensPacket& out,
                                  PupilPacket& pupil) const {
   const std::size_t index = tables_->index(color, f.draw);
-  tables_->exact_trace ? sample_traced(f, index, s, out, pupil) : sample_polynomials(f, index, s, out, pupil);
+  const float yx = -f.radial_x, yy = -f.radial_y, xx = yy, xy = -yx;  // the lens frame's axes (sample_polynomials)
+  alignas(64) float q[2][kPacket];
+  concentric_disc(s[2], s[3], q[0], q[1]);
+  PupilPositions at;
+  for (int i = 0; i < kPacket; ++i) {
+    at.x[i] = q[0][i] * xx + q[1][i] * xy;
+    at.y[i] = q[0][i] * yx + q[1][i] * yy;
+    at.area[i] = 1;
+  }
+  tables_->reaches[index].at(1e3 * f.radius_m, tables_->polynomials[index].bounds.image_radius_mm).draw_in(at);
+  tables_->exact_trace ? sample_traced(f, index, s, at, out, pupil) : sample_polynomials(f, index, s, at, out, pupil);
 }
 
 }  // namespace dualpixel::simulator

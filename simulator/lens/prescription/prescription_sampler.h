@@ -4,6 +4,7 @@
 
 #include "simulator/lens/lens_packet.h"
 #include "simulator/lens/prescription/prescription_model.h"
+#include "simulator/lens/prescription/pupil_reach.h"
 #include "simulator/sampling/sensor_grid.h"
 
 namespace dualpixel::simulator {
@@ -20,10 +21,11 @@ class PrescriptionSampler {
 
  private:
   struct Tables;
-  void sample_polynomials(const PixelFrame& f, std::size_t index, const float s[4][kPacket], LensPacket& rays,
-                          PupilPacket& pupil) const;
-  void sample_traced(const PixelFrame& f, std::size_t index, const float s[4][kPacket], LensPacket& rays,
-                     PupilPacket& pupil) const;
+  void sample_polynomials(const PixelFrame& f, std::size_t index, const float s[2][kPacket], const PupilPositions& at,
+                          LensPacket& rays, PupilPacket& pupil) const;
+  void sample_traced(const PixelFrame& f, std::size_t index, const float s[2][kPacket], const PupilPositions& at,
+                     LensPacket& rays, PupilPacket& pupil) const;
+  PupilReaches reaches_of(std::size_t index) const;
 
   std::shared_ptr<const Tables> tables_;  ///< shared by copies
 };

@@ -206,8 +206,8 @@ TEST(ShippedCamera, IsAsNearToThePhoneAsTheDocumentSays) {
   };
   const std::map<Figure, Stated> stated = {
       {Figure::light, {.020, .048, .69}},          {Figure::left_share, {.005, .0135, 1}},
-      {Figure::disparity, {.020, .0455, .95}},     {Figure::left_sigma_x, {.021, .0455, 1}},
-      {Figure::right_sigma_x, {.024, .0615, .95}}, {Figure::left_sigma_y, {.029, .0665, .95}},
+      {Figure::disparity, {.020, .0455, .95}},     {Figure::left_sigma_x, {.021, .0465, 1}},
+      {Figure::right_sigma_x, {.024, .0625, .95}}, {Figure::left_sigma_y, {.029, .0665, .95}},
       {Figure::right_sigma_y, {.016, .0315, 1}},   {Figure::left_skew_x, {.054, .105, .97}},
       {Figure::right_skew_x, {.085, .165, .74}},   {Figure::sum_sigma_ratio, {.021, .0575, 1}}};
   const std::vector<FigureScore> scores = score_camera(m, camera["lens"]);

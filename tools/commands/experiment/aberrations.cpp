@@ -21,7 +21,7 @@ void add_experiment_aberrations(CLI::App& experiment) {
                                                 "after calibration, and what is left by cause");
   command->add_option("cameras", options->scenes, "Scene files whose cameras are shown")
       ->required()
-      ->type_name("CAMERA.json...");
+      ->type_name("SCENE.json");
   command->add_option("-o,--output", options->folder, "Folder to write aberrations.json and aberrations.html into")
       ->required()
       ->type_name("DIR");
@@ -44,6 +44,7 @@ void add_experiment_aberrations(CLI::App& experiment) {
     write_file(out.path() + "/aberrations.html", evaluation::to_page(fields));
     write_file(out.path() + "/aberrations.json", to_json(fields).dump(2) + "\n");
     out.commit();
+    print_written(options->folder + "/aberrations.html");
   });
 }
 

@@ -26,6 +26,7 @@ void add_experiment_burst(CLI::App& experiment) {
     write_file(out.path() + "/burst.html", evaluation::to_page(sweeps));
     write_file(out.path() + "/burst.json", evaluation::to_json(sweeps).dump(2) + "\n");
     out.commit();
+    print_written(*folder + "/burst.html");
   });
 }
 

@@ -43,6 +43,7 @@ void add_experiment_calibration(CLI::App& experiment) {
     write_file(out.path() + "/calibration_cost.html", evaluation::to_page(cost));
     write_file(out.path() + "/calibration_cost.json", evaluation::to_json(cost).dump(2) + "\n");
     out.commit();
+    print_written(options->folder + "/calibration_cost.html");
   });
 }
 

@@ -27,6 +27,7 @@ void run(const ExperimentDefocusOptions& options) {
   write_file(out.path() + "/defocus.json", evaluation::to_json(scenes, halos).dump(2) + "\n");
   write_file(out.path() + "/defocus.html", evaluation::to_page(scenes, halos));
   out.commit();
+  print_written(options.folder + "/defocus.html");
 }
 
 }  // namespace

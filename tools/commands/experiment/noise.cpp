@@ -25,6 +25,7 @@ void add_experiment_noise(CLI::App& experiment) {
     write_file(out.path() + "/noise.html", evaluation::to_page(measured, options));
     write_file(out.path() + "/noise.json", evaluation::to_json(measured, options).dump(2) + "\n");
     out.commit();
+    print_written(*folder + "/noise.html");
   });
 }
 

@@ -55,6 +55,7 @@ void write_results(const std::string& output, const nlohmann::ordered_json& json
   write_file(out.path() + "/segmentation.json", json.dump(2) + "\n");
   write_file(out.path() + "/segmentation.html", page);
   out.commit();
+  print_written(output + "/segmentation.html");
 }
 
 /// The portraits of a set like Shen et al.'s.

@@ -46,6 +46,7 @@ void add_experiment_failures(CLI::App& experiment) {
     Progress bar("failures");
     evaluation::run_failure_atlas(*options, *folder, [&](double fraction) { bar(fraction); });
     bar(1);
+    print_written(*folder + "/failures.html");
   });
 }
 

@@ -51,6 +51,7 @@ void add_experiment_stages(CLI::App& experiment) {
     write_file(out.path() + "/stages.html", evaluation::to_page(sweeps, options->draws));
     write_file(out.path() + "/stages.json", evaluation::to_json(sweeps, options->draws).dump(2) + "\n");
     out.commit();
+    print_written(options->folder + "/stages.html");
   });
 }
 
