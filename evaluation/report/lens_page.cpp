@@ -69,10 +69,18 @@ Plot pupil_plot(const simulator::LensSampler& sampler, const FieldPoint& point) 
   plot.equal_scale = true;
   plot.series = {{"left view", {}, false, true}, {"right view", {}, false, true}};
   const double radius = 0.5 * sampler.lens().thin.pupil_diameter_m();
-  each_ray(sampler, pixel_at(sampler.sensor(), point), 512,
-           [&](float x, float y, float, float, float left, float right) {
-             plot.series[left > right ? 0 : 1].points.emplace_back(x / radius, -y / radius);
-           });
+  const Pixel pixel = pixel_at(sampler.sensor(), point);
+  constexpr int kRays = 1024;
+  float most = 0;
+  each_ray(sampler, pixel, kRays,
+           [&](float, float, float, float, float left, float right) { most = std::max(most, left + right); });
+  float light = 0;  // a dot for every 2 `most` of it: rays are denser where rims cut the pupil, and weigh less
+  each_ray(sampler, pixel, kRays, [&](float x, float y, float, float, float left, float right) {
+    light += left + right;
+    if (light < 2 * most) return;
+    light -= 2 * most;
+    plot.series[left > right ? 0 : 1].points.emplace_back(x / radius, -y / radius);
+  });
   return plot;
 }
 

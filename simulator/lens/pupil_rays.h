@@ -12,7 +12,8 @@ struct PupilRay {
   double left = 0, right = 0;  ///< its weight in each view
 };
 
-/// The rays of a photosite's center, green, evenly over the pupil.
+/// The rays of a photosite's center, green, all over the pupil; denser where rims cut it, by as much as their weights
+/// are less.
 struct PupilRays {
   std::vector<PupilRay> rays;  ///< those that light passes along
   /// What a ray misses the chief ray by, per unit of depth, becomes photosites on the sensor.

@@ -1,6 +1,5 @@
 #include "simulator/plan/effects.h"
 
-#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -11,9 +10,11 @@ namespace {
 
 constexpr int kBandSamples = 5, kPoses = 8;
 
+bool has_color(const Lens& lens) { return prescription_of(lens) && prescription_of(lens)->has_color(); }
+
 void set_band_samples(Lens& lens, int samples) {
+  if (!has_color(lens)) return;
   auto* model = std::get_if<PrescriptionModel>(&lens.model);
-  if (!model || !model->prescription->has_color()) return;
   Prescription prescription = *model->prescription;
   prescription.band_samples = samples;
   model->prescription = std::make_shared<const Prescription>(std::move(prescription));
@@ -24,11 +25,12 @@ void set_band_samples(Lens& lens, int samples) {
 std::vector<Effect> effects_of(const Simulation& s) {
   std::vector<Effect> effects;
   if (s.lens.split.kind != SplitKind::hard || s.lens.diffraction) effects.push_back(Effect::diffraction);
-  const Prescription* prescription = prescription_of(s.lens);
-  if (prescription && prescription->has_color()) effects.push_back(Effect::filter_bands);
-  if (s.hand_shake > 0) effects.push_back(Effect::motion_blur);
+  if (has_color(s.lens)) effects.push_back(Effect::filter_bands);
+  if (s.hand_shake > 0 && !s.animation) effects.push_back(Effect::motion_blur);
   return effects;
 }
+
+bool knows(const Lens& lens, Effect effect) { return effect != Effect::filter_bands || has_color(lens); }
 
 bool has(const Simulation& s, Effect effect) {
   switch (effect) {
@@ -45,7 +47,7 @@ bool has(const Simulation& s, Effect effect) {
 Simulation without_effects(Simulation s) {
   s.lens.diffraction = false;
   set_band_samples(s.lens, 1);
-  s.exposure_poses = 1;
+  if (!s.animation) s.exposure_poses = 1;
   return s;
 }
 
@@ -55,10 +57,10 @@ void add(Effect effect, const Simulation& file, Simulation& s) {
       s.lens.diffraction = true;
       break;
     case Effect::filter_bands:
-      set_band_samples(s.lens, std::max(prescription_of(file.lens)->band_samples, kBandSamples));
+      set_band_samples(s.lens, has(file, effect) ? prescription_of(file.lens)->band_samples : kBandSamples);
       break;
     case Effect::motion_blur:
-      s.exposure_poses = std::max(file.exposure_poses, kPoses);
+      s.exposure_poses = has(file, effect) ? file.exposure_poses : kPoses;
       break;
   }
 }

@@ -15,17 +15,20 @@ inline constexpr Named<Effect> kEffects[] = {
     {"motion blur", Effect::motion_blur, "the hand moves the camera while a frame is exposed: eight poses, not one"},
 };
 
-/// Those that the simulation can have: diffraction but behind a hard split, where bent rays are no model of it
-/// (docs/camera_effects.md); filter bands through a prescription with wavelengths, motion in a hand that
-/// shakes. What costs nothing, as a shutter that rolls, stays as the scene file has it.
+/// Those that the simulation can have: diffraction, but behind a hard split only where the file has it, since bent rays
+/// are no model of it there (docs/camera_effects.md); filter bands through a prescription with wavelengths; motion blur
+/// in a hand that shakes, where nothing is animated. What costs nothing, as a shutter that rolls, stays as it is.
 std::vector<Effect> effects_of(const Simulation& simulation);
 
 bool has(const Simulation& simulation, Effect effect);
 
+/// Whether an effect changes anything behind this lens.
+bool knows(const Lens& lens, Effect effect);
+
 Simulation without_effects(Simulation simulation);
 
-/// Adds an effect of effects_of(file) to what without_effects(file) left; as strong as the file has it, at least as
-/// kEffects says. Another lens than the file's may know no filter bands, and stays as it is.
+/// Adds an effect of effects_of(file) to what without_effects(file) left: as the file has it, else as kEffects says. A
+/// lens that does not know it stays as it is.
 void add(Effect effect, const Simulation& file, Simulation& simulation);
 
 }  // namespace dualpixel::simulator

@@ -75,15 +75,19 @@ double sampling_seconds(const LensSampler& lens, const std::vector<FieldPoint>& 
 }
 
 /// By how much red lies farther along each axis than blue, as slopes; none where a tenth of either is blocked, since
-/// what passes the rest of the pupil lies elsewhere. A sample's weight is the area that it stands for: where rims block
-/// light, the largest is that of the whole pupil.
-std::optional<glm::dvec2> color_gap(const LensSampler& lens, const FieldPoint& point) {
+/// what passes the rest of the pupil lies elsewhere. Behind a hard split, the light of a sample in the one view that
+/// has it is the part of the pupil that it stands for, but for what all of them have in common; where rims cut the
+/// pupil from one side, the largest is that of the other side.
+std::optional<glm::dvec2> color_gap(const LensSampler& split_lens, const FieldPoint& point) {
+  SplitPixel hard;
+  hard.kind = SplitKind::hard;
+  const LensSampler lens = split_lens.with_split(hard);
   constexpr int kRed = 0, kBlue = 2, kRays = 256;
   const auto mean_slope = [&](int color) -> std::optional<glm::dvec2> {
     alignas(64) float s[4][kPacket];
     LensPacket packet;
     glm::dvec2 sum(0);
-    double passed = 0, most = 0;
+    double light[2] = {}, most[2] = {};
     for (int first = 0; first < kRays; first += kPacket) {
       joint_samples(first, 1, s);
       lens.sample(point.x, point.y, color, s, packet);
@@ -91,12 +95,15 @@ std::optional<glm::dvec2> color_gap(const LensSampler& lens, const FieldPoint& p
         const double weight = packet.left[i] + packet.right[i];
         if (weight == 0) continue;  // blocked: where it would go may not be a number
         sum += weight * glm::dvec2(packet.slope_x[i], packet.slope_y[i]);
-        passed += weight;
-        most = std::max(most, weight);
+        const int view = packet.right[i] > 0 ? 1 : 0;
+        light[view] += weight;
+        most[view] = std::max(most[view], weight);
       }
     }
-    if (passed < 0.9 * kRays * most) return {};
-    return sum / passed;
+    double whole = 0;  // samples of a whole pupil that these stand for
+    for (int view = 0; view < 2; ++view) whole += most[view] > 0 ? light[view] / most[view] : 0;
+    if (whole < 0.9 * kRays) return {};
+    return sum / (light[0] + light[1]);
   };
   const auto red = mean_slope(kRed), blue = mean_slope(kBlue);
   if (!red || !blue) return {};

@@ -20,10 +20,8 @@ double work(int bounces, int samples) { return (1.0 + bounces) * samples; }
 /// At which of kPilotSamples an effect is judged: each pose of an exposure has the least, which are many together.
 std::size_t effect_pilot(int poses) { return poses > 1 ? kBouncePilot : kPilotSamples.size() - 1; }
 
-/// Of pilots with an effect: two renders of each pose, and two, to know their time, of as many samples as a bounce's.
-double work_of_effect(int poses) {
-  return 2.0 * poses * work(0, kPilotSamples[effect_pilot(poses)]) + 2 * work(0, kPilotSamples[kBouncePilot]);
-}
+/// Of two pilots with an effect, of which the first is timed; without bounces, which are rarely needed.
+double work_of_effect(int poses) { return 3.0 * poses * work(0, kPilotSamples[effect_pilot(poses)]); }
 
 double work_in_all(const Simulation& simulation) {
   double sum = work(kReferenceBounces, kPilotSamples[kBouncePilot]);  // the first one is timed
@@ -34,7 +32,7 @@ double work_in_all(const Simulation& simulation) {
     if (bounces != kReferenceBounces) sum += 3 * work(bounces, kPilotSamples[kBouncePilot]);
   }
   if (simulation.light.light_spacing_px > 0) sum += 4 * work(kReferenceBounces, kPilotSamples[kBouncePilot]);
-  sum += 2 * work(0, kPilotSamples.back());  // without effects
+  for (int samples : kPilotSamples) sum += 3 * work(0, samples);  // without effects
   for (const Effect effect : effects_of(simulation)) {
     Simulation with = without_effects(simulation);
     add(effect, simulation, with);
@@ -55,7 +53,7 @@ class CountedPilots {
   PilotRender render(const PilotRenders& pilots, const PilotSettings& settings) {
     PilotRender pilot = pilots.render(settings);
     done_ += (settings.timed ? 2 : 1) * pilots.poses() * work(settings.bounces, settings.samples);
-    if (progress_) progress_(done_ / work_in_all_);
+    if (progress_) progress_(std::min(done_ / work_in_all_, 1.0));
     return pilot;
   }
 
@@ -180,38 +178,47 @@ std::vector<LightStep> compare_lights(const std::vector<TileWindow>& windows, do
           {.spacing_px = spacing_px, .error_dp_px = difference_dp_px / 3}};
 }
 
-/// One effect against none of them, without bounces; `without` at each of kPilotSamples. Of the poses of an exposure
-/// each has as many samples as the picture without it, so that noise is no part of the difference; the time of the
-/// effect is that of as many samples in all.
-EffectStep compare_effect(Effect effect, const Simulation& file, const std::vector<TileWindow>& windows,
-                          const std::array<RenderPair, kPilotSamples.size()>& without, CountedPilots& pilots) {
-  Simulation with = pilots.plain().simulation();
-  add(effect, file, with);
-  const PilotRenders with_effect = pilots.plain().of(with);
-  const int poses = with_effect.poses();
-  const auto render = [&](int samples, int repeat, bool timed) {
-    return pilots.render(with_effect, {0, samples, file.light.light_spacing_px, repeat, repeat, timed});
+/// Two renders that differ by their seeds alone, the first one timed.
+std::array<PilotRender, 2> render_pair(const PilotRenders& pilots, int bounces, int samples, double light_spacing_px,
+                                       CountedPilots& counted) {
+  const auto render = [&](int repeat) {
+    return counted.render(pilots, {bounces, samples, light_spacing_px, repeat, repeat, repeat == 0});
   };
-  const std::size_t pilot = effect_pilot(poses);
-  const PilotRender renders[2] = {render(kPilotSamples[pilot], 0, false), render(kPilotSamples[pilot], 1, false)};
-  const auto [error_dp_px, lost_windows] = compare(windows, RenderPair(windows, renders), without[pilot]);
-  const PilotRender timed = render(std::max(kPilotSamples[kBouncePilot] / poses, 2), 0, true);
-  const double plain_s = without[kBouncePilot].renders[0].seconds_per_sample;
-  return {.effect = effect,
-          .error_dp_px = error_dp_px,
-          .lost_windows = lost_windows,
-          .cost = std::max(timed.seconds_per_sample / plain_s, 1.0)};
+  return {render(0), render(1)};
 }
 
-std::vector<EffectStep> compare_effects(const Simulation& file, const std::vector<TileWindow>& windows,
-                                        const RenderPair& few_samples, CountedPilots& pilots) {
-  const PilotRender many[2] = {pilots.render(0, kPilotSamples.back(), 0), pilots.render(0, kPilotSamples.back(), 1)};
-  const std::array without = {few_samples, RenderPair(windows, many)};
+/// Each effect against none of them, with so many bounces. Of the poses of an exposure each has as many samples as the
+/// picture without it, so that noise is no part of the difference.
+std::vector<EffectStep> compare_effects(const Simulation& file, const std::vector<TileWindow>& windows, int bounces,
+                                        CountedPilots& pilots) {
+  const double spacing_px = file.light.light_spacing_px;
+  const auto without = [&](std::size_t pilot) {
+    return render_pair(pilots.plain(), bounces, kPilotSamples[pilot], spacing_px, pilots);
+  };
+  const std::array<std::array<PilotRender, 2>, kPilotSamples.size()> plain = {without(0), without(1)};
   std::vector<EffectStep> steps;
   for (const Effect effect : effects_of(file)) {
-    steps.push_back(compare_effect(effect, file, windows, without, pilots));
+    Simulation with = pilots.plain().simulation();
+    add(effect, file, with);
+    const PilotRenders with_effect = pilots.plain().of(with);
+    const std::size_t pilot = effect_pilot(with_effect.poses());
+    const std::array renders = render_pair(with_effect, bounces, kPilotSamples[pilot], spacing_px, pilots);
+    const auto [error_dp_px, lost_windows] =
+        compare(windows, RenderPair(windows, renders.data()), RenderPair(windows, plain[pilot].data()));
+    steps.push_back(
+        {.effect = effect,
+         .error_dp_px = error_dp_px,
+         .lost_windows = lost_windows,
+         .seconds_per_sample = std::max(renders[0].seconds_per_sample - plain[pilot][0].seconds_per_sample, 0.0),
+         .least_samples = with_effect.poses() > 1 ? 2 * with_effect.poses() : 1});
   }
   return steps;
+}
+
+/// The fewest bounces with which every window can be matched: in the dark of too few, no effect would show.
+int fewest_bounces(const std::vector<BounceStep>& steps) {
+  return std::find_if(steps.begin(), steps.end(), [](const BounceStep& step) { return step.lost_windows == 0; })
+      ->bounces;
 }
 
 }  // namespace
@@ -263,10 +270,9 @@ PilotErrors measure_pilots(const PilotRenders& pilot_renders, const Simulation& 
     }
     const PilotRender cheap[2] = {pilots.render(bounces, kPilotSamples[kBouncePilot], 0),
                                   pilots.render(bounces, kPilotSamples[kBouncePilot], 1)};
-    const RenderPair pair(windows, cheap);
-    errors.bounces.push_back(compare_bounces(bounces, windows, pair, reference));
-    if (bounces == 0) errors.effects = compare_effects(simulation, windows, pair, pilots);
+    errors.bounces.push_back(compare_bounces(bounces, windows, RenderPair(windows, cheap), reference));
   }
+  errors.effects = compare_effects(simulation, windows, fewest_bounces(errors.bounces), pilots);
   return errors;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -52,12 +53,12 @@ double photosite_s(const Plan& plan, const PlanChoice& c, int samples) {
   for (std::size_t i = 0; i <= c.lens; ++i) lens_s = std::max(lens_s, plan.lenses[i].seconds_per_sample);
   double making = 0;
   for (std::size_t i = 0; i <= c.light; ++i) making = std::max(making, plan.lights[i].making);
-  double effects = 1;
+  double effects_s = 0;
   for (std::size_t i = 0; i < plan.effects.size(); ++i) {
-    if (c.effects[i]) effects *= plan.effects[i].cost;
+    if (c.effects[i]) effects_s += plan.effects[i].seconds_per_sample;
   }
   const double sample_s = bounce_s + lens_s - plan.lenses[plan.pilot_lens].seconds_per_sample;
-  return making * light_s + samples * effects * std::max(sample_s, lens_s);
+  return making * light_s + samples * (effects_s + std::max(sample_s, lens_s));
 }
 
 /// Steps of a factor of sqrt(2): times scatter.
@@ -74,18 +75,38 @@ std::vector<std::vector<bool>> sets_of_effects(const Plan& plan, const std::vect
   return sets;
 }
 
-/// All choices, but for samples; the cheaper ones first.
+/// Whether all effects that a choice has change something behind its lens.
+bool makes_sense(const Plan& plan, const PlanChoice& c) {
+  for (std::size_t i = 0; i < plan.effects.size(); ++i) {
+    if (c.effects[i] && !knows(plan.lenses[c.lens].candidate.lens, plan.effects[i].effect)) return false;
+  }
+  return true;
+}
+
+/// All choices that make sense, but for samples; the cheaper ones first.
 std::vector<PlanChoice> choices_of(const Plan& plan, const std::vector<bool>& effects_of_file) {
   std::vector<PlanChoice> choices;
   const std::vector<std::vector<bool>> effects = sets_of_effects(plan, effects_of_file);
   for (std::size_t l = 0; l < plan.lenses.size(); ++l) {
     for (std::size_t b = 0; b < plan.bounces.size(); ++b) {
       for (std::size_t t = 0; t < plan.lights.size(); ++t) {
-        for (const std::vector<bool>& set : effects) choices.push_back({l, b, t, set});
+        for (const std::vector<bool>& set : effects) {
+          const PlanChoice choice{l, b, t, set};
+          if (!plan.measured || makes_sense(plan, choice)) choices.push_back(choice);
+        }
       }
     }
   }
   return choices;
+}
+
+/// A power of two.
+int least_samples(const Plan& plan, const PlanChoice& c) {
+  unsigned least = kPilotSamples[0];
+  for (std::size_t i = 0; i < plan.effects.size(); ++i) {
+    if (c.effects[i]) least = std::max(least, std::bit_ceil(static_cast<unsigned>(plan.effects[i].least_samples)));
+  }
+  return static_cast<int>(least);
 }
 
 /// Chooses the least work whose error is at most `error_dp_px`, and returns its samples; 0: there is none.
@@ -98,7 +119,7 @@ int choose_within(Plan& plan, const PilotErrors& pilots, const std::vector<PlanC
     const auto within = [&](int samples) {
       return std::sqrt(bias2 + square(sample_error(plan, pilots, c.bounce, samples))) <= error_dp_px;
     };
-    int samples = plan.measured ? kPilotSamples[0] : scene_samples;
+    int samples = plan.measured ? least_samples(plan, c) : scene_samples;
     while (plan.measured && samples < kMostSamples && !within(samples)) samples *= 2;
     const double work = work_steps(photosite_s(plan, c, samples));
     if (!within(samples) || work >= least_work) continue;

@@ -40,7 +40,7 @@
 ///
 /// The choice is by the time that the pilots took on this machine, in steps of a factor of sqrt(2), so that it is
 /// rarely another one the next time: the plan that a capture was made with is kept in it. Times are for the left and
-/// right view of the full sensor, in one frame. Among effects that cost the same, those of the scene file are chosen.
+/// right view of the full sensor, in one frame. Where effects cost the same, those of the scene file are chosen.
 namespace dualpixel::simulator {
 
 /// One step of each kind.
@@ -63,7 +63,7 @@ struct Plan {
   int windows = 0, windows_textured = 0;
   double photosites = 0;
   int frames = 1;        ///< of the burst, that are rendered each by itself
-  bool measured = true;  ///< bounces, light and samples; otherwise left as the scene file has them
+  bool measured = true;  ///< bounces, light, effects and samples; otherwise left as the scene file has them
   bool met = true;       ///< the tolerance is; otherwise the choice is within a tenth of the least error
 
   double error_dp_px(const PlanChoice& choice) const;

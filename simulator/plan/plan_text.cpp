@@ -100,9 +100,10 @@ nlohmann::ordered_json plan_json(const Plan& plan, bool with_times) {
   for (std::size_t i = 0; i < plan.effects.size(); ++i) {
     const EffectStep& r = plan.effects[i];
     const char* name = name_of(kEffects, r.effect);
+    if (best.effects[i]) chosen_effects.push_back(name);
+    if (!plan.measured) continue;
     effects.push_back(step({{"without", name}, {"error_dp_px", r.error_dp_px}, {"lost_windows", r.lost_windows}},
                            but_effect(plan, i, false), !best.effects[i]));
-    if (best.effects[i]) chosen_effects.push_back(name);
   }
   for (std::size_t s = 0; s < plan.samples.size(); ++s) {
     const SampleStep& r = plan.samples[s];
@@ -142,7 +143,10 @@ std::string plan_text(const Plan& plan) {
                        const std::string& note) {
     const double all = plan.error_dp_px(choice);
     const double time_s = plan.picture_s(choice);
-    const char* verdict = chosen ? "chosen" : all > plan.tolerance_dp_px ? "over the tolerance" : "more work";
+    const char* verdict = chosen                       ? "chosen"
+                          : all > plan.tolerance_dp_px ? "over the tolerance"
+                          : time_s < chosen_s          ? "hardly less work"
+                                                       : "more work";
     text += fmt::format("{:<18}{:>14.4f}{:>14.4f}{:>14.2f}{:>12.2f}  {}{}\n", name, error, all, time_s,
                         chosen_s - time_s, verdict, note);
   };
@@ -170,6 +174,7 @@ std::string plan_text(const Plan& plan) {
   for (std::size_t i = 0; i < effects; ++i) {
     const EffectStep& r = plan.effects[i];
     for (const bool simulated : {false, true}) {
+      if (simulated && !knows(plan.lenses[best.lens].candidate.lens, r.effect)) continue;
       row(effect_name(r.effect, simulated), simulated ? 0 : r.error_dp_px, but_effect(plan, i, simulated),
           simulated == best.effects[i], simulated ? "" : lost(r.lost_windows));
     }
@@ -180,20 +185,14 @@ std::string plan_text(const Plan& plan) {
     row(samples_name(r.samples), r.error_dp_px, chosen_but(plan, &PlanChoice::sample, s), s == best.sample, "");
   }
   text +=
-      "\nEach row with the others as chosen. Lens models: disparity traced at 432 field points, at the depth that "
-      "the scene has there; beside it what else they change, RMS over those of the points where it can be told "
-      "(colors: where "
-      "the pupil is nearly whole), which does not count.\n";
-  text += plan.measured ? fmt::format(
-                              "Bounces, light, effects and samples: pilot renders, as a matcher sees them in the {} of "
-                              "{} windows whose "
-                              "texture stands out of the sensor's noise.\n",
-                              plan.windows_textured, plan.windows)
-                        : fmt::format(
-                              "Bounces, light, effects and samples were not measured and are the scene file's: just {} "
-                              "of {} windows have "
-                              "texture that stands out of the sensor's noise.\n",
-                              plan.windows_textured, plan.windows);
+      "\nEach row with the others as chosen. Lens models: disparity traced at 432 field points, at the depth that the "
+      "scene has there; beside it what else they change, RMS over those of the points where it can be told (colors: "
+      "where the pupil is nearly whole), which does not count.\n";
+  const std::string texture = fmt::format("{} of {} windows", plan.windows_textured, plan.windows);
+  text += plan.measured ? "Bounces, light, effects and samples: pilot renders, as a matcher sees them in the " +
+                              texture + " whose texture stands out of the sensor's noise.\n"
+                        : "Bounces, light, effects and samples were not measured and are the scene file's: just " +
+                              texture + " have texture that stands out of the sensor's noise.\n";
   const auto chosen =
       fmt::format("{}, {}, {}, {}{}", plan.lenses[best.lens].candidate.name,
                   bounces_name(plan.bounces[best.bounce].bounces), light_name(plan.lights[best.light].spacing_px),

@@ -52,9 +52,10 @@ struct LightStep {
 /// An effect that can be left out.
 struct EffectStep {
   Effect effect;
-  double error_dp_px = 0;  ///< without it
-  int lost_windows = 0;    ///< those that count as 1 DP px
-  double cost = 1;         ///< time of a sample with it over that without
+  double error_dp_px = 0;         ///< without it
+  int lost_windows = 0;           ///< those that count as 1 DP px
+  double seconds_per_sample = 0;  ///< that it adds
+  int least_samples = 1;          ///< that it takes: two of each pose
 };
 
 struct SampleStep {

@@ -142,7 +142,7 @@ void run_job(const SimulateOptions& options, Job job, std::unique_ptr<simulator:
   if (options.automatic) {
     const simulator::Plan chosen =
         simulator::plan(simulation, scene, options.tolerance_dp_px, simulation.render.seed, Progress("plan"));
-    simulation = simulator::planned(std::move(simulation), chosen);
+    simulation = simulator::planned(simulation, chosen);
     camera.lens = simulator::prepare_lens(simulation);
     plan_of_capture = simulator::plan_json(chosen, false).dump();
     const std::string text = simulator::plan_text(chosen);
@@ -154,10 +154,10 @@ void run_job(const SimulateOptions& options, Job job, std::unique_ptr<simulator:
   const std::string journal_path = journal_beside(job.output);
   std::optional<simulator::Journal> journal;
   if (options.resume) {
-    const std::string inputs =
-        fmt::format("{} {} {} {} {} {} {}", simulation.json.dump(), simulation.lens.json,
-                    simulation.photograph ? simulation.photograph->json : "", ready->gltf_xxh64,
-                    simulation.render.max_bounces, simulation.light.light_spacing_px, DUALPIXEL_VERSION);
+    const std::string inputs = fmt::format("{} {} {} {} {} {} {} {}", simulation.json.dump(), simulation.lens.json,
+                                           simulation.photograph ? simulation.photograph->json : "", ready->gltf_xxh64,
+                                           simulation.render.max_bounces, simulation.light.light_spacing_px,
+                                           plan_of_capture, DUALPIXEL_VERSION);
     journal.emplace(journal_path, simulator::fingerprint(scene, camera, inputs));
     simulation.render.store = &*journal;
   }
@@ -218,9 +218,9 @@ void add_simulate(CLI::App& program) {
   command->add_option("--seed", options->seed, "Seed of rendering and noise (render.seed)")
       ->check(any_seed())
       ->type_name("N");
-  CLI::Option* automatic =
-      command->add_flag("--auto", options->automatic,
-                        "Lens model, bounces, light and samples by 'dualpixel plan' instead of the scene file's");
+  CLI::Option* automatic = command->add_flag(
+      "--auto", options->automatic,
+      "Lens model, bounces, light, effects and samples by 'dualpixel plan' instead of the scene file's");
   add_tolerance_option(*command, options->tolerance_dp_px)->needs(automatic);
   const auto sampling_option = [&](const std::string& name, const std::string& field, const std::string& meaning,
                                    const CLI::Validator& range, const std::string& unit) {

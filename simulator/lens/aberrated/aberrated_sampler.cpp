@@ -46,29 +46,35 @@ AberratedSampler::Local AberratedSampler::local_at(const PixelFrame& f, int colo
   return at;
 }
 
-/// Moves positions that are spread evenly over the whole pupil into what the rims leave of it; `area`: of the pupil,
-/// that each stands for. So no samples are lost, whose number would differ from photosite to photosite: noise that both
-/// views share. A rim that hides the pupil's middle is left to weigh().
-void AberratedSampler::draw_in(const Local& at, PupilPositions& p) const {
+/// Moves positions that are spread evenly over the whole pupil into what the rims leave of it, and says how much of the
+/// pupil each stands for. So no samples are lost, whose number would differ from photosite to photosite: noise that
+/// both views share. A rim that hides the pupil's middle is left to weigh().
+void AberratedSampler::draw_in(const Local& at, CutPupil& p) const {
+  std::fill_n(p.area, kPacket, 1.0f);
+  if (aberrations_.rims.empty()) return;
+  constexpr float kNone = 1e-20f;  // in the middle
+  alignas(64) float cosine[kPacket], sine[kPacket], reach[kPacket];
   for (int i = 0; i < kPacket; ++i) {
-    constexpr float kNone = 1e-20f;  // in the middle
     const float radius = std::sqrt(p.along[i] * p.along[i] + p.across[i] * p.across[i]) + kNone;
-    const float cosine = p.along[i] / radius, sine = p.across[i] / radius;
-    float reach = 1;
-    for (const Aberrations::Rim& rim : aberrations_.rims) {
-      const auto shift = static_cast<float>(rim.shift * at.h), rim_radius = static_cast<float>(rim.radius);
-      if (std::abs(shift) >= rim_radius) continue;
-      const float aside = shift * sine;
-      reach = std::min(reach, shift * cosine + std::sqrt(rim_radius * rim_radius - aside * aside));
+    cosine[i] = p.along[i] / radius, sine[i] = p.across[i] / radius;
+    reach[i] = 1;
+  }
+  for (const Aberrations::Rim& rim : aberrations_.rims) {
+    const auto shift = static_cast<float>(rim.shift * at.h), radius = static_cast<float>(rim.radius);
+    if (std::abs(shift) >= radius) continue;
+    for (int i = 0; i < kPacket; ++i) {
+      const float aside = shift * sine[i];
+      reach[i] = std::min(reach[i], shift * cosine[i] + std::sqrt(radius * radius - aside * aside));
     }
-    for (float* position : {&p.x[i], &p.y[i], &p.along[i], &p.across[i]}) *position *= reach;
-    p.area[i] = reach * reach;
+  }
+  for (int i = 0; i < kPacket; ++i) {
+    p.x[i] *= reach[i], p.y[i] *= reach[i], p.along[i] *= reach[i], p.across[i] *= reach[i];
+    p.area[i] = reach[i] * reach[i];
   }
 }
 
 /// Falloff, and the rims that cut the pupil.
-void AberratedSampler::weigh(const PixelFrame& f, const Local& at, const PupilPositions& p,
-                             float weight[kPacket]) const {
+void AberratedSampler::weigh(const PixelFrame& f, const Local& at, const CutPupil& p, float weight[kPacket]) const {
   const Aberrations& a = aberrations_;
   // etendue: light from the pupil's area and the scene's solid angle that one photosite sees
   const float chief = static_cast<float>(f.radius_m) * at.stretch_around * at.per_m;
@@ -99,7 +105,7 @@ void AberratedSampler::sample(const PixelFrame& f, int color, const float s[4][k
   const Aberrations& a = aberrations_;
   const Local at = local_at(f, color);
   const float rx = f.radial_x, ry = f.radial_y;
-  PupilPositions p;
+  CutPupil p;
   concentric_disc(s[2], s[3], p.x, p.y);
   for (int i = 0; i < kPacket; ++i) {
     p.along[i] = p.x[i] * rx + p.y[i] * ry;

@@ -27,12 +27,12 @@ class AberratedSampler {
   };
   Local local_at(const PixelFrame& f, int color) const;
   /// Of sixteen samples, in pupil radii: in the picture's axes, and away from the axis and around it.
-  struct PupilPositions {
+  struct CutPupil {
     alignas(64) float x[kPacket], y[kPacket], along[kPacket], across[kPacket];
-    alignas(64) float area[kPacket];
+    alignas(64) float area[kPacket];  ///< of the pupil that each stands for, over the whole
   };
-  void draw_in(const Local& at, PupilPositions& p) const;
-  void weigh(const PixelFrame& f, const Local& at, const PupilPositions& p, float weight[kPacket]) const;
+  void draw_in(const Local& at, CutPupil& p) const;
+  void weigh(const PixelFrame& f, const Local& at, const CutPupil& p, float weight[kPacket]) const;
 
   Aberrations aberrations_;
   ThinLens thin_;

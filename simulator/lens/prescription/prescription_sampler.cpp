@@ -1,7 +1,5 @@
 #include "simulator/lens/prescription/prescription_sampler.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -128,6 +126,14 @@ void block_stray(const LensPacket& packet, float weight[kPacket]) {
   }
 }
 
+/// Axes of the lens frame on the upright picture: its y points from the axis to the photosite on the real, inverted
+/// sensor.
+struct LensAxes {
+  float xx, xy;  ///< x
+  float yx, yy;  ///< y
+};
+LensAxes axes_of(const PixelFrame& f) { return {-f.radial_y, f.radial_x, -f.radial_x, -f.radial_y}; }
+
 }  // namespace
 
 struct PrescriptionSampler::Tables {
@@ -173,7 +179,7 @@ PrescriptionSampler::PrescriptionSampler(const PrescriptionModel& model, const T
   const auto tables = std::make_shared<Tables>(std::move(t));
   tables_ = tables;
   std::vector<PupilReaches> reaches(tables->polynomials.size());
-  tbb::parallel_for(std::size_t{0}, reaches.size(), [&](std::size_t i) { reaches[i] = reaches_of(i); });
+  for (std::size_t i = 0; i < reaches.size(); ++i) reaches[i] = reaches_of(i);
   tables->reaches = std::move(reaches);
 }
 
@@ -181,7 +187,7 @@ PrescriptionSampler::PrescriptionSampler(const PrescriptionModel& model, const T
 PupilReaches PrescriptionSampler::reaches_of(std::size_t index) const {
   constexpr float kMiddle[2][kPacket] = {};
   const auto passes = [&](double r_mm, const PupilPositions& at, bool passing[kPacket]) {
-    // a photosite without extent, which the lens frame's axes are those of the picture for
+    // a photosite without extent at (0, -r), where the lens frame's axes are the picture's
     const auto radius_m = static_cast<float>(1e-3 * r_mm);
     const PixelFrame frame{
         .x_m = 0, .y_m = -radius_m, .pitch_m = 0, .radial_x = 0, .radial_y = -1, .radius_m = radius_m};
@@ -210,8 +216,7 @@ void PrescriptionSampler::sample_polynomials(const PixelFrame& f, std::size_t in
   const double r_mm = radius_m * 1e3;
   const PupilEllipse ellipse = lens.bounds.at(r_mm);
   const RayPolynomial c = lens.at(r_mm);
-  // the lens frame's y axis points from the axis to the photosite on the real, inverted sensor
-  const float yx = -f.radial_x, yy = -f.radial_y, xx = yy, xy = -yx;
+  const auto [xx, xy, yx, yy] = axes_of(f);
   const PupilTerms terms(at.x, at.y);
   alignas(64) float origin_x[kPacket], origin_y[kPacket], slope_x[kPacket], slope_y[kPacket], stop_x[kPacket],
       stop_y[kPacket], rim[kPacket];
@@ -259,17 +264,26 @@ void PrescriptionSampler::sample_traced(const PixelFrame& f, std::size_t index, 
                                         const PupilPositions& at, LensPacket& out, PupilPacket& pupil) const {
   const TracedLens<float>& lens = tables_->traced[index];
   const auto radius_m = static_cast<float>(f.radius_m);
-  const PupilEllipse ellipse = tables_->polynomials[index].bounds.at(radius_m * 1e3);
-  const float yx = -f.radial_x, yy = -f.radial_y, xx = yy, xy = -yx;
+  const PupilBounds& bounds = tables_->polynomials[index].bounds;
+  const double r_mm = 1e3 * radius_m, step_mm = 500.0 * std::max(static_cast<double>(f.pitch_m), 1e-9);
+  const PupilEllipse ellipse = bounds.at(r_mm);
+  const auto [xx, xy, yx, yy] = axes_of(f);
+  // over the photosite the ellipse moves, and turns about the axis
+  const double behind_mm = std::max(r_mm - step_mm, 0.0);
+  const auto turn_r = static_cast<float>((bounds.at(r_mm + step_mm).center_m - bounds.at(behind_mm).center_m) /
+                                         (r_mm + step_mm - behind_mm));
+  const auto turn_a = static_cast<float>(r_mm > step_mm ? ellipse.center_m / r_mm : turn_r);
   const auto half_l = static_cast<float>(ellipse.half_l), half_m = static_cast<float>(ellipse.half_m);
   const auto center_m = static_cast<float>(ellipse.center_m);
   const auto chief_n = static_cast<float>(std::sqrt(std::max(1 - ellipse.chief_m * ellipse.chief_m, 1e-9)));
   const float chief_at_sensor = yx * static_cast<float>(ellipse.chief_m) / chief_n;
   RayBatch<float, kPacket> rays;
   for (int i = 0; i < kPacket; ++i) {
-    const float l = half_l * at.x[i], m = center_m + half_m * at.y[i];
-    rays.x[i] = -1e3f * (f.x_m + (s[0][i] - 0.5f) * f.pitch_m);
-    rays.y[i] = -1e3f * (f.y_m + (s[1][i] - 0.5f) * f.pitch_m);
+    const float dx_mm = 1e3f * (s[0][i] - 0.5f) * f.pitch_m, dy_mm = 1e3f * (s[1][i] - 0.5f) * f.pitch_m;
+    const float l = half_l * at.x[i] + turn_a * (dx_mm * f.radial_y - dy_mm * f.radial_x);
+    const float m = center_m + half_m * at.y[i] + turn_r * (dx_mm * f.radial_x + dy_mm * f.radial_y);
+    rays.x[i] = -1e3f * f.x_m - dx_mm;
+    rays.y[i] = -1e3f * f.y_m - dy_mm;
     rays.z[i] = static_cast<float>(lens.sensor_z_mm());
     rays.l[i] = l * xx + m * yx;
     rays.m[i] = l * xy + m * yy;
@@ -296,7 +310,7 @@ void PrescriptionSampler::sample_traced(const PixelFrame& f, std::size_t index, 
 void PrescriptionSampler::sample(const PixelFrame& f, int color, const float s[4][kPacket], LensPacket& out,
                                  PupilPacket& pupil) const {
   const std::size_t index = tables_->index(color, f.draw);
-  const float yx = -f.radial_x, yy = -f.radial_y, xx = yy, xy = -yx;  // the lens frame's axes (sample_polynomials)
+  const auto [xx, xy, yx, yy] = axes_of(f);
   alignas(64) float q[2][kPacket];
   concentric_disc(s[2], s[3], q[0], q[1]);
   PupilPositions at;

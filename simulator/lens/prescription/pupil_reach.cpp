@@ -1,5 +1,7 @@
 #include "simulator/lens/prescription/pupil_reach.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -79,19 +81,18 @@ PupilReach PupilReaches::at(double r_mm, double image_radius_mm) const {
 PupilReaches find_reaches(const PupilBounds& bounds, const PassesPupil& passes) {
   constexpr float kMargin = 1.0002f;
   FineReaches fine(kFineNodes);
-  for (int k = 0; k < kFineNodes; ++k) {
+  tbb::parallel_for(0, kFineNodes, [&](int k) {
     const double r_mm = bounds.image_radius_mm * k / (kFineNodes - 1);
     for (int j = 0; j < kFineDirections; ++j) {
       const float y = 2.0f * static_cast<float>(j) / (kFineDirections - 1) - 1, x = 1 - std::abs(y);
       const float length = std::hypot(x, y);
       fine[k][j] = reach_towards(passes, r_mm, x / length, y / length);
     }
-  }
+  });
   PupilReaches reaches;
   for (int k = 0; k < PupilBounds::kNodes; ++k) {
     for (int j = 0; j < PupilReach::kDirections; ++j) {
-      const float reach = fine[2 * k][2 * j] + bulge_around(fine, 2 * k, 2 * j);
-      reaches.nodes[k].reach[j] = std::min(kMargin * reach, 1.0f);
+      reaches.nodes[k].reach[j] = kMargin * (fine[2 * k][2 * j] + bulge_around(fine, 2 * k, 2 * j));
     }
   }
   return reaches;

@@ -19,7 +19,7 @@ struct PupilPositions {
 /// At one distance from the axis.
 struct PupilReach {
   static constexpr int kDirections = 33;   ///< from -y to +y: the region is symmetric about x = 0
-  std::array<float, kDirections> reach{};  ///< 0 .. 1
+  std::array<float, kDirections> reach{};  ///< over the ellipse's half axes
 
   /// Draws positions of the whole ellipse, spread evenly, into the region.
   void draw_in(PupilPositions& positions) const;
@@ -35,7 +35,8 @@ struct PupilReaches {
 /// Which of sixteen positions in the ellipse at (0, r_mm) of the lens frame light passes.
 using PassesPupil = std::function<void(double r_mm, const PupilPositions& at, bool passes[kPacket])>;
 
-/// Nowhere short of the region, between nodes, too, and hardly beyond it.
+/// Not short of the region at the nodes and halfway between them, and hardly beyond it; `passes` is called from many
+/// threads. A corner of the region that lies at a quarter of the way is cut by a third of its height.
 PupilReaches find_reaches(const PupilBounds& bounds, const PassesPupil& passes);
 
 }  // namespace dualpixel::simulator

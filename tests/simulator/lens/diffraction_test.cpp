@@ -137,12 +137,13 @@ double disparity_of(const std::vector<std::array<double, 3>>& rays, double frequ
 }
 
 // Rays near the rim bend most. Out of focus they are those that differ most in the two views, so diffraction pulls the
-// disparity of fine texture towards 0, by up to a ninth here; and waves do the same. Bends are an approximation: the
+// disparity of fine texture towards 0, by up to an eighth here; and waves do the same. Bends are an approximation: the
 // pull is asked to be theirs to a third, and to three standard errors of 64 batches of rays.
 TEST(Diffraction, PullsTheDisparityOfBlurAsWavesDo) {
   constexpr int kBatches = 64, kPackets = 1024;
   constexpr double kDpPixel_m = 2.8e-6;
-  const Lens lens = diffracting(1.8);
+  Lens lens = diffracting(1.8);
+  lens.thin.focus_distance_m = 0.5;
   const LensSampler sampler(lens, phone_sensor(2, 4, 1e-9));
   const ThinLens& thin = lens.thin;
   const double working = 1 / (2 * thin.rim_slope()), image_m = thin.image_distance_m();

@@ -12,8 +12,10 @@
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
+#include "simulator/held_camera.h"
 #include "simulator/lens/disparity_field.h"
 #include "simulator/lens/lens_file.h"
+#include "simulator/plan/effects.h"
 #include "simulator/plan/match_error.h"
 #include "simulator/plan/pilot_errors.h"
 #include "simulator/plan/pilot_renders.h"
@@ -99,6 +101,7 @@ TEST(SlowPlan, IndirectLightNeedsABounce) {
   EXPECT_EQ(p.bounces[0].lost_windows, p.windows_textured);
   EXPECT_GE(p.bounces[0].error_dp_px, 1);
   EXPECT_EQ(chosen_bounces(p), 1);
+  EXPECT_EQ(p.effects[0].lost_windows, 0);  // judged in the light
 }
 
 TEST(Plan, AnAberratedLensWithoutAberrationsIsAThinOne) {
@@ -169,12 +172,19 @@ TEST(Plan, LessToleranceTakesMoreSamples) {
 TEST(Plan, WithoutTextureBouncesAndSamplesStay) {
   Scene scene = glowing_wall();
   scene.materials[0].base_color_texture.texture = -1;
-  const Plan p = plan(small_camera(), scene, 0.02, 1);
+  Simulation file = small_camera();
+  file.lens.diffraction = true;
+  file.hand_shake = 1;
+  file.exposure_poses = 3;
+  const Plan p = plan(file, scene, 0.02, 1);
   EXPECT_FALSE(p.measured);
   EXPECT_EQ(p.windows_textured, 0);
-  const Simulation s = planned(small_camera(), p);
+  const Simulation s = planned(file, p);
   EXPECT_EQ(s.render.max_bounces, 3);
   EXPECT_EQ(s.render.samples_per_pixel, 12);
+  EXPECT_TRUE(s.lens.diffraction);
+  EXPECT_EQ(s.exposure_poses, 3);
+  EXPECT_EQ(plan_json(p, true)["effects"].size(), 0u);
   EXPECT_NE(plan_text(p).find("not measured"), std::string::npos);
 }
 
@@ -282,6 +292,59 @@ TEST(Plan, MotionInTheHandCountsWhereItBlurs) {
   EXPECT_EQ(planned(s, shaken).exposure_poses, 8);
 }
 
+// Bent rays are no model of diffraction at a hard split's edge.
+TEST(Plan, DiffractionIsNotOfferedBehindAHardSplit) {
+  Simulation s = small_camera();
+  s.lens.split.kind = SplitKind::hard;
+  EXPECT_TRUE(effects_of(s).empty());
+  s.lens.diffraction = true;
+  EXPECT_EQ(effects_of(s).size(), 1u);
+}
+
+// The poses of animated things are kept: no pilot shows what they do.
+TEST(Plan, ThePosesOfAnAnimationStay) {
+  Simulation s = small_camera();
+  s.hand_shake = 1;
+  s.exposure_poses = 4;
+  s.animation = true;
+  EXPECT_EQ(effects_of(s).size(), 1u);
+  EXPECT_EQ(without_effects(s).exposure_poses, 4);
+}
+
+// Only a prescription with color has bands: no choice without one counts their error as gone.
+TEST(SlowPlan, FilterBandsNeedALensThatKnowsThem) {
+  Simulation s = small_camera();
+  s.lens = read_lens_file(DUALPIXEL_SOURCE_DIR "/lens_models/phone_6p_4.2mm_f1.8.json", 0.8);
+  ASSERT_EQ(effects_of(s).size(), 2u);
+  const Plan thin = plan(s, glowing_wall(), 5, 1);  // anything will do
+  EXPECT_TRUE(std::holds_alternative<ThinModel>(planned(s, thin).lens.model));
+  EXPECT_EQ(plan_text(thin).find("\nfilter bands "), std::string::npos);
+  EXPECT_NE(plan_text(thin).find("\nno filter bands "), std::string::npos);
+  EXPECT_TRUE(left_out(thin, Effect::filter_bands).is);
+  EXPECT_EQ(plan_json(thin, true)["effects"].size(), 2u);
+  EXPECT_EQ(plan_json(thin, true)["chosen"]["effects"].size(), 0u);
+  Simulation with = without_effects(s);
+  EXPECT_FALSE(has(with, Effect::filter_bands));
+  add(Effect::filter_bands, s, with);
+  EXPECT_EQ(prescription_of(with.lens)->band_samples, 5);
+}
+
+// A tile's rows are exposed when the sensor's are.
+TEST(HeldCamera, ATileMovesAsItsRowsOfTheSensorDo) {
+  Simulation s = small_camera();
+  s.hand_shake = 3;
+  s.sensor.row_time_us = 50;
+  const CameraView whole{glm::mat4(1), prepare_lens(s)};
+  SensorGrid part = sensor_grid(s.sensor);
+  part.height_px = 16;
+  part.principal_point_px.y -= 40;
+  const CameraView sensor = held_at(s, whole, 0.02);
+  const CameraView tile = held_at(s, {glm::mat4(1), whole.lens.over(part)}, 0.02, 40);
+  ASSERT_EQ(tile.row_poses->size(), 16u);
+  for (int row = 0; row < 16; ++row) EXPECT_EQ(tile.pose(row), sensor.pose(row + 40));
+  EXPECT_NE(tile.pose(0), tile.pose(15));
+}
+
 TEST(Plan, IsTheSameForAnyNumberOfThreads) {
   const auto text = [&](int threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -361,11 +424,12 @@ TEST(SlowPlanProgram, BadOptionsGetOneLine) {
 
 // The promise
 
-/// A sensor that covers the lens's picture with 104 x 32 DP pixels; focus as the scene has it, or at 3 m for lenses
-/// that cannot focus so near.
+/// A sensor at rest that covers the lens's picture with 104 x 32 DP pixels; focus as the scene has it, or at 3 m for
+/// lenses that cannot focus so near.
 Simulation covering(const std::string& scene, const std::string& lens) {
   const std::string path = DUALPIXEL_SCENES_DIR "/" + scene + ".json";
   Simulation s = read_simulation(read_json_file(path), path);
+  s.hand_shake = 0;
   const std::string lens_path = DUALPIXEL_SOURCE_DIR "/lens_models/" + lens + ".json";
   try {
     s.lens = read_lens_file(lens_path, s.lens.thin.focus_distance_m);
@@ -376,6 +440,14 @@ Simulation covering(const std::string& scene, const std::string& lens) {
   s.sensor.height_px = 128;
   const double radius_mm = prescription_of(s.lens) ? prescription_of(s.lens)->image_radius_mm : 3.5;
   s.sensor.pixel_pitch_um = 2e3 * radius_mm / std::hypot(s.sensor.width_px, s.sensor.height_px);
+  return s;
+}
+
+/// Everything on, behind one of the plan's lenses.
+Simulation with_all_effects(const Simulation& file, const Lens& lens) {
+  Simulation s = without_effects(file);
+  s.lens = lens;
+  for (const Effect effect : effects_of(file)) add(effect, file, s);
   return s;
 }
 
@@ -418,20 +490,19 @@ void keeps_its_promise(const std::string& scene_name, const std::string& lens, d
   const double lens_error =
       comparable ? 0 : traced_error(s, scene, step.candidate.lens, p.lenses.back().candidate.lens);
   const RenderScene world(scene);
-  const auto render = [&](const Lens& through, int bounces, int samples, std::uint64_t seed) {
-    Simulation other = s;
-    other.lens = through;
-    const CameraView camera = place_camera(other, scene);
+  const auto render = [&](const Simulation& simulated, int bounces, int samples, std::uint64_t seed) {
+    const CameraView camera = place_camera(simulated, scene);
     return expected_dp_views(render_views(world, camera, {samples, bounces, seed}), s.sensor, s.exposure,
                              camera.lens.lux_per_nit());
   };
   double square = lens_error * lens_error;
   std::size_t count = 0;
   if (p.measured) {
-    const Lens& full = comparable ? p.lenses.back().candidate.lens : step.candidate.lens;
+    const Simulation chosen = planned(s, p);
+    const Simulation full = with_all_effects(s, comparable ? p.lenses.back().candidate.lens : step.candidate.lens);
     std::vector<DpViews> cheap;
     for (int seed = 91; seed < 107; ++seed) {
-      cheap.push_back(render(step.candidate.lens, chosen_bounces(p), chosen_samples(p), seed));
+      cheap.push_back(render(chosen, chosen_bounces(p), chosen_samples(p), seed));
     }
     const int samples = std::clamp(2 * chosen_samples(p), 64, 128);
     const DpViews first = render(full, kReferenceBounces, samples, 1001);

@@ -127,6 +127,7 @@ void run(const MethodsCommand& command) {
   const std::string json = to_json(groups, figures).dump(2) + "\n";
   replace_file(command.folder + "/methods.html", to_page(groups, sections));
   replace_file(command.folder + "/methods.json", json);
+  print_written(command.folder + "/methods.html");
   std::cout << (command.json ? json : to_text(groups));
 }
 

@@ -40,6 +40,7 @@ void make_study(const StudyCommand& command) {
   write_file(out.path() + "/study.html", files.page_html);
   write_file(out.path() + "/study.json", to_json(files.study).dump(2) + "\n");
   out.commit();
+  print_written(command.output + "/study.html");
 }
 
 void count_study(const StudyCommand& command) {
