@@ -191,6 +191,7 @@ std::array<PilotRender, 2> render_pair(const PilotRenders& pilots, int bounces, 
 /// picture without it, so that noise is no part of the difference.
 std::vector<EffectStep> compare_effects(const Simulation& file, const std::vector<TileWindow>& windows, int bounces,
                                         CountedPilots& pilots) {
+  constexpr double kLeastAdded = 0.1;  // of a sample's time: less is the clock's scatter
   const double spacing_px = file.light.light_spacing_px;
   const auto without = [&](std::size_t pilot) {
     return render_pair(pilots.plain(), bounces, kPilotSamples[pilot], spacing_px, pilots);
@@ -205,12 +206,12 @@ std::vector<EffectStep> compare_effects(const Simulation& file, const std::vecto
     const std::array renders = render_pair(with_effect, bounces, kPilotSamples[pilot], spacing_px, pilots);
     const auto [error_dp_px, lost_windows] =
         compare(windows, RenderPair(windows, renders.data()), RenderPair(windows, plain[pilot].data()));
-    steps.push_back(
-        {.effect = effect,
-         .error_dp_px = error_dp_px,
-         .lost_windows = lost_windows,
-         .seconds_per_sample = std::max(renders[0].seconds_per_sample - plain[pilot][0].seconds_per_sample, 0.0),
-         .least_samples = with_effect.poses() > 1 ? 2 * with_effect.poses() : 1});
+    const double plain_s = plain[pilot][0].seconds_per_sample, added_s = renders[0].seconds_per_sample - plain_s;
+    steps.push_back({.effect = effect,
+                     .error_dp_px = error_dp_px,
+                     .lost_windows = lost_windows,
+                     .seconds_per_sample = added_s > kLeastAdded * plain_s ? added_s : 0,
+                     .least_samples = with_effect.poses() > 1 ? 2 * with_effect.poses() : 1});
   }
   return steps;
 }

@@ -208,11 +208,11 @@ TEST(SlowDiffraction, ARenderedPointInFocusHasAirysWidth) {
     for (int y = 0; y < kSide; ++y) {
       for (int x = 0; x < kSide; ++x) {
         if ((x + y) % 2 == 0) continue;  // green photosites: the others have other wavelengths
-        const double r = std::hypot(x + 0.5 - kSide / 2, y + 0.5 - kSide / 2);
+        const double r = std::hypot(x + 0.5 - 0.5 * kSide, y + 0.5 - 0.5 * kSide);
         light += seen.at(x, y, 1), moment += r * seen.at(x, y, 1);
         for (int k = 0; k < 256; ++k) {  // positions on the photosite and on the source
           const auto at = [k](int shift) { return ((k >> shift & 3) + 0.5) / 4 - 0.5; };
-          const double dx = x + 0.5 - kSide / 2 + at(0) + at(4), dy = y + 0.5 - kSide / 2 + at(2) + at(6);
+          const double dx = x + 0.5 - 0.5 * kSide + at(0) + at(4), dy = y + 0.5 - 0.5 * kSide + at(2) + at(6);
           const double density = airy_density(std::hypot(dx, dy) / unit_px);
           airy_light += density, airy_moment += r * density;
         }

@@ -186,6 +186,8 @@ TEST(Plan, WithoutTextureBouncesAndSamplesStay) {
   EXPECT_EQ(s.exposure_poses, 3);
   EXPECT_EQ(plan_json(p, true)["effects"].size(), 0u);
   EXPECT_NE(plan_text(p).find("not measured"), std::string::npos);
+  EXPECT_NE(plan_text(p).find("Not known whether 0.02 DP px are kept"), std::string::npos);
+  EXPECT_TRUE(plan_json(p, true)["tolerance_met"].is_null());
 }
 
 TEST(Plan, SaysSoWhereNothingReachesTheTolerance) {
