@@ -71,7 +71,7 @@ Table table_of(const std::vector<BurstSweep>& sweeps, double lux) {
   Table table{{"condition", "frames", "error kept: views", "six channels", "mosaic", "six channels", "ghosts, %",
                "six channels", "portrait, dB", "merging, CPU s", "six channels"},
               {}};
-  for (const BurstPoint::Disparity& d : matchers) table.header.push_back(d.matcher + ", 68 % of errors under, DP px");
+  for (const BurstPoint::Disparity& d : matchers) table.header.push_back(d.matcher + ", DP px");
   for (const BurstSweep& sweep : sweeps) {
     if (sweep.lux != lux) continue;
     const auto ten = std::find_if(sweep.points.begin(), sweep.points.end(),

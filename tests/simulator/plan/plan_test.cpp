@@ -318,6 +318,8 @@ TEST(SlowPlan, FilterBandsNeedALensThatKnowsThem) {
   Simulation s = small_camera();
   s.lens = read_lens_file(DUALPIXEL_SOURCE_DIR "/lens_models/phone_6p_4.2mm_f1.8.json", 0.8);
   ASSERT_EQ(effects_of(s).size(), 2u);
+  add(Effect::filter_bands, s, s);  // the file's own settings are kept where nothing speaks against them
+  ASSERT_TRUE(has(s, Effect::filter_bands));
   const Plan thin = plan(s, glowing_wall(), 5, 1);  // anything will do
   EXPECT_TRUE(std::holds_alternative<ThinModel>(planned(s, thin).lens.model));
   EXPECT_EQ(plan_text(thin).find("\nfilter bands "), std::string::npos);
