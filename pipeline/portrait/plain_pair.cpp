@@ -221,8 +221,9 @@ PlainPairCapture read_plain_pair(const PlainPair& pair) {
     picture.data[i] = 0.5f * (left.data[stored] + right.data[stored]);
   }
   capture.exposure.mosaic_noise = noise_of(picture);
-  PlainPairCapture result{std::move(capture), even_sided(picture), left.width, left.height,
-                          assumptions(files, metadata)};
+  PlainPairCapture result{
+      std::move(capture),          even_sided(picture), left.width, left.height, metadata.focus_distance_m.has_value(),
+      assumptions(files, metadata)};
   if (pair.vertical_split) std::swap(result.width, result.height);
   return result;
 }

@@ -18,6 +18,7 @@ struct PlainPairCapture {
   Capture capture;
   Image picture;              ///< linear RGB, the mean of the two, for the portrait to blur: see PortraitOptions
   int width = 0, height = 0;  ///< of the pictures as they are stored
+  bool focus_stated = false;  ///< in the metadata
   std::vector<std::string> assumed = {};  ///< what neither metadata nor files say, as sentences without a full stop
 };
 
@@ -32,7 +33,8 @@ struct PlainPairCapture {
 ///   white_level            linear signal at which pixels clip, (black_level, 1]; default 1
 ///   noise {shot, read}     variance shot * x + read of a view's pixel whose mean is x, 0 black and 1 clipped; default:
 ///                          estimated from the views, as shot noise
-///   focus_distance_m       default 1; it sets how strongly the portrait is blurred, not the disparity
+///   focus_distance_m       default 1; it sets how strongly the portrait is blurred, and which lines of a calibration
+///                          hold, not the disparity
 ///   face_px                x, y, width, height of a face in the pictures
 ///   alpha                  disparity in pixels of the pictures over the diameter of the blur in them, (0, 10]: for the
 ///                          matcher `split`, and to match a lens

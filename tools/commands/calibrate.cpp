@@ -128,7 +128,8 @@ void add_calibrate(CLI::App& program) {
   auto options = std::make_shared<CalibrateOptions>();
   CLI::App* command = program.add_subcommand(
       "calibrate",
-      "Measure how disparity depends on depth and field position, from a target swept over focus and distance");
+      "Measure how disparity depends on depth and field position, from a target swept over focus and distance; of a "
+      "simulated camera also how both views' kernels skew over the field");
   CLI::Option* camera =
       command->add_option("camera", options->camera, "Scene file whose camera is simulated")->type_name("CAMERA.json");
   CLI::Option* captures =

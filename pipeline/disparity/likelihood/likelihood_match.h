@@ -25,9 +25,8 @@ namespace dualpixel::pipeline {
 ///     (mirrored kernels, depth edges; also the noise that taking out third moments adds, as a margin where the
 ///     kernels are not those that they are taken for);
 ///   - the spread of other shifts that step 2 cannot rule out (repetition, no texture);
-///   - 0.02 d^2, at most 0.08 px: what matching mirrored half discs errs by from their centroids, third moments known
-///   or
-///     not. Right on the average of textures: beyond |b| = 4 px of blur a single one may err by more;
+///   - 0.02 d^2, at most 0.08 px: what matching mirrored half discs errs by from their centroids, whether third moments
+///     are known or not. Right on the average of textures: beyond |b| = 4 px of blur a single one may err by more;
 ///   - 0.3 px times the root of the share of pixels that are left out, of the tile's inside the views: what is left may
 ///     be a highlight's rim;
 ///   - half the spread of disparity over 3 x 3 tiles beyond what their errors explain, where it clearly is: on a

@@ -14,6 +14,8 @@
 #include "capture/image/npy.h"
 #include "capture/json_fields.h"
 #include "evaluation/metrics/disparity_metrics.h"
+#include "pipeline/calibration/calibration.h"
+#include "pipeline/calibration/nodes.h"
 #include "pipeline/portrait/result_io.h"
 #include "tests/pipeline/ramp_pair.h"
 #include "tests/pipeline/texture.h"
@@ -328,6 +330,53 @@ TEST(PlainPair, IsBlurredAsALensWould) {
   const Image radius = pipeline::read_result(folder / "out").result.blur_radius_px;
   // even disparity stays what it is through the solver, to its tolerance
   EXPECT_NEAR(radius.at(80, 48), std::sqrt(wider * wider - 1) * kDisparity / (2 * kAlpha), 0.02);
+}
+
+/// Of a camera whose views have 128 x 96 DP pixels; the intercept rises by 0.4 DP px from the middle to the right.
+pipeline::Calibration slanted_calibration() {
+  pipeline::FocusCalibration focus{0.8, 1, pipeline::node_image(-1), pipeline::node_image(), pipeline::node_image()};
+  for (int j = 0; j < pipeline::kCalibrationRows; ++j) {
+    for (int i = 0; i < pipeline::kCalibrationColumns; ++i) {
+      focus.intercept_dp_px.at(i, j) = 0.8f * static_cast<float>(i) / (pipeline::kCalibrationColumns - 1) - 0.4f;
+    }
+  }
+  Camera camera;
+  camera.name = "phone";
+  camera.width_px = 256;
+  camera.height_px = 384;
+  camera.pixel_pitch_um = 1.4;
+  camera.focal_length_mm = 4.4;
+  camera.f_number = 1.8;
+  camera.principal_point_px = {128, 192};
+  return {camera, 0.25, 2.5, {focus}, {}};
+}
+
+TEST(PlainPair, IsCorrectedByTheCalibrationOfItsCamera) {
+  const TemporaryFolder folder;
+  const std::string in = "'" + folder.path.string() + "/";
+  std::filesystem::create_directory(folder / "cal");
+  write_bytes(folder / "cal/calibration.json", to_json(slanted_calibration()).dump());
+  write_view(folder / "v.png", pipeline::textured(pipeline::Texture(5, 0.2), 128, 96, 0));
+  write_npy(folder / "d.npy", Image(128, 96, 1, 1.0f));
+  const std::string portrait = "portrait --mode dp --left " + in + "v.png' --right " + in + "v.png' --disparity " + in +
+                               "d.npy' -o " + in + "out' --calibration " + in + "cal' ";
+  const Outcome unfocused = run_command(portrait);
+  expect_one_line_refusal(unfocused);
+  EXPECT_NE(unfocused.err.find("--metadata: /focus_distance_m: is required by --calibration"), std::string::npos)
+      << unfocused.err;
+  write_bytes(folder / "m.json", R"({"focus_distance_m": 0.8})");
+  const Outcome outcome = run_command(portrait + "--metadata " + in + "m.json'");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Image d = pipeline::read_result(folder / "out").result.matched_disparity_dp_px;
+  for (const int x : {10, 64, 120}) EXPECT_NEAR(d.at(x, 48), 1 - 0.4 * ((x + 0.5) / 64 - 1), 1e-3) << x;
+
+  write_view(folder / "v.png", Image(126, 96, 1, 0.5f));
+  write_npy(folder / "d.npy", Image(126, 96, 1, 1.0f));
+  const Outcome other = run_command(portrait + "--metadata " + in + "m.json'");
+  expect_one_line_refusal(other);
+  EXPECT_NE(other.err.find("v.png: 126 x 96 pixels: must be 128 x 96, as the views of the calibrated camera"),
+            std::string::npos)
+      << other.err;
 }
 
 /// What smoothed disparity makes of a real pair, against -1 / depth over its own range.
