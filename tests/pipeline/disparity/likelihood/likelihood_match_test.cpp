@@ -217,6 +217,24 @@ TEST(EstimateNoise, FindsShotNoiseUnderTexture) {
   EXPECT_GT(estimate_noise(flat, flat).shot, 0);
 }
 
+// Phones deliver views of half as many rows as columns with the rows between interpolated: half of the rows have the
+// noise of one, the others half of its variance.
+TEST(EstimateNoise, FindsTheNoiseOfInterpolatedRows) {
+  for (const double contrast : {0.0, 0.3}) {
+    Pair pair = shifted_pair(4, 0.1, contrast, 0);
+    add_view_noise(pair.left, 1, {3e-4f, 0});
+    add_view_noise(pair.right, 2, {3e-4f, 0});
+    for (Image* view : {&pair.left, &pair.right}) {
+      const Image sensor = *view;
+      for (int y = 0; y < view->height; ++y) {
+        const int above = y / 2, below = above + y % 2;
+        for (int x = 0; x < view->width; ++x) view->at(x, y) = 0.5f * (sensor.at(x, above) + sensor.at(x, below));
+      }
+    }
+    EXPECT_NEAR(estimate_noise(pair.left, pair.right).shot, 0.75 * 3e-4, 0.2 * 0.75 * 3e-4) << contrast;
+  }
+}
+
 TEST(LikelihoodMatch, ShiftsOfBandLimitedTextureAreUnbiased) {
   for (const double highest : {0.5, 0.4, 0.25}) {
     for (int sixteenths = 0; sixteenths <= 16; ++sixteenths) {
