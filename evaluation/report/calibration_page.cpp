@@ -118,6 +118,11 @@ Plot over_focus(const std::string& title, const std::string& unit, const Calibra
 
 Calibration read_calibration_folder(const std::string& folder) {
   const std::string file = folder + "/calibration.json";
+  std::error_code unreadable;
+  if (!fs::exists(file, unreadable)) {
+    throw InputError(printable(folder) +
+                     ": holds no calibration.json: must be a folder that `dualpixel calibrate` wrote and finished");
+  }
   return pipeline::read_calibration(read_json_file(file), file);
 }
 

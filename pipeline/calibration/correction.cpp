@@ -71,19 +71,6 @@ void require_same_camera(const Camera& own, const Camera& camera, const std::str
   same("principal_point_px/1", own.principal_point_px[1], camera.principal_point_px[1]);
 }
 
-Calibration of_views(Calibration calibration, const Camera& views, const std::string& what) {
-  const Camera& own = calibration.camera;
-  if (own.dp_width() != views.width_px || own.dp_height() != views.height_px) {
-    throw InputError(fmt::format("{}: {} x {} pixels: must be {} x {}, as the views of the calibrated camera", what,
-                                 views.width_px, views.height_px, own.dp_width(), own.dp_height()));
-  }
-  // what a correction takes from the camera: where the principal point lies
-  const double x = own.principal_point_px[0] / own.width_px, y = own.principal_point_px[1] / own.height_px;
-  calibration.camera = views;
-  calibration.camera.principal_point_px = {x * views.width_px, y * views.height_px};
-  return calibration;
-}
-
 Correction make_correction(const Calibration& calibration, const Camera& camera) {
   require_same_camera(calibration.camera, camera, "capture does not fit the calibration");
   const FocusCalibration focus = focus_at(calibration, camera.focus_distance_m);

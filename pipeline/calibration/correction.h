@@ -28,11 +28,6 @@ struct Correction {
 /// principal point; `what` begins the message.
 void require_same_camera(const Camera& own, const Camera& camera, const std::string& what);
 
-/// The calibration for pictures of a camera's views alone, whose pixels are its DP pixels; `views` has their size and
-/// nothing else of the camera. Throws InputError where the calibrated camera's views have another size; `what` begins
-/// the message.
-Calibration of_views(Calibration calibration, const Camera& views, const std::string& what);
-
 /// Throws InputError where `camera` is not the calibration's, and where disparity at the principal point does not
 /// change with depth at that focus distance.
 Correction make_correction(const Calibration& calibration, const Camera& camera);

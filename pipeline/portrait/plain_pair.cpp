@@ -176,6 +176,29 @@ Image even_sided(const Image& image) {
   return result;
 }
 
+Calibration calibration_of(const PlainPair& files, PlainPairCapture& pair, Calibration calibration) {
+  const Camera& own = calibration.camera;
+  if (!pair.focus_stated) {
+    throw InputError((files.metadata.empty() ? "--metadata" : printable(files.metadata)) +
+                     ": /focus_distance_m: is required by --calibration");
+  }
+  if (own.dp_downsample_x != own.dp_downsample_y) {
+    throw InputError(fmt::format("--calibration: DP pixels of {} x {} photosites: must be square, as a pair's are",
+                                 own.dp_downsample_x, own.dp_downsample_y));
+  }
+  const auto [width, height] =
+      files.vertical_split ? std::pair{own.dp_height(), own.dp_width()} : std::pair{own.dp_width(), own.dp_height()};
+  if (pair.width != width || pair.height != height) {
+    throw InputError(fmt::format("{}: {} x {} pixels: must be {} x {}, as the views of the calibrated camera",
+                                 printable(files.left), pair.width, pair.height, width, height));
+  }
+  Camera& camera = pair.capture.camera;
+  camera.principal_point_px = {own.principal_point_px[0] / own.dp_downsample_x,
+                               own.principal_point_px[1] / own.dp_downsample_y};
+  calibration.camera = camera;
+  return calibration;
+}
+
 PlainPairCapture read_plain_pair(const PlainPair& pair) {
   const Metadata metadata = read_metadata(pair.metadata);
   const PictureEncoding files = encoding_of(pair, metadata);
@@ -221,9 +244,12 @@ PlainPairCapture read_plain_pair(const PlainPair& pair) {
     picture.data[i] = 0.5f * (left.data[stored] + right.data[stored]);
   }
   capture.exposure.mosaic_noise = noise_of(picture);
-  PlainPairCapture result{
-      std::move(capture),          even_sided(picture), left.width, left.height, metadata.focus_distance_m.has_value(),
-      assumptions(files, metadata)};
+  PlainPairCapture result{.capture = std::move(capture),
+                          .picture = even_sided(picture),
+                          .width = left.width,
+                          .height = left.height,
+                          .focus_stated = metadata.focus_distance_m.has_value(),
+                          .assumed = assumptions(files, metadata)};
   if (pair.vertical_split) std::swap(result.width, result.height);
   return result;
 }

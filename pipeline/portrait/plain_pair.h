@@ -4,6 +4,7 @@
 
 #include "capture/capture.h"
 #include "capture/image/image.h"
+#include "pipeline/calibration/calibration.h"
 
 /// A dual-pixel pair as public data sets store it: two pictures, and perhaps some metadata.
 namespace dualpixel::pipeline {
@@ -43,6 +44,12 @@ struct PlainPairCapture {
 /// none where it is gray, in one channel or in three.
 /// Throws InputError where a file cannot be used, sizes differ, or a pixel is not finite or beyond [0, 1].
 PlainPairCapture read_plain_pair(const PlainPair& pair);
+
+/// The calibration of the camera that took the pair, as one of the pair's own camera, which gets its principal point.
+/// The pictures are the calibrated camera's whole views, a pixel for each DP pixel; of a vertical split, picture (x, y)
+/// is (y, x) of those. Throws InputError where they have another size, DP pixels are not square, as those of pairs are,
+/// or the metadata do not state focus_distance_m.
+Calibration calibration_of(const PlainPair& files, PlainPairCapture& pair, Calibration calibration);
 
 /// The pair's capture as its pictures are: views and camera of a vertical split are turned back.
 Capture upright(PlainPairCapture pair, bool vertical_split);

@@ -179,6 +179,8 @@ json describe_calibration(const std::string& path) {
           {"camera", camera.name},
           {"width_px", camera.width_px},
           {"height_px", camera.height_px},
+          {"view_width_px", camera.dp_width()},
+          {"view_height_px", camera.dp_height()},
           {"focal_length_mm", camera.focal_length_mm},
           {"f_number", camera.f_number},
           {"focus_distances_m", focuses},

@@ -14,7 +14,6 @@
 #include "capture/image/read_mask.h"
 #include "capture/views.h"
 #include "evaluation/report/calibration_page.h"
-#include "pipeline/calibration/correction.h"
 #include "pipeline/defocus/match_lens.h"
 #include "pipeline/disparity/noise_model.h"
 #include "pipeline/portrait/describe_run.h"
@@ -189,23 +188,13 @@ void require_lens(const pipeline::PlainPair& pair, const Camera& camera) {
                    "pixels of the pair, and the lens that took it");
 }
 
-/// The calibration for the pair, which gets what it does not say of its camera from it.
-void calibrate_pair(const pipeline::PlainPair& pair, PortraitOptions& options, Camera& views, bool focus_stated) {
-  if (!focus_stated) {
-    throw InputError((pair.metadata.empty() ? "--metadata" : printable(pair.metadata)) +
-                     ": /focus_distance_m: is required by --calibration");
-  }
-  options.calibration = pipeline::of_views(std::move(*options.calibration), views, printable(pair.left));
-  views.principal_point_px = options.calibration->camera.principal_point_px;
-}
-
 /// The capture, whose picture goes to the options where it is given apart. `assumed`: what a photograph or a pair does
 /// not say.
 Capture read_input(const PortraitCommand& command, PortraitOptions& options, std::vector<std::string>& assumed) {
   if (command.plain()) {
     pipeline::PlainPairCapture pair = pipeline::read_plain_pair(command.pair);
     if (options.match_pupil_mm) require_lens(command.pair, pair.capture.camera);
-    if (options.calibration) calibrate_pair(command.pair, options, pair.capture.camera, pair.focus_stated);
+    if (options.calibration) options.calibration = calibration_of(command.pair, pair, std::move(*options.calibration));
     options.picture = std::move(pair.picture);
     assumed = std::move(pair.assumed);
     if (options.disparity) make_even(*options.disparity, pair);
@@ -304,7 +293,10 @@ nlohmann::ordered_json provenance_of(const PortraitCommand& command, const Captu
     if (!file->empty()) provenance[name] = absolute(*file);
   }
   if (options.match_pupil_mm) provenance["match_lens"] = command.match_lens;
-  if (!command.calibration.empty()) provenance["calibration"] = absolute(command.calibration);
+  if (!command.calibration.empty()) {
+    provenance["calibration"] = absolute(command.calibration);
+    provenance["calibration_hash"] = file_hash(command.calibration + "/calibration.json");
+  }
   provenance.update(describe_run(capture, options, result));
   if (!result.faces.empty()) {
     provenance["person_network"] = command.bf16 ? "bf16" : "f32";
@@ -493,8 +485,9 @@ void add_portrait(CLI::App& program) {
       ->type_name("X,Y")
       ->check(must_read<2>("X,Y"));
   sub->add_option("--calibration", command->calibration,
-                  "Calibration folder of this camera, as `dualpixel calibrate` writes it: corrects disparity, and says "
-                  "how the views' kernels change over the field where it was simulated; --left needs focus_distance_m")
+                  "Calibration folder of this camera, as `dualpixel calibrate` writes it: corrects disparity, and for "
+                  "simulated cameras says how kernels change over the field; with --left, --metadata must state "
+                  "focus_distance_m")
       ->type_name("DIR");
   sub->add_option("--match-lens", command->match_lens,
                   "Physically true blur: that of this lens on a full-frame camera, e.g. f/1.4@50mm-equivalent")

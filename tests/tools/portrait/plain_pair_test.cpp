@@ -332,7 +332,7 @@ TEST(PlainPair, IsBlurredAsALensWould) {
   EXPECT_NEAR(radius.at(80, 48), std::sqrt(wider * wider - 1) * kDisparity / (2 * kAlpha), 0.02);
 }
 
-/// Of a camera whose views have 128 x 96 DP pixels; the intercept rises by 0.4 DP px from the middle to the right.
+/// Of a camera whose views have 128 x 95 DP pixels; the intercept rises by 0.4 DP px from the middle to the right.
 pipeline::Calibration slanted_calibration() {
   pipeline::FocusCalibration focus{0.8, 1, pipeline::node_image(-1), pipeline::node_image(), pipeline::node_image()};
   for (int j = 0; j < pipeline::kCalibrationRows; ++j) {
@@ -343,11 +343,12 @@ pipeline::Calibration slanted_calibration() {
   Camera camera;
   camera.name = "phone";
   camera.width_px = 256;
-  camera.height_px = 384;
+  camera.height_px = 190;  // views of an odd height
+  camera.dp_downsample_y = 2;
   camera.pixel_pitch_um = 1.4;
   camera.focal_length_mm = 4.4;
   camera.f_number = 1.8;
-  camera.principal_point_px = {128, 192};
+  camera.principal_point_px = {128, 95};
   return {camera, 0.25, 2.5, {focus}, {}};
 }
 
@@ -355,9 +356,11 @@ TEST(PlainPair, IsCorrectedByTheCalibrationOfItsCamera) {
   const TemporaryFolder folder;
   const std::string in = "'" + folder.path.string() + "/";
   std::filesystem::create_directory(folder / "cal");
-  write_bytes(folder / "cal/calibration.json", to_json(slanted_calibration()).dump());
-  write_view(folder / "v.png", pipeline::textured(pipeline::Texture(5, 0.2), 128, 96, 0));
-  write_npy(folder / "d.npy", Image(128, 96, 1, 1.0f));
+  pipeline::Calibration calibration = slanted_calibration();
+  write_bytes(folder / "cal/calibration.json", to_json(calibration).dump());
+  const Image view = pipeline::textured(pipeline::Texture(5, 0.2), 128, 95, 0);
+  write_view(folder / "v.png", view);
+  write_npy(folder / "d.npy", Image(128, 95, 1, 1.0f));
   const std::string portrait = "portrait --mode dp --left " + in + "v.png' --right " + in + "v.png' --disparity " + in +
                                "d.npy' -o " + in + "out' --calibration " + in + "cal' ";
   const Outcome unfocused = run_command(portrait);
@@ -370,13 +373,30 @@ TEST(PlainPair, IsCorrectedByTheCalibrationOfItsCamera) {
   const Image d = pipeline::read_result(folder / "out").result.matched_disparity_dp_px;
   for (const int x : {10, 64, 120}) EXPECT_NEAR(d.at(x, 48), 1 - 0.4 * ((x + 0.5) / 64 - 1), 1e-3) << x;
 
-  write_view(folder / "v.png", Image(126, 96, 1, 0.5f));
-  write_npy(folder / "d.npy", Image(126, 96, 1, 1.0f));
-  const Outcome other = run_command(portrait + "--metadata " + in + "m.json'");
-  expect_one_line_refusal(other);
-  EXPECT_NE(other.err.find("v.png: 126 x 96 pixels: must be 128 x 96, as the views of the calibrated camera"),
+  write_view(folder / "v.png", pipeline::transposed(view));
+  write_npy(folder / "d.npy", Image(95, 128, 1, 1.0f));
+  const std::string transposed = portrait + "--metadata " + in + "m.json' --split vertical";
+  ASSERT_EQ(run_command(transposed).status, 0);
+  const Image turned = pipeline::read_result(folder / "out").result.matched_disparity_dp_px;
+  for (const int y : {10, 64, 120}) EXPECT_EQ(turned.at(48, y), d.at(y, 48)) << y;
+
+  const auto refusal = [&](const std::string& command) {
+    const Outcome refused = run_command(command);
+    expect_one_line_refusal(refused);
+    return refused.err;
+  };
+  std::string refused = refusal(portrait + "--metadata " + in + "m.json'");
+  EXPECT_NE(refused.find("v.png: 95 x 128 pixels: must be 128 x 95, as the views of the calibrated camera"),
             std::string::npos)
-      << other.err;
+      << refused;
+  calibration.camera.height_px *= 2;
+  calibration.camera.dp_downsample_y = 4;
+  write_bytes(folder / "cal/calibration.json", to_json(calibration).dump());
+  refused = refusal(transposed);
+  EXPECT_NE(refused.find("DP pixels of 2 x 4 photosites: must be square"), std::string::npos) << refused;
+  std::filesystem::remove(folder / "cal/calibration.json");
+  refused = refusal(transposed);
+  EXPECT_NE(refused.find("cal: holds no calibration.json"), std::string::npos) << refused;
 }
 
 /// What smoothed disparity makes of a real pair, against -1 / depth over its own range.
