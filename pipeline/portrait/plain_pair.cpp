@@ -147,6 +147,18 @@ ImageU16 digital_numbers(const Image& signal) {
   return stored;
 }
 
+/// Refuses a pair whose metadata state another lens than the calibrated one.
+void require_same_lens(const PlainPair& files, const Camera& camera, const Camera& calibrated) {
+  for (const auto& [field, value] :
+       {std::pair{"focal_length_mm", &Camera::focal_length_mm}, {"f_number", &Camera::f_number}}) {
+    const double stated = camera.*value, expected = calibrated.*value;
+    if (stated > 0 && std::abs(stated - expected) > 0.01 * expected) {
+      throw InputError(fmt::format("{}: /{}: {:g}: must be the calibrated camera's, {:g}", printable(files.metadata),
+                                   field, stated, expected));
+    }
+  }
+}
+
 }  // namespace
 
 Image transposed(const Image& image) { return columns_as_rows(image); }
@@ -193,6 +205,7 @@ Calibration calibration_of(const PlainPair& files, PlainPairCapture& pair, Calib
                                  printable(files.left), pair.width, pair.height, width, height));
   }
   Camera& camera = pair.capture.camera;
+  require_same_lens(files, camera, own);
   camera.principal_point_px = {own.principal_point_px[0] / own.dp_downsample_x,
                                own.principal_point_px[1] / own.dp_downsample_y};
   calibration.camera = camera;

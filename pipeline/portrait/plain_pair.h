@@ -48,7 +48,7 @@ PlainPairCapture read_plain_pair(const PlainPair& pair);
 /// The calibration of the camera that took the pair, as one of the pair's own camera, which gets its principal point.
 /// The pictures are the calibrated camera's whole views, a pixel for each DP pixel; of a vertical split, picture (x, y)
 /// is (y, x) of those. Throws InputError where they have another size, DP pixels are not square, as those of pairs are,
-/// or the metadata do not state focus_distance_m.
+/// or the metadata state no focus_distance_m, or a focal length or f-number that differs by over 1 %.
 Calibration calibration_of(const PlainPair& files, PlainPairCapture& pair, Calibration calibration);
 
 /// The pair's capture as its pictures are: views and camera of a vertical split are turned back.

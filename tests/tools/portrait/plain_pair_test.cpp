@@ -389,6 +389,9 @@ TEST(PlainPair, IsCorrectedByTheCalibrationOfItsCamera) {
   EXPECT_NE(refused.find("v.png: 95 x 128 pixels: must be 128 x 95, as the views of the calibrated camera"),
             std::string::npos)
       << refused;
+  write_bytes(folder / "m.json", R"({"focus_distance_m": 0.8, "focal_length_mm": 4.41, "f_number": 8})");
+  refused = refusal(transposed);
+  EXPECT_NE(refused.find("m.json: /f_number: 8: must be the calibrated camera's, 1.8"), std::string::npos) << refused;
   calibration.camera.height_px *= 2;
   calibration.camera.dp_downsample_y = 4;
   write_bytes(folder / "cal/calibration.json", to_json(calibration).dump());
