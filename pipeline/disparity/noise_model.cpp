@@ -101,9 +101,9 @@ ViewNoise estimate_noise(const Image& left, const Image& right) {
   constexpr int kApart = 3;  // rows that share no noise
   const float shot = shot_at(left, right, {1, 1}).value_or(kLeastShot);
   if (!rows_are_interpolated(left, right)) return {shot, kLeastShot};
-  const std::optional<float> rows = shot_at(left, right, {1, kApart}), columns = shot_at(left, right, {kApart, 1});
-  if (!rows || !columns) return {shot, kLeastShot};  // long and narrow
-  return {std::clamp(shot * *rows / *columns, shot, std::max(shot, *rows)), kLeastShot};
+  const float rows = shot_at(left, right, {1, kApart}).value_or(shot);
+  const float columns = shot_at(left, right, {kApart, 1}).value_or(rows);  // narrow views have no columns so far apart
+  return {std::clamp(shot * rows / columns, shot, std::max(shot, rows)), kLeastShot};
 }
 
 }  // namespace dualpixel::pipeline
