@@ -1,6 +1,7 @@
 #include "evaluation/failures/atlas_camera.h"
 
 #include <filesystem>
+#include <utility>
 
 #include "capture/error.h"
 #include "capture/json_fields.h"
@@ -37,8 +38,12 @@ AtlasCamera atlas_camera(const std::string& name) {
   AtlasCamera camera = name == "thin"           ? held_lens(name, "phone_thin")
                        : name == "prescription" ? held_lens(name, "phone_6p")
                                                 : camera_of_file(name);
-  camera.document["sensor"] = {{"width_px", kAtlasSide_px}, {"height_px", kAtlasSide_px}};
-  camera.sensor.width_px = camera.sensor.height_px = kAtlasSide_px;
+  return with_side(std::move(camera), kAtlasSide_px);
+}
+
+AtlasCamera with_side(AtlasCamera camera, int side_px) {
+  camera.document["sensor"] = {{"width_px", side_px}, {"height_px", side_px}};
+  camera.sensor.width_px = camera.sensor.height_px = side_px;
   return camera;
 }
 
@@ -69,7 +74,7 @@ double dp_pitch_m(const AtlasCamera& camera) {
 }
 
 double side_dp_px(const AtlasCamera& camera) {
-  return 1e-6 * camera.sensor.pixel_pitch_um * kAtlasSide_px / dp_pitch_m(camera);
+  return 1e-6 * camera.sensor.pixel_pitch_um * camera.sensor.width_px / dp_pitch_m(camera);
 }
 
 double depth_of_blur(const AtlasCamera& camera, double blur_dp_px) {

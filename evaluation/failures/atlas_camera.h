@@ -7,7 +7,8 @@
 #include "simulator/sensor/sensor.h"
 
 /// The camera that looks at the scenes of the failure atlas. Its sensor is cut down to kAtlasSide_px photosites a side
-/// around the axis. Lengths in the picture are in DP px along x, in both directions.
+/// around the axis, where a row does not say otherwise. Lengths in the picture are in DP px along x, in both
+/// directions.
 namespace dualpixel::evaluation {
 
 inline constexpr int kAtlasSide_px = 448;
@@ -22,6 +23,9 @@ struct AtlasCamera {
 /// "thin": the paper's phone as a thin lens; "prescription": the six-element phone lens of lens_models; else a camera
 /// file (docs/fit_camera.md) or a lens file. Throws InputError.
 AtlasCamera atlas_camera(const std::string& name);
+
+/// With so many photosites a side around the axis.
+AtlasCamera with_side(AtlasCamera camera, int side_px);
 
 /// An ideal lens of the camera's focal length and f-number before a phone's soft split, and what `fields` say of its
 /// aberrations, in place of the camera's own lens.

@@ -15,7 +15,7 @@
 namespace dualpixel::evaluation {
 namespace {
 
-constexpr int kPainted_px = 896;        // texels a side: two and two thirds for a DP px
+constexpr double kTexels = 8.0 / 3;     // of a painted side, for a DP px
 constexpr double kSeen = 1.5;           // side of whole_picture() over that of the picture
 constexpr double kRepeats_dp_px = 256;  // of pink noise
 constexpr double kGray = 0.18, kLongest_s = 1.0 / 15;
@@ -52,7 +52,8 @@ Window whole_picture(const AtlasScene& scene) {
 
 int add_paint(AtlasScene& scene, const Paint& paint, double factor) {
   const double side = kSeen * side_dp_px(scene.camera);
-  const int texture = scene.glb.add_texture(scenes::paint(kPainted_px, [&](float u, float v) {
+  const int texels = static_cast<int>(std::lround(kTexels * side));
+  const int texture = scene.glb.add_texture(scenes::paint(texels, [&](float u, float v) {
     return glm::vec3(static_cast<float>(paint((u - 0.5) * side, (v - 0.5) * side)));
   }));
   return scene.glb.add_material(texture, glm::vec3(static_cast<float>(factor)), true);

@@ -20,7 +20,8 @@ struct RenderedRow {
   void (*build)(AtlasScene& scene, double value);
   const char* note = "";
   bool log = false;
-  double reach_dp_px = kReach;  ///< blur at infinity: the larger, the nearer is the focus
+  double reach_dp_px = kReach;                   ///< blur at infinity: the larger, the nearer is the focus
+  void (*process)(ViewSample& views) = nullptr;  ///< what a phone does to them before it hands them out
 };
 
 void add_plain_wall(AtlasScene& scene) { add_wall(scene, add_paint(scene, pink_paint(scene, 0)), kWall); }
@@ -62,6 +63,16 @@ std::vector<RenderedRow> texture_scenes() {
   };
 }
 
+/// Every other row made anew from its neighbors, and nothing said of the noise.
+void interpolate_rows(ViewSample& views) {
+  for (Image* view : {&views.left, &views.right}) {
+    for (int y = 1; y + 1 < view->height; y += 2) {
+      for (int x = 0; x < view->width; ++x) view->at(x, y) = 0.5f * (view->at(x, y - 1) + view->at(x, y + 1));
+    }
+  }
+  views.sensor.noise.reset();
+}
+
 std::vector<RenderedRow> light_scenes() {
   return {
       {"noise",
@@ -75,6 +86,22 @@ std::vector<RenderedRow> light_scenes() {
        },
        "Exposed for at most 1/15 s, three frames merged.",
        true},
+      {"interpolated",
+       "Noise of rows that were interpolated from half as many",
+       "illumination, lux",
+       "illumination_lux",
+       {400, 100, 30, 10, 3, 1, 0.3, 0.1},
+       [](AtlasScene& scene, double lux) {
+         scene.illumination_lux = lux;
+         scene.camera = with_side(scene.camera, 2 * kAtlasSide_px);
+         add_plain_wall(scene);
+       },
+       "As phones hand them out, and without a word on the noise. Twice as wide as other rows: it takes that many "
+       "tiles "
+       "to see that rows are interpolated.",
+       true,
+       kReach,
+       interpolate_rows},
       {"saturation",
        "Saturation",
        "mean exposure over what fills the wells of a view",
@@ -334,12 +361,14 @@ std::vector<FailureRow> rendered_failure_rows(const AtlasCamera& camera) {
   for (const auto& group :
        {texture_scenes(), light_scenes(), depth_scenes(), material_scenes(), lens_scenes(), motion_scenes()}) {
     for (const RenderedRow& row : group) {
-      const auto make = [camera = focused_for(camera, row.reach_dp_px), build = row.build](double value,
-                                                                                           unsigned draw) {
+      const auto make = [camera = focused_for(camera, row.reach_dp_px), build = row.build, process = row.process](
+                            double value, unsigned draw) {
         AtlasScene scene{camera, draw};
         scene.glb.set_generator("dualpixel experiment failures", 1);
         build(scene, value);
-        return take_views(scene);
+        ViewSample views = take_views(scene);
+        if (process) process(views);
+        return views;
       };
       all.push_back({row.name, row.title, row.sweep, row.key, row.values, make, row.log, row.note});
     }

@@ -2,6 +2,7 @@
 
 import ast
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -224,3 +225,33 @@ def test_the_example_draws_its_curves(tmp_path):
     assert done.returncode == 0, done.stderr
     assert "likelihood: RMSE" in done.stdout
     assert (tmp_path / "curves.png").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+def test_the_example_ranks_matchers_on_pairs_with_a_truth(tmp_path):
+    cv2 = pytest.importorskip("cv2")
+    random = np.random.default_rng(3)
+    texture = cv2.GaussianBlur(random.random((192, 288)).astype(np.float32), (0, 0), 4)
+    texture = (texture - texture.min()) / np.ptp(texture)
+    steps = [np.roll(texture, d, 1) for d in (0, 4)]  # the right half has a disparity of 4
+    left = texture
+    right = np.where(np.arange(288) < 146, *steps)
+    (tmp_path / "pairs/gt_defocus_map").mkdir(parents=True)
+    for name, view in (("left", left), ("right", right)):
+        cv2.imwrite(str(tmp_path / f"pairs/001_{name}.png"), (1024 + 8000 * view).astype(np.uint16))
+    truth = np.where(np.arange(48, 240) < 146, 100, 200)
+    cv2.imwrite(str(tmp_path / "pairs/gt_defocus_map/001_gt.png"), np.tile(truth, (128, 1)).astype(np.uint8))
+    example = Path(__file__).resolve().parents[2] / "python/examples/rank_matchers.py"
+    methods = "low-passed quarter,A,B,C"
+    done = subprocess.run(
+        [sys.executable, example, os.environ["DUALPIXEL_PROGRAM"], tmp_path / "work", "--pixel4", tmp_path / "pairs",
+         "--methods", methods],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    lines = [line.rsplit(maxsplit=3) for line in done.stdout.splitlines()[1:]]
+    assert {line[0].strip() for line in lines} == set(methods.split(","))
+    for name, aiwe1, *_ in lines:  # what sees no disparity errs by half of (200 - 100) / 255; windows reach over the step
+        assert float(aiwe1) < 0.1, name

@@ -89,6 +89,66 @@ TEST(SlowRenderedRows, APaneReflectsAsMetered) {
   }
 }
 
+const FailureRow& rendered_row(const std::vector<FailureRow>& rows, const std::string& name) {
+  return *std::find_if(rows.begin(), rows.end(), [&](const FailureRow& row) { return row.name == name; });
+}
+
+/// Light of the left view over that of the right one in the tenth of the columns at the picture's left border.
+double light_ratio_at_the_left(const Image& left, const Image& right) {
+  double lefts = 0, rights = 0;
+  for (int y = 0; y < left.height; ++y) {
+    for (int x = 0; x < left.width / 10; ++x) lefts += left.at(x, y), rights += right.at(x, y);
+  }
+  return lefts / rights;
+}
+
+// At a field radius r, in half pictures, two unit discs s = cut r apart share 2 acos(s / 2) - s / 2 sqrt(4 - s^2),
+// whose centroid is halfway between them; of a ramp split at a centroid c the views see 1 -+ c / k. Cuts are of the
+// field at infinity, where the picture is smaller by focal length over image distance.
+TEST(SlowRenderedRows, ACutPupilLightsTheViewsUnequally) {
+  const std::vector<FailureRow> rows = rendered_failure_rows(atlas_camera("thin"));
+  const simulator::ThinLens thin = scene_of("thin").camera.lens.thin;
+  const double smaller = thin.focal_length_m / thin.image_distance_m();
+  for (const double cut : {0.6, 1.2, 1.8}) {
+    const ViewSample views = rendered_row(rows, "vignetting").make(cut, 0);
+    Image left = views.left, right = views.right;
+    for (int y = 0; y < left.height; ++y) {
+      for (int x = 0; x < left.width; ++x) {
+        const double at_x = (x + 0.5) / left.width * 2 - 1, at_y = (y + 0.5) / left.height * 2 - 1;
+        const double s = cut * smaller * std::hypot(at_x, at_y);
+        const double area = s < 2 ? 2 * std::acos(s / 2) - s / 2 * std::sqrt(4 - s * s) : 0;
+        const double lean = cut * smaller * at_x / 2 * 4 * kPhoneAlpha;  // c / k
+        left.at(x, y) = static_cast<float>(area * (1 - lean));
+        right.at(x, y) = static_cast<float>(area * (1 + lean));
+      }
+    }
+    // the texture weighs the columns: its contrast over the root of the tenth's 4 coarse cells, of what the ratio
+    // changes by over them, a tenth and less
+    EXPECT_NEAR(light_ratio_at_the_left(views.left, views.right) / light_ratio_at_the_left(left, right), 1,
+                3 * kAtlasContrast / std::sqrt(4.0) * 0.1)
+        << cut;
+  }
+}
+
+// Of rows that were interpolated from half as many, half have a frame's noise, and half have half of its variance, 3/4
+// on the mean. Differences of neighboring rows show a sixth of that. A merge's noise is smoother than a frame's, of
+// which nine tenths are found where all rows are the sensor's.
+TEST(SlowRenderedRows, NoiseOfInterpolatedRowsIsFound) {
+  const std::vector<FailureRow> rows = rendered_failure_rows(atlas_camera("thin"));
+  const ViewSample views = rendered_row(rows, "interpolated").make(10, 0);
+  EXPECT_FALSE(views.sensor.noise.has_value());
+  for (int x = 0; x < views.left.width; ++x) {
+    EXPECT_EQ(views.left.at(x, 9), 0.5f * (views.left.at(x, 8) + views.left.at(x, 10)));
+  }
+  AtlasScene stated = scene_of("thin");
+  stated.illumination_lux = 10;
+  const double mean = mean_of(views.left);
+  const double of_frames = std::pow(relative_noise(stated) * mean, 2) * pipeline::merged_view_variance(3);
+  const double found = pipeline::estimate_noise(views.left, views.right).shot * mean;
+  EXPECT_GT(found, 0.5 * 0.75 * of_frames);
+  EXPECT_LT(found, 0.75 * of_frames);
+}
+
 TEST(SlowRenderedRows, EveryCameraTakesEveryRow) {
   for (const char* camera : {"prescription", DUALPIXEL_SOURCE_DIR "/scenes/cameras/phone_2019.json"}) {
     for (const FailureRow& row : rendered_failure_rows(atlas_camera(camera))) {
