@@ -4,29 +4,41 @@
 #include <cmath>
 
 #include "scenes/make_scenes/sdf_mesh.h"
+#include "scenes/math.h"
 #include "scenes/procedural/signed_distance.h"
 #include "scenes/test_targets/noise.h"
 
 namespace dualpixel::scenes {
 namespace {
 
-/// The mouth bends upwards towards its corners.
-vec3 mouth_space(vec3 p) { return {p.x, p.y - 5.5f * p.x * p.x, p.z + 6 * p.x * p.x}; }
+/// A ridge or groove at a distance `x`, 1 in its middle.
+float ridge(float x, float width_m) { return std::exp(-x * x / (width_m * width_m)); }
 
-float upper_lip(vec3 p) {
-  const vec3 m = mouth_space(p);
-  return sdf_ellipsoid({std::abs(m.x), m.y, m.z}, {0.0070f, -0.0508f, 0.0880f}, {0.0160f, 0.0038f, 0.0066f});
+struct Lips {
+  float inside_m = -1;  ///< how far a point, seen from the front, is inside them
+  float bulge_m = 0;    ///< how far they stand out there
+  float gap = 0;        ///< 1 on the line where they meet, corners included
+};
+
+Lips lips_at(vec3 p) {
+  constexpr float kMiddle_m = -0.0552f, kHalfWidth_m = 0.0245f, kUpper_m = 0.0078f, kLower_m = 0.0092f;
+  const float t = p.x / kHalfWidth_m, taper = 1 - t * t;  // to 0 at the corners
+  const float y = p.y - kMiddle_m - 5.5f * p.x * p.x;     // the corners are higher
+  if (taper <= 0 || p.z < 0.05f) return {};               // beside them, or at the back of the head
+  const float bow = 1 - 0.16f * ridge(p.x, 0.0038f);      // the dip in the middle of the upper lip
+  const float height = y > 0 ? kUpper_m * taper * bow : kLower_m * std::pow(taper, 0.75f);
+  const float share = std::min(std::abs(y) / height, 1.0f), gap = ridge(y, 0.0009f);
+  const float bulge = (y > 0 ? 0.0024f : 0.0036f) * std::sin(kPi * std::pow(share, 0.75f)) - 0.0012f * gap;
+  return {height - std::abs(y), std::sqrt(taper) * bulge, gap};
 }
 
-float lower_lip(vec3 p) { return sdf_ellipsoid(mouth_space(p), {0, -0.0602f, 0.0865f}, {0.0205f, 0.0052f, 0.0078f}); }
-
 float with_jaw_and_cheeks(float d, vec3 p, vec3 s) {
-  d = sdf_union(d, sdf_ellipsoid(p, {0, -0.045f, 0.022f}, {0.0460f, 0.0575f, 0.062f}), 0.045f);  // jaw
-  d = sdf_union(d, sdf_capsule(s, {0.047f, -0.040f, 0.0f}, {0.011f, -0.0885f, 0.060f}, 0.011f, 0.012f),
-                0.03f);                                                                             // its edge
-  d = sdf_union(d, sdf_ellipsoid(s, {0.042f, -0.005f, 0.047f}, {0.019f, 0.013f, 0.019f}), 0.03f);   // cheekbones
-  d = sdf_union(d, sdf_ellipsoid(p, {0, -0.052f, 0.064f}, {0.028f, 0.026f, 0.021f}), 0.022f);       // around the mouth
-  return sdf_union(d, sdf_ellipsoid(p, {0, -0.0865f, 0.061f}, {0.017f, 0.0130f, 0.0140f}), 0.02f);  // chin
+  d = sdf_union(d, sdf_ellipsoid(p, {0, -0.045f, 0.022f}, {0.0405f, 0.0575f, 0.062f}), 0.045f);  // jaw
+  d = sdf_union(d, sdf_capsule(s, {0.0435f, -0.042f, 0.0f}, {0.009f, -0.0900f, 0.0590f}, 0.010f, 0.011f),
+                0.03f);                                                                              // its edge
+  d = sdf_union(d, sdf_ellipsoid(s, {0.042f, -0.005f, 0.047f}, {0.019f, 0.013f, 0.019f}), 0.03f);    // cheekbones
+  d = sdf_union(d, sdf_ellipsoid(p, {0, -0.052f, 0.064f}, {0.0265f, 0.026f, 0.021f}), 0.022f);       // around the mouth
+  return sdf_union(d, sdf_ellipsoid(p, {0, -0.0870f, 0.061f}, {0.0140f, 0.0130f, 0.0145f}), 0.02f);  // chin
 }
 
 float with_eyes(float d, vec3 p, vec3 s) {
@@ -34,23 +46,26 @@ float with_eyes(float d, vec3 p, vec3 s) {
   d = sdf_subtract(d, sdf_ellipsoid(s, {0.031f, 0.0150f, 0.099f}, {0.0195f, 0.0120f, 0.0195f}), 0.016f);  // sockets
   const float lids = glm::length(s - kEye) - kLidRadius_m, x = s.x - kEye.x, y = p.y - kEye.y;
   const float upper = std::max(lids, upper_lid_m(x) - y), lower = std::max(lids, y - lower_lid_m(x));
-  return sdf_union(d, std::min(upper, lower), 0.003f);
+  d = sdf_union(d, std::min(upper, lower), 0.003f);
+  if (p.z < 0.05f) return d;  // the back of the head
+  const float fold = ridge(y - upper_lid_m(x) - 0.0040f, 0.0011f), bag = ridge(y - lower_lid_m(x) + 0.0052f, 0.0018f);
+  return d + ridge(x, 0.0129f) * (0.0011f * fold + 0.0006f * bag);
 }
 
 float with_nose(float d, vec3 p, vec3 s) {
-  d = sdf_union(d, sdf_capsule(p, {0, 0.022f, 0.0785f}, {0, -0.016f, 0.0985f}, 0.0062f, 0.0088f), 0.012f);  // bridge
-  d = sdf_union(d, glm::length(p - vec3(0, -0.0180f, 0.0985f)) - 0.0090f, 0.008f);                          // tip
-  d = sdf_union(d, sdf_ellipsoid(s, {0.0118f, -0.0232f, 0.0885f}, {0.0068f, 0.0066f, 0.0092f}), 0.006f);    // wings
+  d = sdf_union(d, sdf_capsule(p, {0, 0.024f, 0.0780f}, {0, -0.016f, 0.0990f}, 0.0054f, 0.0078f), 0.010f);  // bridge
+  d = sdf_union(d, glm::length(p - vec3(0, -0.0182f, 0.0990f)) - 0.0078f, 0.009f);                          // tip
+  d = sdf_union(d, sdf_ellipsoid(s, {0.0113f, -0.0230f, 0.0888f}, {0.0060f, 0.0062f, 0.0092f}), 0.009f);    // wings
   return sdf_subtract(d, sdf_ellipsoid(s, {0.0066f, -0.0300f, 0.0925f}, {0.0034f, 0.003f, 0.006f}),
                       0.003f);  // nostrils
 }
 
-float with_mouth(float d, vec3 p) {
+float with_mouth(float d, vec3 p, vec3 s) {
   d = sdf_subtract(d, sdf_capsule(p, {0, -0.0335f, 0.0985f}, {0, -0.0435f, 0.0955f}, 0.0035f, 0.0035f),
                    0.006f);  // philtrum
-  d = sdf_union(d, upper_lip(p), 0.005f);
-  d = sdf_union(d, lower_lip(p), 0.005f);
-  d = sdf_subtract(d, sdf_ellipsoid(mouth_space(p), {0, -0.0550f, 0.0945f}, {0.0250f, 0.0008f, 0.0090f}), 0.0022f);
+  d -= lips_at(p).bulge_m;
+  d = sdf_subtract(d, sdf_capsule(s, {0.0180f, -0.0250f, 0.0900f}, {0.0300f, -0.0500f, 0.0790f}, 0.0016f, 0.0016f),
+                   0.007f);  // beside nose and mouth
   return sdf_subtract(d, sdf_ellipsoid(p, {0, -0.0725f, 0.0925f}, {0.018f, 0.004f, 0.0085f}), 0.010f);  // under the lip
 }
 
@@ -71,12 +86,12 @@ float bell(vec3 p, vec3 center, float sigma_m) {
 
 float upper_lid_m(float x) {
   const float t = x / 0.0148f;
-  return 0.0044f * (1 - t * t) - 0.0004f + 0.02f * x;  // the outer corner is the higher one
+  return 0.0037f * (1 - t * t) - 0.0004f + 0.02f * x;  // the outer corner is the higher one
 }
 
 float lower_lid_m(float x) {
   const float t = x / 0.0148f;
-  return -0.0046f * (1 - t * t) - 0.0004f + 0.02f * x;
+  return -0.0043f * (1 - t * t) - 0.0004f + 0.02f * x;
 }
 
 float portrait_head(vec3 p) {
@@ -85,9 +100,9 @@ float portrait_head(vec3 p) {
   d = with_jaw_and_cheeks(d, p, s);
   d = with_eyes(d, p, s);
   d = with_nose(d, p, s);
-  d = with_mouth(d, p);
+  d = with_mouth(d, p, s);
   d = with_ears_and_neck(d, p, s);
-  return d + 0.00025f * (value_noise(71, p * 420.0f) - 0.5f);  // pores
+  return d + 0.00012f * (value_noise(71, p * 420.0f) - 0.5f);  // pores
 }
 
 vec3 on_face(float x, float y) {
@@ -100,13 +115,14 @@ vec3 skin_tint(vec3 p) {
   const vec3 s(std::abs(p.x), p.y, p.z);
   const auto tint = [](vec3& color, float amount, vec3 by) { color *= glm::mix(vec3(1), by, std::min(amount, 1.0f)); };
   vec3 color(0.97f, 0.96f, 0.95f);
-  tint(color, bell(s, {0.043f, -0.022f, 0.062f}, 0.017f), {1.0f, 0.88f, 0.86f});        // cheeks
+  tint(color, bell(s, {0.043f, -0.022f, 0.062f}, 0.017f), {1.0f, 0.84f, 0.82f});        // cheeks
   tint(color, bell(p, {0, -0.019f, 0.105f}, 0.011f), {1.0f, 0.88f, 0.85f});             // tip of the nose
   tint(color, bell(s, {0.085f, 0, -0.01f}, 0.02f), {1.0f, 0.80f, 0.76f});               // ears
   tint(color, bell(s, kEye + vec3(0, 0.002f, 0.012f), 0.010f), {0.88f, 0.78f, 0.77f});  // lids
   tint(color, bell(p, {0, -0.095f, 0.08f}, 0.014f), {1.0f, 0.92f, 0.90f});              // chin
-  const float lips = std::min(upper_lip(p), lower_lip(p));
-  tint(color, std::clamp((0.0013f - lips) / 0.0016f, 0.0f, 1.0f), {0.74f, 0.42f, 0.42f});
+  const Lips lips = lips_at(p);
+  tint(color, std::clamp(0.5f + lips.inside_m / 0.0012f, 0.0f, 1.0f), {0.74f, 0.45f, 0.45f});
+  tint(color, lips.gap, {0.35f, 0.25f, 0.25f});
   return color;
 }
 

@@ -99,13 +99,13 @@ Mesh hair_strands() {
 }
 
 Mesh brow_hairs() {
-  constexpr int kHairs = 1000, kSegments = 3;
+  constexpr int kHairs = 640, kSegments = 3;
   Mesh mesh;
   for (int i = 0; i < kHairs; ++i) {
     const float side = i % 2 ? 1.0f : -1.0f, t = scene_hash01(211, i), across = scene_hash01(212, i) - 0.5f;
     const float x = 0.0135f + 0.036f * t - 0.004f * (1 - t) * scene_hash01(217, i);  // no straight inner end
     const float y =
-        0.0335f + 0.0052f * std::sin(2.4f * t + 0.15f) - 0.003f * t * t + 0.0062f * across * (1 - 0.65f * t);
+        0.0312f + 0.0050f * std::sin(2.4f * t + 0.15f) - 0.003f * t * t + 0.0052f * across * (1 - 0.65f * t);
     vec3 p = on_face(side * x, y);
     vec3 direction = glm::normalize(vec3(side * (0.55f + 0.5f * t), 0.75f - 1.15f * t - 0.5f * across, 0.15f) +
                                     0.25f * vec3(scene_hash01(214, i) - 0.5f, scene_hash01(215, i) - 0.5f, 0));

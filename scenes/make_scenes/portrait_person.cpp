@@ -7,13 +7,13 @@
 #include "scenes/make_scenes/portrait_face.h"
 #include "scenes/make_scenes/portrait_hair.h"
 #include "scenes/make_scenes/sdf_mesh.h"
+#include "scenes/math.h"
 #include "scenes/procedural/signed_distance.h"
 #include "scenes/test_targets/noise.h"
 
 namespace dualpixel::scenes {
 namespace {
 
-constexpr float kPi = 3.14159265358979f;
 /// The middle of the head, between the ears. Shapes of the person are given relative to it, z towards the camera.
 const vec3 kHead(0.01f, 0.075f, -0.86f);
 
@@ -22,10 +22,10 @@ vec3 mirrored(vec3 p) { return {-p.x, p.y, p.z}; }
 float clothes(vec3 p) {
   const vec3 s(std::abs(p.x), p.y, p.z);
   float d = sdf_capsule(s, {0.0f, -0.215f, -0.04f}, {0.155f, -0.245f, -0.04f}, 0.06f, 0.062f);
-  d = sdf_union(d, sdf_ellipsoid(p, {0, -0.41f, -0.04f}, {0.19f, 0.25f, 0.115f}), 0.09f);
-  d = sdf_union(d, sdf_capsule(s, {0.165f, -0.25f, -0.04f}, {0.235f, -0.47f, 0.0f}, 0.058f, 0.047f), 0.03f);
-  d = sdf_union(d, sdf_capsule(p, {0.225f, -0.44f, 0.03f}, {0.128f, -0.318f, 0.125f}, 0.042f, 0.033f), 0.03f);
-  d = sdf_union(d, sdf_capsule(p, {-0.225f, -0.44f, 0.03f}, {-0.06f, -0.405f, 0.125f}, 0.042f, 0.033f), 0.03f);
+  d = sdf_union(d, sdf_ellipsoid(p, {0, -0.41f, -0.04f}, {0.168f, 0.255f, 0.115f}), 0.09f);
+  d = sdf_union(d, sdf_capsule(s, {0.165f, -0.25f, -0.04f}, {0.222f, -0.47f, 0.0f}, 0.056f, 0.046f), 0.012f);
+  d = sdf_union(d, sdf_capsule(p, {0.215f, -0.44f, 0.03f}, {0.128f, -0.318f, 0.125f}, 0.042f, 0.033f), 0.03f);
+  d = sdf_union(d, sdf_capsule(p, {-0.215f, -0.44f, 0.03f}, {-0.06f, -0.405f, 0.125f}, 0.042f, 0.033f), 0.03f);
   const float collar = std::abs(sdf_capsule(p, {0, -0.13f, -0.03f}, {0, -0.19f, -0.036f}, 0.064f, 0.077f)) - 0.006f;
   d = sdf_union(d, std::max(collar, std::abs(p.y + 0.168f + 0.25f * p.z) - 0.02f), 0.012f);
   d = sdf_subtract(d, sdf_capsule(p, {0, -0.05f, -0.03f}, {0, -0.172f, -0.034f}, 0.056f, 0.063f), 0.008f);
@@ -33,26 +33,55 @@ float clothes(vec3 p) {
   return d + 0.009f * (folds - 0.5f) + 0.002f * (value_noise(82, p * 40.0f) - 0.5f);
 }
 
+struct Finger {
+  vec3 knuckle, middle, last, tip;  ///< joints, and the end
+  float thick;                      ///< over the others' thickness
+};
+
+/// From the little finger, 0, to the forefinger, 3; straight at a curl of 0.
+Finger finger(int i, float curl) {
+  const float x = -0.03f + 0.02f * static_cast<float>(i);
+  const float length = i == 0 ? 0.026f : i == 3 ? 0.032f : 0.037f;
+  const vec3 knuckle(x, 0.036f - 10 * x * x, 0);
+  const vec3 middle = knuckle + vec3(0.1f * x, length, 0.3f * curl * length);
+  const vec3 last = middle + vec3(0.05f * x, 0.55f * length * (1 - 0.4f * curl), 0.55f * curl * length);
+  const vec3 tip = last + vec3(0.02f * x, 0.42f * length * (1 - 0.6f * curl), 0.5f * curl * length);
+  return {knuckle, middle, last, tip, i == 0 ? 0.86f : 1.0f};
+}
+
 /// A hand at the origin, palm facing +z, fingers up; `curl` bends them.
 float hand(vec3 p, float curl) {
   float d = sdf_ellipsoid(p, {0, 0, 0}, {0.039f, 0.044f, 0.0145f});
   d = sdf_union(d, sdf_ellipsoid(p, {0.022f, -0.012f, 0.008f}, {0.017f, 0.026f, 0.012f}), 0.01f);  // ball of the thumb
-  for (int finger = 0; finger < 4; ++finger) {
-    const float x = -0.03f + 0.02f * finger;
-    const float length = finger == 0 ? 0.026f : finger == 3 ? 0.032f : 0.037f;
-    const vec3 knuckle(x, 0.036f, 0);
-    const vec3 middle = knuckle + vec3(0.1f * x, length, 0.3f * curl * length);
-    const vec3 last = middle + vec3(0.05f * x, 0.55f * length * (1 - 0.4f * curl), 0.55f * curl * length);
-    const vec3 tip = last + vec3(0.02f * x, 0.42f * length * (1 - 0.6f * curl), 0.5f * curl * length);
-    d = sdf_union(d, sdf_capsule(p, knuckle, middle, 0.0093f, 0.0082f), 0.006f);
-    d = sdf_union(d, glm::length(p - middle) - 0.0087f, 0.003f);
-    d = sdf_union(d, sdf_capsule(p, middle, last, 0.0081f, 0.0074f), 0.003f);
-    d = sdf_union(d, sdf_capsule(p, last, tip, 0.0075f, 0.0066f), 0.002f);
+  for (int i = 0; i < 4; ++i) {
+    const Finger f = finger(i, curl);
+    d = sdf_union(d, sdf_capsule(p, f.knuckle, f.middle, 0.0099f * f.thick, 0.0087f * f.thick), 0.006f);
+    d = sdf_union(d, sdf_capsule(p, f.middle, f.last, 0.0087f * f.thick, 0.0078f * f.thick), 0.001f);
+    d = sdf_union(d, sdf_capsule(p, f.last, f.tip, 0.0078f * f.thick, 0.0068f * f.thick), 0.001f);
   }
   d = sdf_union(d, sdf_capsule(p, {0.03f, -0.018f, 0.004f}, {0.062f, 0.014f, 0.014f}, 0.0125f, 0.0102f), 0.01f);
   d = sdf_union(d, sdf_capsule(p, {0.062f, 0.014f, 0.014f}, {0.07f, 0.044f, 0.016f}, 0.0102f, 0.008f), 0.004f);
   d = sdf_union(d, sdf_capsule(p, {0, -0.03f, -0.002f}, {0, -0.1f, -0.02f}, 0.025f, 0.028f), 0.02f);
   return d + 0.0004f * (value_noise(91, p * 190.0f) - 0.5f);
+}
+
+/// What the skin's color is multiplied by: nails and joints of the four fingers.
+vec3 hand_tint(vec3 p, float curl) {
+  vec3 color(0.95f, 0.9f, 0.88f);
+  for (int i = 0; i < 4; ++i) {
+    const Finger f = finger(i, curl);
+    const vec3 along = glm::normalize(f.tip - f.last), back = glm::normalize(glm::cross(along, vec3(1, 0, 0)));
+    const vec3 q = p - (f.tip - 0.001f * along);
+    const float across = q.x / (0.0050f * f.thick), down = glm::dot(q, along) / 0.0072f;
+    const float inside = 1 - std::sqrt(std::pow(across, 4.0f) + std::pow(down, 4.0f));
+    if (glm::dot(q, back) > 0.002f) {
+      color *= glm::mix(vec3(1), vec3(1, 0.8f, 0.79f), std::clamp(6 * inside, 0.0f, 1.0f));
+    }
+    for (const vec3& joint : {f.knuckle, f.middle}) {
+      color *= glm::mix(vec3(1), vec3(1, 0.9f, 0.88f), std::exp(-glm::dot(p - joint, p - joint) / (0.013f * 0.013f)));
+    }
+  }
+  return color;
 }
 
 Mesh ball(vec3 center, float radius, vec3 pole) {
@@ -98,12 +127,12 @@ void add_eyes(Glb& glb, const glm::mat4& to_head) {
 }
 
 void add_head(Glb& glb, const glm::mat4& to_head, int skin_material) {
-  const Mesh head = mesh_sdf(portrait_head, {-0.1f, -0.21f, -0.125f}, {0.1f, 0.15f, 0.125f}, 0.0016f, 0.11f);
+  const Mesh head = mesh_sdf(portrait_head, {-0.1f, -0.21f, -0.125f}, {0.1f, 0.15f, 0.125f}, 0.0012f, 0.11f);
   std::vector<vec3> colors;
   for (const vec3& p : head.positions) colors.push_back(skin_tint(p));
   glb.add_colored_person("head", placed_mesh(head, to_head), colors, skin_material);
   add_eyes(glb, to_head);
-  const Texture brown = two_tone(205, {0.010f, 0.006f, 0.0035f}, {0.11f, 0.062f, 0.033f}, 4, 512, 0.9f);
+  const Texture brown = two_tone(205, {0.016f, 0.009f, 0.005f}, {0.16f, 0.09f, 0.048f}, 4, 512, 0.9f);
   const int hair_material = glb.add_material(glb.add_texture(brown), vec3(1), false, 0.55f);
   glb.add_node("scalp",
                placed_mesh(mesh_sdf(scalp, {-0.1f, -0.08f, -0.13f}, {0.1f, 0.16f, 0.12f}, 0.0025f, 0.05f), to_head),
@@ -130,8 +159,9 @@ void add_clothes(Glb& glb, const glm::mat4& to_body) {
 void add_hand(Glb& glb, const std::string& name, const glm::mat4& pose, bool left, float curl, int material) {
   const Mesh mesh = mesh_sdf([&](vec3 p) { return hand(left ? mirrored(p) : p, curl); }, {-0.085f, -0.13f, -0.06f},
                              {0.085f, 0.12f, 0.075f}, 0.0018f, 0.11f);
-  glb.add_colored_person(name, placed_mesh(mesh, pose),
-                         std::vector<vec3>(mesh.positions.size(), vec3(0.95f, 0.9f, 0.88f)), material);
+  std::vector<vec3> colors;
+  for (const vec3& p : mesh.positions) colors.push_back(hand_tint(left ? mirrored(p) : p, curl));
+  glb.add_colored_person(name, placed_mesh(mesh, pose), colors, material);
 }
 
 }  // namespace
