@@ -56,6 +56,17 @@ TEST_F(BadInput, TheSceneItselfIsFine) {
   EXPECT_TRUE(std::filesystem::exists(folder / "out" + "/capture.json"));
 }
 
+// As a shell's variable that is not set leaves it.
+TEST(BadCommand, AnEmptyValueIsNotLikeNone) {
+  for (const std::string command :
+       {"portrait capture -o out --calibration", "portrait -o out --left", "info", "evaluate set -o out --method",
+        "score capture --disparity", "plan scene.json -o"}) {
+    const Outcome outcome = run_command(command + " ''");
+    expect_one_line_refusal(outcome);
+    EXPECT_NE(outcome.err.find("must not be empty"), std::string::npos) << command << ": " << outcome.err;
+  }
+}
+
 TEST_F(BadInput, TruncatedGlb) {
   glb = gltf.glb();
   glb.resize(glb.size() - 20);

@@ -161,6 +161,15 @@ void add_limits(CLI::App& program) {
       ->type_name("S");
 }
 
+/// As a shell's variable that is not set leaves it; it would count as not given.
+void refuse_empty_values(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    if (option->get_expected_max() == 0) continue;  // a flag
+    option->check([](const std::string& value) { return std::string(value.empty() ? "must not be empty" : ""); }, "");
+  }
+  for (CLI::App* command : app.get_subcommands({})) refuse_empty_values(*command);
+}
+
 }  // namespace
 
 int program_main(int argc, char** argv) {
@@ -190,6 +199,7 @@ int program_main(int argc, char** argv) {
   add_people(program);
   add_scene(program);
   add_dataset(program);
+  refuse_empty_values(program);
 
   try {
     require_room();
