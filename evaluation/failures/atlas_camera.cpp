@@ -20,6 +20,10 @@ AtlasCamera held_lens(const std::string& name, const std::string& lens) {
 }
 
 AtlasCamera camera_of_file(const std::string& path) {
+  if (!std::filesystem::exists(path)) {
+    throw InputError("--camera: " + printable(path) +
+                     ": must be thin, prescription, ideal, or a camera or lens file that exists");
+  }
   const json file = read_json_file(path);
   if (file.is_object() && file.contains("gltf")) {
     throw InputError("--camera: " + printable(path) + ": is a scene file: must be a camera file or a lens file");
@@ -42,7 +46,7 @@ AtlasCamera atlas_camera(const std::string& name) {
 }
 
 AtlasCamera with_side(AtlasCamera camera, int side_px) {
-  camera.document["sensor"] = {{"width_px", side_px}, {"height_px", side_px}};
+  for (const char* side : {"width_px", "height_px"}) camera.document["sensor"][side] = side_px;
   camera.sensor.width_px = camera.sensor.height_px = side_px;
   return camera;
 }

@@ -96,9 +96,8 @@ std::vector<RenderedRow> light_scenes() {
          scene.camera = with_side(scene.camera, 2 * kAtlasSide_px);
          add_plain_wall(scene);
        },
-       "As phones hand them out, and without a word on the noise. Twice as wide as other rows: it takes that many "
-       "tiles "
-       "to see that rows are interpolated.",
+       "Every other row is the mean of its neighbors, as in a Pixel 4's views, and matchers are not told the noise. "
+       "Pictures are twice as wide as elsewhere: it takes that many tiles to notice.",
        true,
        kReach,
        interpolate_rows},
@@ -261,6 +260,10 @@ std::vector<RenderedRow> material_scenes() {
   };
 }
 
+double half_side_mm(const AtlasCamera& camera) {
+  return 0.5e-3 * camera.sensor.width_px * camera.sensor.pixel_pitch_um;
+}
+
 std::vector<RenderedRow> lens_scenes() {
   return {
       {"split_offset",
@@ -281,7 +284,7 @@ std::vector<RenderedRow> lens_scenes() {
        "offset_pupil_radii",
        {0, 0.6, 1.2, 1.8, 2.4, 3, 4},
        [](AtlasScene& scene, double cut) {
-         const double half_mm = 0.5e-3 * kAtlasSide_px * scene.camera.sensor.pixel_pitch_um;
+         const double half_mm = half_side_mm(scene.camera);
          scene.camera = with_plain_lens(
              scene.camera,
              {{"image_radius_mm", half_mm}, {"rims", nlohmann::json::array({{{"radius", 1}, {"shift", cut}}})}});
@@ -296,7 +299,7 @@ std::vector<RenderedRow> lens_scenes() {
        "shift_dp_px",
        {0, 1, 2, 4, 8, 16, 32},
        [](AtlasScene& scene, double shift) {
-         const double half_mm = 0.5e-3 * kAtlasSide_px * scene.camera.sensor.pixel_pitch_um;
+         const double half_mm = half_side_mm(scene.camera);
          const double share = shift / (0.5 * side_dp_px(scene.camera));
          scene.camera =
              with_plain_lens(scene.camera, {{"image_radius_mm", half_mm}, {"lateral_color", {share, -share}}});
@@ -347,7 +350,7 @@ std::vector<RenderedRow> motion_scenes() {
        {0, 5, 10, 20, 30, 45, 60},
        [](AtlasScene& scene, double readout_ms) {
          build_shake(scene, 2);
-         scene.document["sensor"]["row_time_us"] = 1e3 * readout_ms / kAtlasSide_px;
+         scene.document["sensor"]["row_time_us"] = 1e3 * readout_ms / scene.camera.sensor.height_px;
        },
        "No value breaks a method: both views of a row are read together, and bend alike. The hand shakes twice as "
        "much as usual."},

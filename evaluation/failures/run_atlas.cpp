@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int kAtlasVersion = 2;
+constexpr int kAtlasVersion = 3;
 constexpr const char* kIdeal = "ideal";
 
 std::vector<DisparityMethod> methods_of(const std::vector<std::string>& texts) {

@@ -54,7 +54,7 @@ inline ViewSensor view_sensor(const Exposure& exposure, double noise_left = 1) {
 /// The profile read off the views themselves, as shot noise alone: the lower quartile, over 8 x 8 tiles, of the
 /// variance of second differences along both axes over the mean. Texture finer than 3 px counts as noise. Rows that a
 /// phone interpolated from half as many share their noise, and differ by little of it. Where even and odd rows show
-/// that (in views of some 256 x 256 pixels and more), the estimate is multiplied by the ratio of the same variance at a
+/// that (in views of some 258 x 258 pixels and more), the estimate is multiplied by the ratio of the same variance at a
 /// distance of three rows to that at three columns. Never 0.
 ViewNoise estimate_noise(const Image& left, const Image& right);
 

@@ -38,7 +38,7 @@ struct PlainPairCapture {
 ///                          hold, not the disparity
 ///   face_px                x, y, width, height of a face in the pictures
 ///   alpha                  disparity in pixels of the pictures over the diameter of the blur in them, (0, 10]: for the
-///                          matcher `split`, and to match a lens
+///                          matchers `split` and `likelihood`, and to match a lens
 ///   focal_length_mm, f_number   of the lens; only needed to match a lens
 /// Where the picture is blurred it gets as much noise as its green is estimated to have (noise_of() in photograph.h):
 /// none where it is gray, in one channel or in three.

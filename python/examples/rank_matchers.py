@@ -1,17 +1,23 @@
 """Rank ways of matching on real pairs and on rendered ones: is the order the same? (docs/disparity.md, "On rendered scenes")
 
-    python3 rank_matchers.py PROGRAM WORK --rendered                 # six drawn scenes through a phone; an hour, unless WORK has them
-    python3 rank_matchers.py PROGRAM WORK --pixel4 DP_data_pixel_4   # the pairs of Xin et al. 2021, as their authors publish them
+    python3 rank_matchers.py PROGRAM WORK --rendered                 # six drawn scenes through a phone: an hour, the first time
+    python3 rank_matchers.py PROGRAM WORK --pixel4 DP_data_pixel_4   # six pairs of Xin et al. 2021, those of them that are there
+    python3 rank_matchers.py PROGRAM WORK --rendered --methods B,split
 
-Needs dualpixel and OpenCV. PROGRAM is build/release/tools/dualpixel; it smooths what every method finds. In WORK are kept the
-captures and what was found, so that a second run goes on where the first one was stopped. Errors are those of
-Garg et al. 2019 after an affine fit to the truth, which both kinds of pairs have.
+Needs dualpixel (PYTHONPATH=build/release/python) and OpenCV. DP_data_pixel_4 is that folder of
+https://github.com/cmu-ci-lab/dual_pixel_defocus_estimation_deblurring. WORK keeps the captures and what was found, so that a run
+goes on where the last one was stopped: after a change of PROGRAM, of a method or of the pairs, take another WORK, or delete the
+*.npy in it. Errors are those of Garg et al. 2019 after an affine fit to the truth, which is 0 to 1 over each picture.
+
+A method of your own is a function of the two views and a row of METHODS, below.
 """
 
 # %% Options
 import argparse
-import json
+import os
+import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import cv2
@@ -22,19 +28,28 @@ from dualpixel.pictures import read_exr
 from dualpixel.reader import Capture
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("program")
-parser.add_argument("work", type=Path)
-parser.add_argument("--pixel4", type=Path)
-parser.add_argument("--rendered", action="store_true")
-parser.add_argument("--methods", help="names, separated by commas; all")
-parser.add_argument("--size", type=int, default=2688, help="photosites across a rendered picture; 2688")
+parser.add_argument("program", metavar="PROGRAM", help="build/release/tools/dualpixel")
+parser.add_argument("work", type=Path, metavar="WORK", help="folder for captures and results")
+parser.add_argument("--pixel4", type=Path, metavar="DIR", help="real pairs")
+parser.add_argument("--rendered", action="store_true", help="rendered pairs")
+parser.add_argument("--methods", metavar="NAMES", help="separated by commas; default: all")
+parser.add_argument("--size", type=int, default=2688, metavar="N",
+                    help="photosites across the middle of the sensor that is rendered, a multiple of 32 from 224 on; default: "
+                    "2688. Under 1000 only to try the script: so small a part of a scene has hardly any depth")
 options = parser.parse_args()
-DETAIL_PX, SHADING_PX, WINDOW_PX = 6, 20, 12  # of the views: low-pass, high-pass, and the window of a comparison
+DETAIL_PX, SHADING_PX, WINDOW_PX = 6, 20, 12  # Gaussians' deviations, pixels of the views: low-pass, local mean, window
 STEP = 4  # a quarter of the size
 RANGE_PX = 16
 
 
 # %% The pipeline's own
+def run(*arguments):
+    """The program, silent unless it fails."""
+    done = subprocess.run([options.program, *arguments], capture_output=True, text=True, check=False)
+    if done.returncode:
+        sys.exit(done.stderr)
+
+
 def portrait(views, *arguments):
     """The smoothed disparity, DP px, by the program."""
     folder = options.work / "pair"
@@ -43,8 +58,7 @@ def portrait(views, *arguments):
         cv2.imwrite(str(folder / name), np.clip(np.rint(65535 * view), 0, 65535).astype(np.uint16))
     (folder / "pair.json").write_text('{"encoding": "linear"}')
     files = ["--left", folder / "left.png", "--right", folder / "right.png", "--metadata", folder / "pair.json"]
-    subprocess.run([options.program, "portrait", *files, "--mode", "dp", *arguments, "-o", folder / "result"],
-                   check=True, capture_output=True)
+    run("portrait", *files, "--mode", "dp", *arguments, "-o", folder / "result")
     return read_exr(folder / "result/maps.exr")["disparity_dp_px"]
 
 
@@ -78,19 +92,18 @@ def grown(values, like):
 def likelihood_at(views, by, before_px=0, after_px=0):
     """Disparity and sigma, DP px of `views`, with a low-pass before and after these are made smaller."""
     small = [low_pass(shrunk(low_pass(view, before_px), by), after_px) for view in views]
-    small = [view[: view.shape[0] // 2 * 2, : view.shape[1] // 2 * 2] for view in small]
-    found = dualpixel.match(*small, matcher="likelihood")
-    return [by * grown(map_, views[0]) for map_ in (found.disparity, found.sigma)]
+    height, width = small[0].shape
+    even = [np.pad(view, ((0, height % 2), (0, width % 2)), mode="edge") for view in small]
+    found = dualpixel.match(*even, matcher="likelihood")
+    return [by * grown(map_[:height, :width], views[0]) for map_ in (found.disparity, found.sigma)]
 
 
-def averaged(*views):
-    disparity, sigma = likelihood_at(views, STEP)
-    return smoothed(views, disparity, sigma=sigma)
+def at_a_quarter(before_px):
+    def find(*views):
+        disparity, sigma = likelihood_at(views, STEP, before_px)
+        return smoothed(views, disparity, sigma=sigma)
 
-
-def low_passed(*views):
-    disparity, sigma = likelihood_at(views, STEP, before_px=DETAIL_PX)
-    return smoothed(views, disparity, sigma=sigma)
+    return find
 
 
 def pyramid(*views):
@@ -103,7 +116,7 @@ def pyramid(*views):
 
 # %% Squared differences of a band of low frequencies
 def bands(views):
-    """At a quarter of the size, without detail and shading, divided by the contrast around."""
+    """At a quarter of the size, without detail and local mean, divided by the contrast of twice as wide surroundings."""
     small = [shrunk(low_pass(view, DETAIL_PX), STEP) for view in views]
     small = [view / np.maximum(low_pass(view, SHADING_PX / STEP), 1e-6) - 1 for view in small]
     contrast = np.sqrt(low_pass(sum(view**2 for view in small), 2 * SHADING_PX / STEP)) + 1e-4
@@ -122,21 +135,25 @@ def cheapest(views, shifts, costs):
     return smoothed(views, grown(disparity, views[0]), confidence=grown(confidence, views[0]))
 
 
-def mirrored(view, pad):
-    return np.fft.rfft2(np.pad(view, pad, mode="reflect"))
+PAD = 24  # samples: wider than any kernel, 16 / 4 / .21 across, and any shift
+
+
+def spectra_of_bands(views):
+    """Of both, mirrored beyond their borders; and the mirrored pictures' shape."""
+    padded = [np.pad(view, PAD, mode="reflect") for view in bands(views)]
+    return [np.fft.rfft2(view) for view in padded], padded[0].shape
+
+
+def square_of(spectrum, shape):
+    return np.fft.irfft2(spectrum, shape)[PAD : -PAD, PAD : -PAD] ** 2
 
 
 def shifts_of_a_band(*views):
     """B: the views shifted against each other."""
-    pad = 2 * RANGE_PX // STEP
-    left, right = (mirrored(view, pad) for view in bands(views))
-    shape = [n + 2 * pad for n in bands(views)[0].shape]
+    (left, right), shape = spectra_of_bands(views)
     waves = 2j * np.pi * np.fft.rfftfreq(shape[1])
     shifts = np.arange(-RANGE_PX, RANGE_PX + 0.1, 0.5)
-    costs = []
-    for d in shifts / STEP:
-        apart = left * np.exp(-waves * d / 2) - right * np.exp(waves * d / 2)
-        costs.append(np.fft.irfft2(apart, shape)[pad:-pad, pad:-pad] ** 2)
+    costs = [square_of(left * np.exp(-waves * d / 2) - right * np.exp(waves * d / 2), shape) for d in shifts / STEP]
     return cheapest(views, shifts, costs)
 
 
@@ -146,7 +163,7 @@ def ramp_kernels(disparity, alpha, steps=8):
     reach = int(np.ceil(radius)) + 1
     points = np.arange(-reach, reach + 1)[:, None] + (np.arange(steps) + 0.5) / steps - 0.5
     x, y = np.meshgrid(points.ravel(), points.ravel())
-    ramp = np.clip(4 * alpha * x / radius, -1, 1) * np.sign(disparity)
+    ramp = 4 * alpha * x / radius * np.sign(disparity)  # under 1 for a factor under 1/4
     halves = [(x * x + y * y <= radius**2) * (1 + side * ramp) for side in (-1, 1)]
     size = 2 * reach + 1
     halves = [half.reshape(size, steps, size, steps).sum((1, 3)) for half in halves]
@@ -155,9 +172,7 @@ def ramp_kernels(disparity, alpha, steps=8):
 
 def kernels_of_a_band(*views, alpha=0.21):
     """C: the left view through the right one's kernel against the right view through the left one's, whitened."""
-    pad = 24
-    left, right = (mirrored(view, pad) for view in bands(views))
-    shape = [n + 2 * pad for n in bands(views)[0].shape]
+    (left, right), shape = spectra_of_bands(views)
     shifts = np.arange(-RANGE_PX, RANGE_PX + 1.0)
     costs = []
     for d in shifts / STEP:
@@ -167,13 +182,14 @@ def kernels_of_a_band(*views, alpha=0.21):
             whole[: len(kernel), : len(kernel)] = kernel
             spectra.append(np.fft.rfft2(np.roll(whole, -(len(kernel) // 2), (0, 1))))
         power = abs(spectra[0]) ** 2 + abs(spectra[1]) ** 2 + 1e-3
-        apart = (spectra[1] * left - spectra[0] * right) / np.sqrt(power)
-        costs.append(np.fft.irfft2(apart, shape)[pad:-pad, pad:-pad] ** 2)
+        costs.append(square_of((spectra[1] * left - spectra[0] * right) / np.sqrt(power), shape))
     return cheapest(views, shifts, costs)
 
 
-METHODS = {"paper": by_matcher("paper"), "likelihood": by_matcher("likelihood"), "averaged by 4": averaged,
-           "low-passed quarter": low_passed, "A": pyramid, "B": shifts_of_a_band, "C": kernels_of_a_band,
+# Each takes the left and the right view, float32 of one size, 0 black and 1 where they clip, and returns disparity of that size,
+# DP px, right(x + d) = left(x), smoothed by the pipeline as the others are: see smoothed().
+METHODS = {"paper": by_matcher("paper"), "likelihood": by_matcher("likelihood"), "averaged": at_a_quarter(0),
+           "low_passed": at_a_quarter(DETAIL_PX), "A": pyramid, "B": shifts_of_a_band, "C": kernels_of_a_band,
            "split": by_matcher("split")}
 
 # %% Pairs with a truth
@@ -190,7 +206,7 @@ CAMERA = Path(__file__).resolve().parents[2] / "scenes/cameras/phone_2019.json"
 
 def simulated(name, settings):
     """The capture's folder: one frame at rest."""
-    folder = options.work / name
+    folder = options.work / f"{name}_{options.size}"
     if not (folder / "capture/capture.json").exists():
         kind, seed = name.rsplit("_", 1)
         own = ["lens=phone_thin", "burst.hand_shake=0", "burst.frames=1", *settings]
@@ -199,35 +215,41 @@ def simulated(name, settings):
                  "render.all_in_focus_samples_per_pixel=1", "render.light_samples=16",
                  f"render.samples_per_pixel={64 if kind == 'portrait' else 16}"]
         sets = lambda values: [word for value in values for word in ("--set", value)]
-        subprocess.run([options.program, "scene", kind, "--seed", seed, *sets(own), "-o", folder / "scene"], check=True)
-        subprocess.run([options.program, "simulate", folder / "scene/scene.json", *sets(taken), "-o", folder / "capture"],
-                       check=True)
+        run("scene", kind, "--seed", seed, *sets(own), "-o", folder / "scene")
+        run("simulate", folder / "scene/scene.json", *sets(taken), "-o", folder / "capture")
     return folder / "capture"
 
 
 def rendered_pairs():
-    """Name, views with 1 where they clip, truth (NaN: unknown), and a map of the views' size on the truth's grid."""
+    """Name, views with 1 where they clip, and truth of their size, DP px; not finite where it is unknown."""
     for name, settings in CLOSE_UPS.items():
-        folder = simulated(name, settings)
-        capture, exposure = Capture(folder), json.loads((folder / "capture.json").read_text())["exposure"]
-        black, white = exposure["black_level_dn"], exposure["white_level_dn"]
-        clips = (exposure.get("dp_white_level_dn", white) - black) / (white - black)
+        capture = Capture(simulated(name, settings))
+        black, white = capture.exposure["black_level_dn"], capture.exposure["white_level_dn"]
+        clips = (capture.exposure.get("dp_white_level_dn", white) - black) / (white - black)
         views = [np.clip(view / clips, 0, 1) for view in (capture.left, capture.right)]
-        step = capture.truth.disparity.shape[1] // views[0].shape[1]
-        truth = capture.truth.disparity[step // 2 :: step, step // 2 :: step]
-        yield name, views, np.where(np.isfinite(truth), truth, np.nan), lambda found: found
+        below, right_of = capture.camera["dp_downsample_y"], capture.camera["dp_downsample_x"]
+        yield name, views, capture.truth.disparity[below // 2 :: below, right_of // 2 :: right_of]
+
+
+def picture(path):
+    found = cv2.imread(str(path), -1)
+    if found is None:
+        parser.error(f"{path}: must be a picture")
+    return found
 
 
 def pixel4_pairs():
-    """As rendered_pairs; the truth is of the middle two thirds, 0 to 1, of unknown scale and offset."""
-    for path in sorted(options.pixel4.glob("*_left.png")):
-        number = path.name[:3]
-        raw = [cv2.imread(str(options.pixel4 / f"{number}_{side}.png"), -1) for side in ("left", "right")]
+    """As rendered_pairs; the truth is 0 to 1, of unknown scale and offset, and known in the middle two thirds alone."""
+    numbers = [n for n in ("001", "003", "005", "007", "009", "011") if (options.pixel4 / f"{n}_left.png").exists()]
+    if not numbers:
+        parser.error(f"--pixel4: {options.pixel4}: has no 001_left.png")
+    for number in numbers:
+        raw = [picture(options.pixel4 / f"{number}_{side}.png") for side in ("left", "right")]
         views = [np.clip((view.astype(np.float32) - 1024) / (16383 - 1024), 0, 1) for view in raw]
-        truth = cv2.imread(str(options.pixel4 / f"gt_defocus_map/{number}_gt.png"), -1) / 255.0
+        truth = picture(options.pixel4 / f"gt_defocus_map/{number}_gt.png") / 255.0
+        truth[truth == 0] = np.nan
         height, width = views[0].shape
-        middle = np.s_[height // 6 : height - height // 6, width // 6 : width - width // 6]
-        yield number, views, np.where(truth > 0, truth, np.nan), lambda found, middle=middle: found[middle]
+        yield number, views, np.pad(truth, ((height // 6,) * 2, (width // 6,) * 2), constant_values=np.nan)
 
 
 # %% Errors after a fit (Garg et al. 2019, section 5)
@@ -257,23 +279,46 @@ def errors(found, truth, absolute):
     return [distance.mean(), square, rank] + ([np.sqrt(np.mean((d - t) ** 2))] if absolute else [])
 
 
-def table(kind, pairs):
+def found_by(name, kind, scene, views):
+    """A method's disparity, of a kept file where there is one."""
+    kept = options.work / f"{kind}_{scene}_{name}.npy"
+    if not kept.exists():
+        print(f"{scene}: {name}", file=sys.stderr)
+        found = METHODS[name](*views)
+        if found.shape != views[0].shape or not np.isfinite(found).all():
+            sys.exit(f"{name}: {scene}: must be finite, and of the views' shape {views[0].shape}: is of {found.shape}")
+        np.save(options.work / "unfinished.npy", found.astype(np.float32))
+        os.replace(options.work / "unfinished.npy", kept)
+    return np.load(kept)
+
+
+def table(kind, pairs, names):
     """One line for each method, the best by AIWE(1) first."""
-    names = options.methods.split(",") if options.methods else list(METHODS)
+    absolute = kind != "real"
     rows = {name: [] for name in names}
-    for scene, views, truth, on_grid in pairs:
+    count = 0
+    for scene, views, truth in pairs:
+        count += 1
         for name in names:
-            kept = options.work / f"{kind}_{scene}_{name.replace(' ', '_')}.npy"
-            if not kept.exists():
-                np.save(kept, METHODS[name](*views).astype(np.float32))
-            rows[name].append(errors(on_grid(np.load(kept)), truth, kind == "rendered"))
-    print(f"{kind}: AIWE(1), AIWE(2), 1 - |rank|" + (", RMSE in DP px" if kind == "rendered" else ""))
+            rows[name].append(errors(found_by(name, kind, scene, views), truth, absolute))
+    print(f"{kind}, {count} pairs: AIWE(1), AIWE(2), 1 - |rank|" + (", RMSE in DP px" if absolute else ""))
     for name in sorted(rows, key=lambda name: np.mean(rows[name], 0)[0]):
-        print(f"  {name:22s}" + "".join(f"{value:8.3f}" for value in np.mean(rows[name], 0)))
+        print(f"  {name:12s}" + "".join(f"{value:8.3f}" for value in np.mean(rows[name], 0)))
 
 
+chosen = list(METHODS) if options.methods is None else [name.strip() for name in options.methods.split(",")]
+if unknown := [name for name in chosen if name not in METHODS]:
+    parser.error(f"--methods: {', '.join(unknown)}: must be of {', '.join(METHODS)}")
+if not options.pixel4 and not options.rendered:
+    parser.error("--pixel4 or --rendered is required")
+if options.size < 224 or options.size % 32:
+    parser.error(f"--size: {options.size}: must be a multiple of 32, at least 224")
+if shutil.which(options.program) is None:
+    parser.error(f"{options.program}: must be a program")
+if options.work.exists() and not options.work.is_dir():
+    parser.error(f"{options.work}: must be a folder")
 options.work.mkdir(parents=True, exist_ok=True)
 if options.pixel4:
-    table("real", pixel4_pairs())
+    table("real", pixel4_pairs(), chosen)
 if options.rendered:
-    table("rendered", rendered_pairs())
+    table(f"rendered_{options.size}", rendered_pairs(), chosen)

@@ -230,28 +230,52 @@ def test_the_example_draws_its_curves(tmp_path):
 @pytest.mark.slow
 def test_the_example_ranks_matchers_on_pairs_with_a_truth(tmp_path):
     cv2 = pytest.importorskip("cv2")
+    height, width, right_half = 384, 576, 4.0
     random = np.random.default_rng(3)
-    texture = cv2.GaussianBlur(random.random((192, 288)).astype(np.float32), (0, 0), 4)
+    texture = cv2.GaussianBlur(random.random((height, width)).astype(np.float32), (0, 0), 4)
     texture = (texture - texture.min()) / np.ptp(texture)
-    steps = [np.roll(texture, d, 1) for d in (0, 4)]  # the right half has a disparity of 4
-    left = texture
-    right = np.where(np.arange(288) < 146, *steps)
+    edge = np.arange(width) < width // 2
+    views = {"left": texture, "right": np.where(edge, texture, np.roll(texture, int(right_half), 1))}
     (tmp_path / "pairs/gt_defocus_map").mkdir(parents=True)
-    for name, view in (("left", left), ("right", right)):
+    for name, view in views.items():
         cv2.imwrite(str(tmp_path / f"pairs/001_{name}.png"), (1024 + 8000 * view).astype(np.uint16))
-    truth = np.where(np.arange(48, 240) < 146, 100, 200)
-    cv2.imwrite(str(tmp_path / "pairs/gt_defocus_map/001_gt.png"), np.tile(truth, (128, 1)).astype(np.uint8))
+    truth = np.tile(np.where(edge, 100, 200), (height, 1))[height // 6 : -(height // 6), width // 6 : -(width // 6)]
+    cv2.imwrite(str(tmp_path / "pairs/gt_defocus_map/001_gt.png"), truth.astype(np.uint8))
     example = Path(__file__).resolve().parents[2] / "python/examples/rank_matchers.py"
-    methods = "low-passed quarter,A,B,C"
     done = subprocess.run(
-        [sys.executable, example, os.environ["DUALPIXEL_PROGRAM"], tmp_path / "work", "--pixel4", tmp_path / "pairs",
-         "--methods", methods],
+        [sys.executable, example, os.environ["DUALPIXEL_PROGRAM"], tmp_path / "work", "--pixel4", tmp_path / "pairs"],
         capture_output=True,
         text=True,
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    lines = [line.rsplit(maxsplit=3) for line in done.stdout.splitlines()[1:]]
-    assert {line[0].strip() for line in lines} == set(methods.split(","))
-    for name, aiwe1, *_ in lines:  # what sees no disparity errs by half of (200 - 100) / 255; windows reach over the step
-        assert float(aiwe1) < 0.1, name
+    scores = {line.split()[0]: float(line.split()[1]) for line in done.stdout.splitlines()[1:]}
+    assert set(scores) == {"paper", "likelihood", "averaged", "low_passed", "A", "B", "C", "split"}
+    # What sees nothing has an AIWE(1) of .2, half of the truth's step. No edge of the picture stops the smoothing at it.
+    for name in ("averaged", "low_passed", "A", "B", "C"):  # the others are the product's
+        assert scores[name] < (200 - 100) / 255 / 2 / 2, name
+        found = np.load(tmp_path / f"work/real_001_{name}.npy")
+        assert found[:, -width // 4 :].mean() - found[:, : width // 4].mean() > right_half / 2, name
+
+
+@pytest.mark.parametrize(
+    "arguments, refusal",
+    [
+        ([], "--pixel4 or --rendered is required"),
+        (["--rendered", "--methods", "A, D"], "--methods: D: must be of paper, likelihood"),
+        (["--rendered", "--methods", ""], "--methods: : must be of paper, likelihood"),
+        (["--rendered", "--size", "1000"], "--size: 1000: must be a multiple of 32"),
+        (["--pixel4", "."], "has no 001_left.png"),
+    ],
+)
+def test_the_example_that_ranks_matchers_refuses_what_it_cannot_use(tmp_path, arguments, refusal):
+    pytest.importorskip("cv2")
+    example = Path(__file__).resolve().parents[2] / "python/examples/rank_matchers.py"
+    done = subprocess.run(
+        [sys.executable, example, os.environ["DUALPIXEL_PROGRAM"], tmp_path / "work", *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert refusal in done.stderr.splitlines()[-1]

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "capture/error.h"
+#include "capture/names.h"
 #include "evaluation/failures/atlas_scene.h"
 #include "evaluation/failures/failure_atlas.h"
 #include "evaluation/failures/run_atlas.h"
@@ -77,20 +78,22 @@ TEST(RenderedRows, ViewsAreAsNoisyAsStated) {
   EXPECT_LT(noise / stated, 1.025 * std::hypot(1, 0.15 / 0.59));
 }
 
+const FailureRow& rendered_row(const std::vector<FailureRow>& rows, const std::string& name) {
+  const FailureRow* row = find_named(rows, name);
+  if (row == nullptr) throw InputError(name + ": no such row");
+  return *row;
+}
+
 /// The row meters by the pane's reflection, F = .04 of one surface head-on, so that any other share shows in the
 /// exposure.
 TEST(SlowRenderedRows, APaneReflectsAsMetered) {
   const std::vector<FailureRow> rows = rendered_failure_rows(atlas_camera("thin"));
-  const auto& row = *std::find_if(rows.begin(), rows.end(), [](const auto& r) { return r.name == "reflection"; });
+  const FailureRow& row = rendered_row(rows, "reflection");
   for (const double ratio : {0.0, 6.4}) {
     const ViewSample views = row.make(ratio, 0);
     // the mean of a texture over the picture is known to its contrast over the root of its 40 coarse cells
     EXPECT_NEAR(mean_of(views.left) / (0.5 * kAtlasLevel), 1, 3 * kAtlasContrast / std::sqrt(40.0)) << ratio;
   }
-}
-
-const FailureRow& rendered_row(const std::vector<FailureRow>& rows, const std::string& name) {
-  return *std::find_if(rows.begin(), rows.end(), [&](const FailureRow& row) { return row.name == name; });
 }
 
 /// Light of the left view over that of the right one in the tenth of the columns at the picture's left border.
@@ -122,23 +125,23 @@ TEST(SlowRenderedRows, ACutPupilLightsTheViewsUnequally) {
         right.at(x, y) = static_cast<float>(area * (1 + lean));
       }
     }
-    // the texture weighs the columns: its contrast over the root of the tenth's 4 coarse cells, of what the ratio
-    // changes by over them, a tenth and less
-    EXPECT_NEAR(light_ratio_at_the_left(views.left, views.right) / light_ratio_at_the_left(left, right), 1,
-                3 * kAtlasContrast / std::sqrt(4.0) * 0.1)
+    // textures weigh the columns at random, of whose ratios the mean scatters by .05, .13 and .3 % (400 textures)
+    EXPECT_NEAR(light_ratio_at_the_left(views.left, views.right) / light_ratio_at_the_left(left, right), 1, 3 * 0.003)
         << cut;
   }
 }
 
-// Of rows that were interpolated from half as many, half have a frame's noise, and half have half of its variance, 3/4
-// on the mean. Differences of neighboring rows show a sixth of that. A merge's noise is smoother than a frame's, of
-// which nine tenths are found where all rows are the sensor's.
+// Of rows that were interpolated from half as many, half have a frame's variance and half have half of it: 3/4 on the
+// mean. Neighboring rows show a sixth of that and less, rows three apart .88 (EstimateNoise.FindsTheNoiseOf...), less
+// what the merge has taken out of high frequencies: a tenth of each axis's where all rows are the sensor's.
 TEST(SlowRenderedRows, NoiseOfInterpolatedRowsIsFound) {
   const std::vector<FailureRow> rows = rendered_failure_rows(atlas_camera("thin"));
   const ViewSample views = rendered_row(rows, "interpolated").make(10, 0);
   EXPECT_FALSE(views.sensor.noise.has_value());
-  for (int x = 0; x < views.left.width; ++x) {
-    EXPECT_EQ(views.left.at(x, 9), 0.5f * (views.left.at(x, 8) + views.left.at(x, 10)));
+  for (const Image* view : {&views.left, &views.right}) {
+    for (int x = 0; x < view->width; ++x) {
+      ASSERT_EQ(view->at(x, 9), 0.5f * (view->at(x, 8) + view->at(x, 10)));
+    }
   }
   AtlasScene stated = scene_of("thin");
   stated.illumination_lux = 10;
@@ -149,10 +152,11 @@ TEST(SlowRenderedRows, NoiseOfInterpolatedRowsIsFound) {
   EXPECT_LT(found, 0.75 * of_frames);
 }
 
-TEST(SlowRenderedRows, EveryCameraTakesEveryRow) {
+TEST(SlowRenderedRows, OtherCamerasTakeThem) {
   for (const char* camera : {"prescription", DUALPIXEL_SOURCE_DIR "/scenes/cameras/phone_2019.json"}) {
     for (const FailureRow& row : rendered_failure_rows(atlas_camera(camera))) {
-      if (row.name != "vignetting" && row.name != "defocus") continue;  // a lens of the row's own, and the camera's
+      // a lens of the row's own, the camera's, and a larger sensor
+      if (row.name != "vignetting" && row.name != "defocus" && row.name != "interpolated") continue;
       const ViewSample views = row.make(row.values[1], 0);
       EXPECT_TRUE(std::isfinite(views.truth_dp_px.at(views.left.width / 2, views.left.height / 2))) << row.name;
     }
@@ -242,42 +246,62 @@ TEST(SlowFailureAtlas, RefusesWhatItCannotUse) {
 }
 
 struct KnownOverconfidence {
-  const char *row, *methods, *why;
+  const char *row, *methods, *cameras, *why;
 };
+constexpr const char* kAll = "thin prescription phone";
 constexpr KnownOverconfidence kKnown[] = {
-    {"thin", "likelihood split", "strips as wide as the blur look like one surface between both"},
-    {"hair", "likelihood split", "so do strands and what is seen between them"},
-    {"edges", "likelihood split", "beside an edge a tile sees one surface's texture in the other's place"},
-    {"highlights", "split", "lamps in a varnish are bright, and lie behind it"},
-    {"vignetting", "likelihood", "a pupil that is cut on one side has other kernels than it takes the views to have"},
-    {"motion", "likelihood split", "a card that moves by half of the picture is seen on both sides of its edges"},
+    {"thin", "likelihood split", kAll, "strips as wide as the blur look like one surface between both"},
+    {"hair", "likelihood split", kAll, "so do strands and what is seen between them"},
+    {"edges", "likelihood", kAll, "beside an edge a tile sees one surface's texture in the other's place"},
+    {"edges", "split", "thin prescription", "so do windows"},
+    {"highlights", "split", "thin phone", "lamps in a varnish are bright, and lie behind it"},
+    {"vignetting", "likelihood", kAll,
+     "a pupil that is cut on one side has other kernels than it takes the views to have"},
+    {"vignetting", "split", "phone", "likewise"},
+    {"motion", "likelihood split", kAll, "a card that moves by half of the picture is seen on both sides of its edges"},
+    {"defocus", "likelihood", "prescription",
+     "its kernels have other third moments than an ideal split's, at a blur of 8 DP px"},
+    {"near_defocus", "likelihood", "phone", "likewise the fitted ones, at 6"},
+    {"slant", "likelihood", "phone", "likewise"},
+    {"reflection", "likelihood", "phone", "two walls whose textures match at a disparity between theirs"},
 };
 
-bool is_known(const std::string& row, const std::string& method) {
+bool is_known(const std::string& row, const std::string& method, const std::string& camera) {
   return std::any_of(std::begin(kKnown), std::end(kKnown), [&](const KnownOverconfidence& known) {
-    return row == known.row && std::string(known.methods).find(method) != std::string::npos;
+    return row == known.row && std::string(known.methods).find(method) != std::string::npos &&
+           std::string(known.cameras).find(camera) != std::string::npos;
   });
 }
 
 // Confidence falls before error rises, through the camera: nowhere is more than a hundredth of a picture wrong and
-// trusted, and where a method breaks it trusts less of the picture than at first. The exceptions above must be real.
-TEST(SweepRenderedRows, ConfidenceFallsBeforeErrorRises) {
+// trusted, and where a method breaks it trusts less of the picture than at first, or nothing at all. The exceptions
+// above must be real.
+class RenderedRowsThrough : public testing::TestWithParam<std::string> {};
+TEST_P(RenderedRowsThrough, ConfidenceFallsBeforeErrorRises) {
+  const std::string& camera = GetParam();
+  const AtlasCamera atlas =
+      atlas_camera(camera == "phone" ? DUALPIXEL_SOURCE_DIR "/scenes/cameras/phone_2019.json" : camera);
   std::vector<DisparityMethod> methods;
   for (const pipeline::Matcher& matcher : pipeline::matchers()) methods.push_back(method_of(matcher));
-  for (const FailureRow& row : rendered_failure_rows(atlas_camera("thin"))) {
+  for (const FailureRow& row : rendered_failure_rows(atlas)) {
     const FailureSweep sweep = measure_row(row, methods, 1);
     for (std::size_t m = 0; m < methods.size(); ++m) {
       const std::string name = methods[m].name;
-      EXPECT_LE(sweep.steps.front().methods[m].wrong, 0.1) << name << " in " << row.name;
+      const FailureFigures& first = sweep.steps.front().methods[m];
+      // upright waves of 24 DP px through the prescription: a quarter at another period, and not trusted
+      const bool is_broken_at_first = camera == "prescription" && name == "split" && row.name == "repetition";
+      EXPECT_EQ(first.wrong > 0.1, is_broken_at_first) << name << " in " << row.name;
       const double worst = sweep.overconfident(m).value();
-      EXPECT_EQ(worst > 0.01, is_known(row.name, name)) << name << " in " << row.name << ": " << worst;
+      EXPECT_EQ(worst > 0.01, is_known(row.name, name, camera)) << name << " in " << row.name << ": " << worst;
       const std::size_t broken = sweep.breaks[m].step;
-      if (broken == sweep.steps.size() || is_known(row.name, name)) continue;
-      EXPECT_LT(*sweep.steps[broken].methods[m].trusted, *sweep.steps.front().methods[m].trusted)
-          << name << " in " << row.name;
+      if (broken == 0 || broken == sweep.steps.size() || is_known(row.name, name, camera)) continue;
+      const double trusted = *sweep.steps[broken].methods[m].trusted;
+      EXPECT_TRUE(trusted == 0 || trusted < *first.trusted) << name << " in " << row.name << ": " << trusted;
     }
   }
 }
+INSTANTIATE_TEST_SUITE_P(Sweep, RenderedRowsThrough, testing::Values("thin", "prescription", "phone"),
+                         [](const auto& of_test) { return of_test.param; });
 
 }  // namespace
 }  // namespace dualpixel::evaluation
