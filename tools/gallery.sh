@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Draws the gallery's scenes, simulates each at a small size, runs the portrait, and writes docs/gallery/NAME.jpg: what the
 # phone sees, the disparity that the pipeline found (orange: behind the focus, blue: in front), the portrait, and the true
-# photograph. Takes about fifteen minutes on two cores, after a build with tools/demo.sh.
+# photograph. Takes about ten minutes on two cores, after a build with tools/demo.sh.
 #   tools/gallery.sh [NAME ...]       (default: all of scenes/gallery/)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
