@@ -73,34 +73,32 @@ void interpolate_rows(ViewSample& views) {
   views.sensor.noise.reset();
 }
 
+RenderedRow row_of_darkness(const char* name, const char* title, void (*build)(AtlasScene& scene, double lux),
+                            const char* note, void (*process)(ViewSample& views) = nullptr) {
+  return {
+      name,   title,  "illumination, lux", "illumination_lux", {400, 100, 30, 10, 3, 1, 0.3, 0.1}, build, note, true,
+      kReach, process};
+}
+
 std::vector<RenderedRow> light_scenes() {
   return {
-      {"noise",
-       "Noise",
-       "illumination, lux",
-       "illumination_lux",
-       {400, 100, 30, 10, 3, 1, 0.3, 0.1},
-       [](AtlasScene& scene, double lux) {
-         scene.illumination_lux = lux;
-         add_plain_wall(scene);
-       },
-       "Exposed for at most 1/15 s, three frames merged.",
-       true},
-      {"interpolated",
-       "Noise of rows that were interpolated from half as many",
-       "illumination, lux",
-       "illumination_lux",
-       {400, 100, 30, 10, 3, 1, 0.3, 0.1},
-       [](AtlasScene& scene, double lux) {
-         scene.illumination_lux = lux;
-         scene.camera = with_side(scene.camera, 2 * kAtlasSide_px);
-         add_plain_wall(scene);
-       },
-       "Every other row is the mean of its neighbors, as in a Pixel 4's views, and matchers are not told the noise. "
-       "Pictures are twice as wide as elsewhere: it takes that many tiles to notice.",
-       true,
-       kReach,
-       interpolate_rows},
+      row_of_darkness(
+          "noise", "Noise",
+          [](AtlasScene& scene, double lux) {
+            scene.illumination_lux = lux;
+            add_plain_wall(scene);
+          },
+          "Exposed for at most 1/15 s, three frames merged."),
+      row_of_darkness(
+          "interpolated", "Noise of rows that were interpolated from half as many",
+          [](AtlasScene& scene, double lux) {
+            scene.illumination_lux = lux;
+            scene.camera = with_side(scene.camera, 2 * kAtlasSide_px);
+            add_plain_wall(scene);
+          },
+          "Every other row is the mean of its neighbors, as in a Pixel 4's views, and matchers are not told the noise. "
+          "Pictures are twice as wide as elsewhere: it takes that many tiles to notice.",
+          interpolate_rows),
       {"saturation",
        "Saturation",
        "mean exposure over what fills the wells of a view",
