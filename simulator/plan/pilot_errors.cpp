@@ -59,8 +59,8 @@ class CountedPilots {
 
   /// At the scene file's spacing; repeats differ in the noise of light, too, and the first one is timed.
   PilotRender render(int bounces, int samples, int repeat) {
-    return render(pilots_,
-                  {bounces, samples, light_spacing_px_, repeat, repeat, repeat == 0 && samples == kPilotSamples[0]});
+    const bool timed = repeat == 0 && samples == kPilotSamples[0];
+    return render(pilots_, {bounces, samples, light_spacing_px_, repeat, repeat, timed, timed});
   }
 
   const PilotRenders& plain() const { return pilots_; }
@@ -164,8 +164,8 @@ std::vector<LightStep> compare_lights(const std::vector<TileWindow>& windows, do
                                       const RenderPair& as_asked, CountedPilots& pilots) {
   const double coarse_px = std::min(2 * spacing_px, 1000.0);
   const auto render = [&](int repeat) {
-    return pilots.render(pilots.plain(),
-                         {kReferenceBounces, kPilotSamples[kBouncePilot], coarse_px, repeat, repeat, repeat == 0});
+    return pilots.render(pilots.plain(), {kReferenceBounces, kPilotSamples[kBouncePilot], coarse_px, repeat, repeat,
+                                          repeat == 0, repeat == 0});
   };
   const PilotRender renders[2] = {render(0), render(1)};
   const RenderPair coarse(windows, renders);
@@ -256,7 +256,7 @@ PilotErrors measure_pilots(const PilotRenders& pilot_renders, const Simulation& 
   const RenderPair reference(windows, full[kBouncePilot].data());  // its first two
   if (spacing_px > 0) {
     const PilotRender other =
-        pilots.render(pilots.plain(), {kReferenceBounces, kPilotSamples[kBouncePilot], spacing_px, 0, 1, false});
+        pilots.render(pilots.plain(), {kReferenceBounces, kPilotSamples[kBouncePilot], spacing_px, 0, 1});
     errors.light_noise = noise_error({reference.shifts_dp_px[0], shifts(windows, other)});
     errors.lights = compare_lights(windows, spacing_px, reference, pilots);
   } else {

@@ -69,6 +69,17 @@ LeastSensor least_sensor(const SensorOptions& sensor) {
 PilotRenders::PilotRenders(const Simulation& simulation, RenderScene& world, std::uint64_t seed)
     : simulation_(simulation), world_(world), tiles_(tiles_of(simulation, world.scene, hash(seed, 1))), seed_(seed) {}
 
+void PilotRenders::choose_light(const PilotSettings& settings) const {
+  LightCacheOptions light = simulation_.light;
+  light.light_spacing_px = settings.light_spacing_px;
+  if (light.light_spacing_px == 0) {
+    world_.light_cache.reset();
+    return;
+  }
+  use_light(world_, light, settings.light_repeat);
+  if (settings.new_light) world_.light_cache = std::make_unique<LightCache>(light, settings.light_repeat);
+}
+
 PilotRender PilotRenders::render(const PilotSettings& settings) const {
   PilotRender pilot;
   pilot.tiles.resize(tiles_.size());
@@ -77,10 +88,7 @@ PilotRender PilotRenders::render(const PilotSettings& settings) const {
     const SensorGrid& tile = poses[0].lens.sensor();
     photosites += static_cast<double>(poses.size()) * tile.width_px * tile.height_px;
   }
-  LightCacheOptions light = simulation_.light;
-  light.light_spacing_px = settings.light_spacing_px;
-  world_.light_cache =
-      light.light_spacing_px > 0 ? std::make_unique<LightCache>(light, settings.light_repeat) : nullptr;
+  choose_light(settings);
   const auto render_all = [&] {
     tbb::parallel_for(std::size_t{0}, tiles_.size(), [&](std::size_t i) {
       const RenderOptions options{settings.samples, settings.bounces, hash(hash(seed_, 2), settings.repeat, i)};
@@ -95,7 +103,7 @@ PilotRender PilotRenders::render(const PilotSettings& settings) const {
   const double first_s = seconds(render_all);
   const double again_s = settings.timed ? seconds(render_all) : first_s;
   pilot.seconds_per_sample = again_s / (photosites * settings.samples);
-  if (world_.light_cache) pilot.light_seconds = std::max(first_s - again_s, 0.0) / photosites;
+  if (settings.new_light && world_.light_cache) pilot.light_seconds = std::max(first_s - again_s, 0.0) / photosites;
   return pilot;
 }
 

@@ -19,16 +19,17 @@ struct PilotSettings {
   int bounces = 0;
   int samples = 16;  ///< of each pose
   double light_spacing_px = 0;
-  int repeat = 0;        ///< of the camera samples
-  int light_repeat = 0;  ///< of light at points
-  bool timed = false;    ///< twice, so that what light at points costs is known
+  int repeat = 0;          ///< of the camera samples
+  int light_repeat = 0;    ///< of light at points
+  bool timed = false;      ///< twice, the second time with all light at points known
+  bool new_light = false;  ///< that was not found before, so that what it costs is known
 };
 
 /// One render of all tiles.
 struct PilotRender {
   std::vector<DpViews> tiles;
   double seconds_per_sample = 0;  ///< on all threads; of a timed one with light at points found
-  double light_seconds = 0;       ///< of finding it, per photosite; of a timed one
+  double light_seconds = 0;       ///< of finding it, per photosite; of a timed one of new light
 };
 
 /// Renders tiles spread over the frame, or the whole sensor where it is small: the burst's first frame. Every pose of
@@ -36,7 +37,7 @@ struct PilotRender {
 /// difference is motion. Animated things stand still.
 class PilotRenders {
  public:
-  /// `simulation` must outlive the pilots; `world` gets a light cache of its own for every render.
+  /// `simulation` must outlive the pilots; `world` is left with a light cache of theirs.
   PilotRenders(const Simulation& simulation, RenderScene& world, std::uint64_t seed);
 
   PilotRender render(const PilotSettings& settings) const;
@@ -47,6 +48,8 @@ class PilotRenders {
   int poses() const { return static_cast<int>(tiles_[0].size()); }  ///< of each exposure
 
  private:
+  void choose_light(const PilotSettings& settings) const;
+
   const Simulation& simulation_;
   RenderScene& world_;
   std::vector<std::vector<CameraView>> tiles_;  ///< of each, the poses in which the hand holds the camera

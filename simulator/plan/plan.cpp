@@ -194,8 +194,8 @@ Plan plan(const Simulation& simulation, const Scene& scene, double tolerance_dp_
   } else {
     const double spacing_px = simulation.light.light_spacing_px;
     const int bounces = simulation.render.max_bounces;
-    const PilotRender pilot =
-        pilots.render({.bounces = bounces, .samples = 16, .light_spacing_px = spacing_px, .timed = true});
+    const PilotRender pilot = pilots.render(
+        {.bounces = bounces, .samples = 16, .light_spacing_px = spacing_px, .timed = true, .new_light = true});
     plan.bounces = {
         {.bounces = bounces, .seconds_per_sample = pilot.seconds_per_sample, .light_seconds = pilot.light_seconds}};
     plan.lights = {{.spacing_px = spacing_px}};

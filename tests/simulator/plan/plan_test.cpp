@@ -105,6 +105,35 @@ TEST(SlowPlan, IndirectLightNeedsABounce) {
   EXPECT_EQ(p.effects[0].lost_windows, 0);  // judged in the light
 }
 
+// What earlier pilots found costs later ones nothing, and changes nothing in them.
+TEST(Plan, PilotsShareTheLightTheyFind) {
+  const Simulation s = small_camera();
+  const Scene scene = wall_in_indirect_light();
+  RenderScene world(scene, s.light);
+  const PilotRenders pilots(s, world, 1);
+  const PilotSettings settings{.bounces = 1, .light_spacing_px = 4, .light_repeat = 3};
+  const auto views_of = [&](const PilotSettings& of) {
+    const PilotRender pilot = pilots.render(of);
+    EXPECT_EQ(pilot.light_seconds > 0, of.new_light);
+    return pilot.tiles.at(0);
+  };
+  const auto points = [&] { return world.light_cache->table.points(); };
+  const DpViews first = views_of(settings);
+  const std::uint64_t found = points();
+  EXPECT_GT(found, 0u);
+  views_of({.bounces = 1, .light_spacing_px = 4, .light_repeat = 4});
+  for (const auto& [samples, new_light] : {std::pair{16, false}, std::pair{16, true}, std::pair{8, false}}) {
+    const DpViews again = views_of({.bounces = 1,
+                                    .samples = samples,
+                                    .light_spacing_px = 4,
+                                    .light_repeat = 3,
+                                    .timed = true,
+                                    .new_light = new_light});
+    EXPECT_EQ(again.left.data == first.left.data && again.right.data == first.right.data, samples == 16);
+    EXPECT_EQ(points(), found) << "light of " << samples << " samples";
+  }
+}
+
 TEST(Plan, AnAberratedLensWithoutAberrationsIsAThinOne) {
   Simulation s = small_camera();
   s.lens.model.emplace<Aberrations>().image_radius_mm = 1.1;
@@ -487,7 +516,8 @@ double traced_error(const Simulation& s, const Scene& scene, const Lens& lens, c
 }
 
 /// What the plan promises for a scene and a lens: the chosen settings' error against a reference with everything on, in
-/// windows half a window off the plan's and with other random numbers. Two references: their noise does not count.
+/// windows half a window off the plan's, with other random numbers, and with light at points twice as dense in the
+/// reference. Two references: their noise does not count.
 /// Where the chosen lens draws the picture elsewhere, or nothing has texture, the two renders cannot be compared window
 /// by window; then the lens's own error is traced, and the reference is rendered through the chosen lens.
 void keeps_its_promise(const Simulation& s, const std::string& scene_name, const std::string& lens,
@@ -500,9 +530,10 @@ void keeps_its_promise(const Simulation& s, const std::string& scene_name, const
   const bool comparable = p.measured && step.differences.picture_shift_px < 0.1;
   const double lens_error =
       comparable ? 0 : traced_error(s, scene, step.candidate.lens, p.lenses.back().candidate.lens);
-  const RenderScene world(scene);
+  RenderScene world(scene, s.light);
   const auto render = [&](const Simulation& simulated, int bounces, int samples, std::uint64_t seed) {
     const CameraView camera = place_camera(simulated, scene);
+    use_light(world, simulated.light, seed);
     return expected_dp_views(render_views(world, camera, {samples, bounces, seed}), s.sensor, s.exposure,
                              camera.lens.lux_per_nit());
   };
@@ -510,7 +541,8 @@ void keeps_its_promise(const Simulation& s, const std::string& scene_name, const
   std::size_t count = 0;
   if (p.measured) {
     const Simulation chosen = planned(s, p);
-    const Simulation full = with_all_effects(s, comparable ? p.lenses.back().candidate.lens : step.candidate.lens);
+    Simulation full = with_all_effects(s, comparable ? p.lenses.back().candidate.lens : step.candidate.lens);
+    full.light.light_spacing_px /= 2;
     std::vector<DpViews> cheap;
     for (int seed = 91; seed < 91 + seeds; ++seed) {
       cheap.push_back(render(chosen, chosen_bounces(p), chosen_samples(p), seed));
