@@ -65,7 +65,7 @@ void set_field(const OptionFields& fields, const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   const std::string name = assignment.substr(0, equals);
   if (equals == std::string::npos || name.empty()) {
-    throw InputError("--set " + printable(assignment) + ": must read FIELD=VALUE");
+    throw InputError(printable(assignment) + ": must read FIELD=VALUE");
   }
   const std::string text = assignment.substr(equals + 1);
   std::vector<std::string> names;
@@ -74,13 +74,13 @@ void set_field(const OptionFields& fields, const std::string& assignment) {
     if (field.name != name) continue;
     const std::optional<double> value = parsed(field, text);
     if (!value || !allowed(field, *value)) {
-      throw InputError(fmt::format("--set {}: {}: {}", name, printable(text), allowed_text(field)));
+      throw InputError(fmt::format("{}: {}: {}", name, printable(text), allowed_text(field)));
     }
     std::visit([&](auto* target) { *target = static_cast<std::remove_pointer_t<decltype(target)>>(*value); },
                field.value);
     return;
   }
-  throw InputError(fmt::format("--set {}: unknown option{}", printable(name), did_you_mean(name, names)));
+  throw InputError(fmt::format("{}: unknown option{}", printable(name), did_you_mean(name, names)));
 }
 
 }  // namespace dualpixel::pipeline

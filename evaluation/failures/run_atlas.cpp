@@ -23,8 +23,7 @@ constexpr int kAtlasVersion = 3;
 constexpr const char* kIdeal = "ideal";
 
 std::vector<DisparityMethod> methods_of(const std::vector<std::string>& texts) {
-  const bool is_chosen = std::any_of(texts.begin(), texts.end(),
-                                     [](const std::string& text) { return text.find('=') == std::string::npos; });
+  const bool is_chosen = std::any_of(texts.begin(), texts.end(), names_matcher);
   std::vector<DisparityMethod> methods;
   if (!is_chosen) {
     for (const pipeline::Matcher& matcher : pipeline::matchers()) methods.push_back(method_of(matcher));

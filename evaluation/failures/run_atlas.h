@@ -9,7 +9,7 @@ struct AtlasOptions {
   /// "thin", "prescription", a camera file or a lens file: what the scenes are rendered through. "ideal": nothing, the
   /// views are those of closed forms.
   std::string camera = "thin";
-  std::vector<std::string> methods;  ///< matchers' names: these alone; NAME=COMMAND: another program beside them
+  std::vector<std::string> methods;  ///< matchers: these alone; NAME=COMMAND: another program beside them
   std::vector<std::string> rows;     ///< names; empty: all
   unsigned draws = 1;                ///< textures and noises that each figure is of
 };

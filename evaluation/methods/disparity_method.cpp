@@ -94,24 +94,49 @@ MethodRun run_program(const DisparityMethod& method, const std::string& command,
   return run;
 }
 
+/// "MATCHER" or "MATCHER:GROUP.OPTION=VALUE,...".
+DisparityMethod matcher_with_options(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  const pipeline::Matcher& matcher = pipeline::matcher_named(text.substr(0, colon));
+  pipeline::MatcherOptions options;
+  for (std::size_t at = colon; at != std::string::npos; at = text.find(',', at + 1)) {
+    const std::string assignment = text.substr(at + 1, text.find(',', at + 1) - at - 1);
+    try {
+      set_field(pipeline::fields(options), assignment);
+      pipeline::require_read_by(&matcher, assignment.substr(0, assignment.find('=')));
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("--method {}: {}", printable(text), error.what()));
+    }
+  }
+  DisparityMethod method = method_of(matcher, options);
+  method.name = text;
+  return method;
+}
+
 }  // namespace
 
-DisparityMethod method_of(const pipeline::Matcher& matcher) {
+DisparityMethod method_of(const pipeline::Matcher& matcher, const pipeline::MatcherOptions& options) {
   return {std::string(matcher.name),
-          [&matcher](const Image& left, const Image& right, const pipeline::ViewSensor& sensor) {
+          [&matcher, options](const Image& left, const Image& right, const pipeline::ViewSensor& sensor) {
             const Clock::time_point start = Clock::now();
             const double cpu_before = own_cpu_seconds();
             MethodRun run;
-            run.found = pipeline::upsample_tiles(matcher.match(left, right, sensor, {}), left.width, left.height);
+            run.found = pipeline::upsample_tiles(matcher.match(left, right, sensor, options), left.width, left.height);
             run.wall_s = seconds_since(start);
             run.cpu_s = own_cpu_seconds() - cpu_before;
             return run;
           }};
 }
 
+bool names_matcher(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  return text.find('=') == std::string::npos ||
+         (colon != std::string::npos && find_named(pipeline::matchers(), text.substr(0, colon)));
+}
+
 DisparityMethod method_named(const std::string& text) {
+  if (names_matcher(text)) return matcher_with_options(text);
   const std::size_t equals = text.find('=');
-  if (equals == std::string::npos) return method_of(pipeline::matcher_named(text));
   DisparityMethod method{text.substr(0, equals), {}};
   const std::string command = text.substr(equals + 1);
   const auto names = [&](const char* placeholder) { return command.find(placeholder) != std::string::npos; };
@@ -119,7 +144,7 @@ DisparityMethod method_named(const std::string& text) {
   if (method.name.empty() || !views || !names("{out}")) {
     throw InputError(
         fmt::format("--method {}: must be NAME=COMMAND, with {{left}} or {{left.npy}}, {{right}} or {{right.npy}}, "
-                    "and {{out}} (or {{out}}.npy) in the command, or a matcher's name",
+                    "and {{out}} (or {{out}}.npy) in the command, or be a matcher, with or without options",
                     printable(text)));
   }
   if (find_named(pipeline::matchers(), method.name)) {

@@ -26,10 +26,14 @@ struct DisparityMethod {
   std::function<MethodRun(const Image& left, const Image& right, const pipeline::ViewSensor& sensor)> run;
 };
 
-DisparityMethod method_of(const pipeline::Matcher& matcher);
+DisparityMethod method_of(const pipeline::Matcher& matcher, const pipeline::MatcherOptions& options = {});
 
-/// "NAME=COMMAND", another program; or the name of a matcher of the pipeline. COMMAND is run by /bin/sh for each pair,
-/// in the current folder, with an empty standard input, and with quoted paths in place of
+/// Whether method_named() takes `text` for a matcher of the pipeline and not for another program.
+bool names_matcher(const std::string& text);
+
+/// A matcher of the pipeline, "split"; the same with other options, "split:split_match.window_px=9,...", which is the
+/// method's name, too; or another program, "NAME=COMMAND". COMMAND is run by /bin/sh for each pair, in the current
+/// folder, with an empty standard input, and with quoted paths in place of
 ///   {left} {right}          16-bit gray PNG, linear, 0 black and 65535 where the view clips
 ///   {left.npy} {right.npy}  float32 NumPy arrays of the same, not clipped
 ///   {out}                   where it has to write its disparity, DP px: NPY, PFM or EXR (capture/image/map_file.h);
@@ -37,7 +41,8 @@ DisparityMethod method_of(const pipeline::Matcher& matcher);
 ///                           {out}.npy, {out}.pfm or {out}.exr
 ///   {sigma}, {confidence}   likewise, where it has them
 /// Quotes around a placeholder would end those of its path.
-/// Throws InputError where it names no views or no {out}, or the name is taken by a matcher.
+/// Throws InputError where it names no views or no {out}, the name is taken by a matcher, or the matcher has no such
+/// option or does not take its value.
 DisparityMethod method_named(const std::string& text);
 
 /// `methods`, then those of method_named(). Throws InputError also where a name is there twice.

@@ -226,11 +226,13 @@ std::string to_page(const std::vector<SetScore>& scores, std::size_t samples) {
 }
 
 std::string to_text(const std::vector<SetScore>& scores) {
+  std::size_t width = 20;
+  for (const SetScore& s : scores) width = std::max(width, s.method.size() + 1);
   std::string text =
-      fmt::format("{:<20}{:>9}{:>9}{:>9}{:>10}{:>10}\n", "method", "RMSE px", "wrong", "found", "s", "MB");
+      fmt::format("{:<{}}{:>9}{:>9}{:>9}{:>10}{:>10}\n", "method", width, "RMSE px", "wrong", "found", "s", "MB");
   for (const SetScore& s : scores) {
     const SetFigures& all = s.regions.front();
-    text += fmt::format("{:<20}{:>9}{:>9}{:>9.3f}{:>10.3f}{:>10}\n", s.method, cell_of(all.rmse_dp_px, 3),
+    text += fmt::format("{:<{}}{:>9}{:>9}{:>9.3f}{:>10.3f}{:>10}\n", s.method, width, cell_of(all.rmse_dp_px, 3),
                         cell_of(all.wrong, 3), all.found, s.wall_s, cell_of(s.peak_rss_mb, 0));
   }
   return text;

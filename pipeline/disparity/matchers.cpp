@@ -103,9 +103,9 @@ void require_read_by(const Matcher* matcher, std::string_view field) {
   };
   const auto* const reader = std::find_if(std::begin(kMatchers), std::end(kMatchers), reads);
   if ((matcher && reads(*matcher)) || reader == std::end(kMatchers)) return;
-  if (!matcher) throw InputError(fmt::format("--set {}: disparity is given, not matched; leave it out", field));
-  throw InputError(fmt::format("--set {}: matcher {} does not use it; its options begin with {}.; matcher {} does",
-                               field, matcher->name, fmt::join(matcher->option_groups, "., "), reader->name));
+  if (!matcher) throw InputError(fmt::format("{}: disparity is given, not matched; leave it out", field));
+  throw InputError(fmt::format("{}: matcher {} does not use it; its options begin with {}.; matcher {} does", field,
+                               matcher->name, fmt::join(matcher->option_groups, "., "), reader->name));
 }
 
 }  // namespace dualpixel::pipeline

@@ -78,7 +78,7 @@ PortraitOptions with_setting(PortraitOptions options, const DisparitySetting& se
 void require_not_chosen(std::string_view assignment) {
   if (!assignment.starts_with("smooth.")) return;
   throw InputError(
-      fmt::format("--set {}: smoothing is chosen by --auto and --auto-error; leave one of them out", assignment));
+      fmt::format("{}: smoothing is chosen by --auto and --auto-error; leave one of them out", assignment));
 }
 
 std::string command_line(const DisparitySetting& setting) {

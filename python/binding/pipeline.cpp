@@ -42,8 +42,12 @@ py::tuple arrays_of(pipeline::PixelDisparity found) {
 template <typename Options>
 void set_fields(Options& options, const Assignments& assignments, const pipeline::Matcher* matcher) {
   for (const std::string& assignment : assignments) {
-    set_field(pipeline::fields(options), assignment);
-    pipeline::require_read_by(matcher, assignment.substr(0, assignment.find('=')));
+    try {
+      set_field(pipeline::fields(options), assignment);
+      pipeline::require_read_by(matcher, assignment.substr(0, assignment.find('=')));
+    } catch (const InputError& error) {
+      throw InputError(std::string("options: ") + error.what());
+    }
   }
 }
 

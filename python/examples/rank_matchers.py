@@ -26,6 +26,7 @@ import numpy as np
 import dualpixel
 from dualpixel.pictures import read_exr
 from dualpixel.reader import Capture
+from pairs_with_truth import affine_errors, pixel4_pairs, write_pair
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("program", metavar="PROGRAM", help="build/release/tools/dualpixel")
@@ -53,12 +54,7 @@ def run(*arguments):
 def portrait(views, *arguments):
     """The smoothed disparity, DP px, by the program."""
     folder = options.work / "pair"
-    folder.mkdir(exist_ok=True)
-    for name, view in zip(("left.png", "right.png"), views):
-        cv2.imwrite(str(folder / name), np.clip(np.rint(65535 * view), 0, 65535).astype(np.uint16))
-    (folder / "pair.json").write_text('{"encoding": "linear"}')
-    files = ["--left", folder / "left.png", "--right", folder / "right.png", "--metadata", folder / "pair.json"]
-    run("portrait", *files, "--mode", "dp", *arguments, "-o", folder / "result")
+    run("portrait", *write_pair(folder, views), "--mode", "dp", *arguments, "-o", folder / "result")
     return read_exr(folder / "result/maps.exr")["disparity_dp_px"]
 
 
@@ -231,52 +227,11 @@ def rendered_pairs():
         yield name, views, capture.truth.disparity[below // 2 :: below, right_of // 2 :: right_of]
 
 
-def picture(path):
-    found = cv2.imread(str(path), -1)
-    if found is None:
-        parser.error(f"{path}: must be a picture")
-    return found
-
-
-def pixel4_pairs():
-    """As rendered_pairs; the truth is 0 to 1, of unknown scale and offset, and known in the middle two thirds alone."""
-    numbers = [n for n in ("001", "003", "005", "007", "009", "011") if (options.pixel4 / f"{n}_left.png").exists()]
-    if not numbers:
-        parser.error(f"--pixel4: {options.pixel4}: has no 001_left.png")
-    for number in numbers:
-        raw = [picture(options.pixel4 / f"{number}_{side}.png") for side in ("left", "right")]
-        views = [np.clip((view.astype(np.float32) - 1024) / (16383 - 1024), 0, 1) for view in raw]
-        truth = picture(options.pixel4 / f"gt_defocus_map/{number}_gt.png") / 255.0
-        truth[truth == 0] = np.nan
-        height, width = views[0].shape
-        yield number, views, np.pad(truth, ((height // 6,) * 2, (width // 6,) * 2), constant_values=np.nan)
-
-
-# %% Errors after a fit (Garg et al. 2019, section 5)
-def fitted(found, truth, weight):
-    """scale found + offset, closest to the truth."""
-    a = np.stack([found, np.ones_like(found)], 1) * np.sqrt(weight)[:, None]
-    return np.stack([found, np.ones_like(found)], 1) @ np.linalg.lstsq(a, truth * np.sqrt(weight), rcond=None)[0]
-
-
-def ranks(values):
-    """From 1; what is equal takes its mean rank."""
-    _, which, counts = np.unique(values, return_inverse=True, return_counts=True)
-    return (np.cumsum(counts) - (counts - 1) / 2)[which]
-
-
 def errors(found, truth, absolute):
     """AIWE(1), AIWE(2), 1 - |rank correlation|, and, of an absolute truth, without a fit the RMSE, DP px."""
     known = np.isfinite(truth)
-    d, t = found[known].astype(float), truth[known].astype(float)
-    unit = (t - t.min()) / np.ptp(t) if absolute else t
-    weight = np.ones_like(unit)
-    for _ in range(5):
-        distance = abs(fitted(d, unit, weight) - unit)
-        weight = 1 / np.maximum(distance, 1e-3)
-    square = np.sqrt(np.mean((fitted(d, unit, np.ones_like(unit)) - unit) ** 2))
-    rank = 1 - abs(np.corrcoef(ranks(d), ranks(t))[0, 1])
-    return [distance.mean(), square, rank] + ([np.sqrt(np.mean((d - t) ** 2))] if absolute else [])
+    rmse = [np.sqrt(np.mean((found[known].astype(float) - truth[known]) ** 2))] if absolute else []
+    return affine_errors(found, truth, unit_range=absolute) + rmse
 
 
 def found_by(name, kind, scene, views):
@@ -319,6 +274,9 @@ if options.work.exists() and not options.work.is_dir():
     parser.error(f"{options.work}: must be a folder")
 options.work.mkdir(parents=True, exist_ok=True)
 if options.pixel4:
-    table("real", pixel4_pairs(), chosen)
+    try:
+        table("real", pixel4_pairs(options.pixel4), chosen)
+    except dualpixel.InputError as error:
+        parser.error(f"--pixel4: {error}")
 if options.rendered:
     table(f"rendered_{options.size}", rendered_pairs(), chosen)

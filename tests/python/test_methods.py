@@ -227,27 +227,38 @@ def test_the_example_draws_its_curves(tmp_path):
     assert (tmp_path / "curves.png").stat().st_size > 10_000
 
 
-@pytest.mark.slow
-def test_the_example_ranks_matchers_on_pairs_with_a_truth(tmp_path):
+STEP_DP_PX = 4.0
+
+
+def write_pixel4_pair(folder, height, width):
+    """001, as Xin et al. 2021 have it: the right half lies STEP_DP_PX behind the left one."""
     cv2 = pytest.importorskip("cv2")
-    height, width, right_half = 384, 576, 4.0
     random = np.random.default_rng(3)
     texture = cv2.GaussianBlur(random.random((height, width)).astype(np.float32), (0, 0), 4)
     texture = (texture - texture.min()) / np.ptp(texture)
     edge = np.arange(width) < width // 2
-    views = {"left": texture, "right": np.where(edge, texture, np.roll(texture, int(right_half), 1))}
-    (tmp_path / "pairs/gt_defocus_map").mkdir(parents=True)
+    views = {"left": texture, "right": np.where(edge, texture, np.roll(texture, int(STEP_DP_PX), 1))}
+    (folder / "gt_defocus_map").mkdir(parents=True)
     for name, view in views.items():
-        cv2.imwrite(str(tmp_path / f"pairs/001_{name}.png"), (1024 + 8000 * view).astype(np.uint16))
+        cv2.imwrite(str(folder / f"001_{name}.png"), (1024 + 8000 * view).astype(np.uint16))
     truth = np.tile(np.where(edge, 100, 200), (height, 1))[height // 6 : -(height // 6), width // 6 : -(width // 6)]
-    cv2.imwrite(str(tmp_path / "pairs/gt_defocus_map/001_gt.png"), truth.astype(np.uint8))
-    example = Path(__file__).resolve().parents[2] / "python/examples/rank_matchers.py"
-    done = subprocess.run(
-        [sys.executable, example, os.environ["DUALPIXEL_PROGRAM"], tmp_path / "work", "--pixel4", tmp_path / "pairs"],
+    cv2.imwrite(str(folder / "gt_defocus_map/001_gt.png"), truth.astype(np.uint8))
+
+
+def run_example(name, *arguments):
+    example = Path(__file__).resolve().parents[2] / "python/examples" / name
+    return subprocess.run(
+        [sys.executable, example, os.environ["DUALPIXEL_PROGRAM"], *arguments],
         capture_output=True,
         text=True,
         check=False,
     )
+
+
+@pytest.mark.slow
+def test_the_example_ranks_matchers_on_pairs_with_a_truth(tmp_path):
+    write_pixel4_pair(tmp_path / "pairs", 384, 576)
+    done = run_example("rank_matchers.py", tmp_path / "work", "--pixel4", tmp_path / "pairs")
     assert done.returncode == 0, done.stderr
     scores = {line.split()[0]: float(line.split()[1]) for line in done.stdout.splitlines()[1:]}
     assert set(scores) == {"paper", "likelihood", "averaged", "low_passed", "A", "B", "C", "split"}
@@ -255,7 +266,52 @@ def test_the_example_ranks_matchers_on_pairs_with_a_truth(tmp_path):
     for name in ("averaged", "low_passed", "A", "B", "C"):  # the others are the product's
         assert scores[name] < (200 - 100) / 255 / 2 / 2, name
         found = np.load(tmp_path / f"work/real_001_{name}.npy")
-        assert found[:, -width // 4 :].mean() - found[:, : width // 4].mean() > right_half / 2, name
+        quarter = found.shape[1] // 4
+        assert found[:, -quarter:].mean() - found[:, :quarter].mean() > STEP_DP_PX / 2, name
+
+
+@pytest.mark.slow
+def test_the_example_leaves_one_camera_out(tmp_path):
+    """Of two, each chooses for the other what errs least with itself."""
+    cv2 = pytest.importorskip("cv2")
+    height, width = 192, 288
+    write_pixel4_pair(tmp_path / "pixel4", height, width)
+    scene = tmp_path / "dp119/box/001"  # the same, of 8 bits and with depth for disparity
+    scene.mkdir(parents=True)
+    for name, side in (("l.png", "left"), ("r.png", "right")):
+        view = cv2.imread(str(tmp_path / f"pixel4/001_{side}.png"), -1) / 65535
+        cv2.imwrite(str(scene / name), np.rint(255 * view ** (1 / 2.2)).astype(np.uint8))
+    depth = np.tile(np.where(np.arange(width) < width // 2, 51, 102), (height, 1)).astype(np.uint8)
+    cv2.imwrite(str(scene / "d.png"), depth)
+    cameras = ["--pixel4", tmp_path / "pixel4", "--dp119", tmp_path / "dp119", "--cameras", "pixel4,dp119"]
+    done = run_example("leave_one_camera_out.py", tmp_path / "work", *cameras)
+    assert done.returncode == 0, done.stderr
+    lines = [line.split() for line in done.stdout.splitlines() if line]
+    varied = {(line[0], line[1]): [float(value) for value in line[2:]] for line in lines[2:-3]}
+    assert len(varied) == 14 and varied["window_px", "12"] == varied["low_pass_px", "4.5"]
+    assert varied["window_px", "9"] != varied["window_px", "12"]
+    for line, other in zip(lines[-2:], (1, 0)):
+        for constant, value in zip(line[1:-2:2], line[2:-2:2]):
+            least = min(both[other] for (name, _), both in varied.items() if name == constant)
+            assert varied[constant, value.rstrip(",:")][other] == least, (line[0], constant)
+    again = run_example("leave_one_camera_out.py", tmp_path / "work", *cameras)
+    assert again.stdout == done.stdout and again.stderr == ""  # nothing is measured twice
+
+
+@pytest.mark.parametrize(
+    "arguments, refusal",
+    [
+        (["--cameras", "thin,pixel4"], "--cameras: pixel4: must be of thin, prescription, scenes"),
+        (["--cameras", "thin"], "--cameras: must name two at least"),
+        (["--cameras", "thin,pixel4", "--pixel4", "."], "has no 001_left.png"),
+        (["--scenes", "0"], "--scenes: 0: must be at least 1"),
+    ],
+)
+def test_the_example_that_leaves_one_camera_out_refuses_what_it_cannot_use(tmp_path, arguments, refusal):
+    pytest.importorskip("cv2")
+    done = run_example("leave_one_camera_out.py", tmp_path / "work", *arguments)
+    assert done.returncode == 2
+    assert refusal in done.stderr.splitlines()[-1]
 
 
 @pytest.mark.parametrize(
@@ -270,12 +326,6 @@ def test_the_example_ranks_matchers_on_pairs_with_a_truth(tmp_path):
 )
 def test_the_example_that_ranks_matchers_refuses_what_it_cannot_use(tmp_path, arguments, refusal):
     pytest.importorskip("cv2")
-    example = Path(__file__).resolve().parents[2] / "python/examples/rank_matchers.py"
-    done = subprocess.run(
-        [sys.executable, example, os.environ["DUALPIXEL_PROGRAM"], tmp_path / "work", *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run_example("rank_matchers.py", tmp_path / "work", *arguments)
     assert done.returncode == 2
     assert refusal in done.stderr.splitlines()[-1]

@@ -28,7 +28,7 @@ void add_calibrate(CLI::App& program);
 void add_portrait(CLI::App& program);
 void add_score(CLI::App& program);
 void add_evaluate(CLI::App& program);
-/// --method NAME=COMMAND, repeatable: for evaluation::method_named().
+/// --method METHOD, repeatable: for evaluation::method_named().
 CLI::Option* add_methods_option(CLI::App& command, std::vector<std::string>& methods);
 void add_report(CLI::App& program);
 void add_info(CLI::App& program);

@@ -32,11 +32,7 @@ void run(const EvaluateOptions& options) {
 }  // namespace
 
 CLI::Option* add_methods_option(CLI::App& command, std::vector<std::string>& methods) {
-  return command.add_option("--method", methods)
-      ->type_name("NAME=COMMAND")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
+  return command.add_option("--method", methods)->type_name("METHOD")->take_all()->expected(1)->allow_extra_args(false);
 }
 
 void add_evaluate(CLI::App& program) {
@@ -52,7 +48,10 @@ void add_evaluate(CLI::App& program) {
   add_methods_option(*command, options->methods)
       ->required()
       ->description(
-          "A matcher (paper, likelihood, split), or another program: NAME=COMMAND, run by the shell for each pair. "
+          "A matcher (paper, likelihood, split); the same with other options, as in split:split_match.window_px=9 "
+          "(`dualpixel "
+          "portrait --options` lists them; commas between several); or another program: NAME=COMMAND, run by the shell "
+          "for each pair. "
           "{left} and {right} in it become 16-bit PNG files of the linear views, white where they clip, {left.npy} "
           "and {right.npy} float32 arrays; {out}, and where it has them {sigma} and {confidence}, are the files that "
           "it writes: NPY, PFM or EXR, DP px, right(x + d) = left(x); '.npy', '.pfm' or '.exr' may follow a name, as "
@@ -65,7 +64,8 @@ void add_evaluate(CLI::App& program) {
   add_threads_option(*command);
   command->footer(
       "Example:\n  dualpixel evaluate out/set -o out/compared --method likelihood "
-      "--method 'mine=./match {left} {right} {out}'");
+      "--method 'mine=./match {left} {right} {out}'\n"
+      "  dualpixel evaluate out/set -o out/windows --method split --method split:split_match.window_px=9");
   command->callback([options] { run(*options); });
 }
 

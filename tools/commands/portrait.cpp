@@ -117,11 +117,15 @@ PortraitOptions options_of(const PortraitCommand& command) {
   const pipeline::Matcher* matcher = command.maps.any() ? nullptr : &pipeline::matcher_named(command.matcher);
   PortraitOptions options = matcher ? pipeline::default_options(matcher->name) : PortraitOptions();
   for (const std::string& assignment : command.assignments) {
-    set_field(pipeline::fields(options), assignment);
-    if (command.automatic()) {
-      pipeline::require_not_chosen(assignment);  // the matcher is not known yet
-    } else {
-      pipeline::require_read_by(matcher, assignment.substr(0, assignment.find('=')));
+    try {
+      set_field(pipeline::fields(options), assignment);
+      if (command.automatic()) {
+        pipeline::require_not_chosen(assignment);  // the matcher is not known yet
+      } else {
+        pipeline::require_read_by(matcher, assignment.substr(0, assignment.find('=')));
+      }
+    } catch (const InputError& error) {
+      throw InputError(std::string("--set ") + error.what());
     }
   }
   options.mode = value_named(pipeline::kModes, command.mode, "--mode");

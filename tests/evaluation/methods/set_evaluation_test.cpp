@@ -14,8 +14,10 @@
 #include "capture/image/npy.h"
 #include "datasets/plan/plan.h"
 #include "datasets/render/render.h"
+#include "pipeline/disparity/tile_disparity.h"
 #include "tests/datasets/small_recipe.h"
 #include "tests/pipeline/portrait/synthetic.h"
+#include "tests/pipeline/texture.h"
 #include "tests/temporary_folder.h"
 
 namespace dualpixel::evaluation {
@@ -100,6 +102,34 @@ TEST(ForeignMethod, HasANameOfItsOwn) {
   EXPECT_EQ(message({"paper"}), "--method paper: is there already");
 }
 
+TEST(DisparityMethod, TakesAMatchersOptions) {
+  const pipeline::Texture paper(3, 0.1);
+  const Image left = textured(paper, 128, 64, 0), right = textured(paper, 128, 64, 3);
+  const auto found = [&](const std::string& text) {
+    return method_named(text).run(left, right, {}).found.disparity_dp_px.data;
+  };
+  const std::string text = "split:split_match.window_px=9,split_match.high_pass_px=14";
+  EXPECT_EQ(method_named(text).name, text);
+  pipeline::MatcherOptions options;
+  options.split_match.window_px = 9;
+  options.split_match.high_pass_px = 14;
+  const pipeline::TileDisparity tiles = pipeline::matcher_named("split").match(left, right, {}, options);
+  EXPECT_EQ(found(text), pipeline::upsample_tiles(tiles, left.width, left.height).disparity_dp_px.data);
+  EXPECT_NE(found(text), found("split:split_match.window_px=9"));
+  EXPECT_NE(found(text), found("split"));
+
+  const auto message = [&](const std::string& of) { return message_of<InputError>([&] { method_named(of); }); };
+  EXPECT_EQ(message("split:split_match.window=9"),
+            "--method split:split_match.window=9: split_match.window: unknown option; did you mean "
+            "'split_match.window_px'?");
+  EXPECT_EQ(message("split:match.range_px=9").substr(0, 77),
+            "--method split:match.range_px=9: match.range_px: matcher split does not use i");
+  EXPECT_EQ(message("split:"), "--method split:: : must read FIELD=VALUE");
+  EXPECT_EQ(message("split:split_match.window_px=9,"),
+            "--method split:split_match.window_px=9,: : must read FIELD=VALUE");
+  EXPECT_EQ(message("mine:a=cp {left} {out}; : {right}"), "");  // another program's name
+}
+
 TEST(ForeignMethod, SaysWhatIsWrong) {
   const Image view(6, 4, 1, 0.5f);
   const auto message = [&](const std::string& text) {
@@ -108,7 +138,7 @@ TEST(ForeignMethod, SaysWhatIsWrong) {
   const std::string form =
       ": must be NAME=COMMAND, with {left} or {left.npy}, {right} or {right.npy}, and {out} (or {out}.npy) in the "
       "command, "
-      "or a matcher's name";
+      "or be a matcher, with or without options";
   EXPECT_EQ(message("a=prog {left} {out}"), "--method a=prog {left} {out}" + form);
   EXPECT_EQ(message("=prog {left} {right} {out}"), "--method =prog {left} {right} {out}" + form);
   EXPECT_EQ(message("paper=prog {left} {right} {out}"), "--method paper: is the name of a matcher: choose another");

@@ -77,7 +77,7 @@ TEST(DisparitySettings, SayWhatTheyChoose) {
   EXPECT_NE(command_line(disparity_settings().front()).find("--matcher paper --set smooth.divisor=16 --set "),
             std::string::npos);
   EXPECT_EQ(message_of<InputError>([] { require_not_chosen("smooth.divisor=8"); }),
-            "--set smooth.divisor=8: smoothing is chosen by --auto and --auto-error; leave one of them out");
+            "smooth.divisor=8: smoothing is chosen by --auto and --auto-error; leave one of them out");
   EXPECT_NO_THROW(require_not_chosen("split_match.alpha=.2"));
 }
 

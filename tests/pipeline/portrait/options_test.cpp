@@ -60,12 +60,12 @@ TEST(DefaultOptions, SmoothingOverrulesWideWindowsAtEdges) {
 
 TEST(PortraitFields, RefusalsNameFieldValueAndWhatIsAllowed) {
   EXPECT_EQ(refusal("match.range_px=5"), "");
-  EXPECT_EQ(refusal("match.range_px=65"), "--set match.range_px: 65: must be an integer in [1, 64]");
-  EXPECT_EQ(refusal("match.range_px=2.5"), "--set match.range_px: 2.5: must be an integer in [1, 64]");
-  EXPECT_EQ(refusal("match.range_px=many"), "--set match.range_px: many: must be an integer in [1, 64]");
-  EXPECT_EQ(refusal("layers.overlap=nan"), "--set layers.overlap: nan: must be a number in [0.01, 1]");
-  EXPECT_EQ(refusal("match.ranges_px=5"), "--set match.ranges_px: unknown option; did you mean 'match.range_px'?");
-  EXPECT_EQ(refusal("match.range_px"), "--set match.range_px: must read FIELD=VALUE");
+  EXPECT_EQ(refusal("match.range_px=65"), "match.range_px: 65: must be an integer in [1, 64]");
+  EXPECT_EQ(refusal("match.range_px=2.5"), "match.range_px: 2.5: must be an integer in [1, 64]");
+  EXPECT_EQ(refusal("match.range_px=many"), "match.range_px: many: must be an integer in [1, 64]");
+  EXPECT_EQ(refusal("layers.overlap=nan"), "layers.overlap: nan: must be a number in [0.01, 1]");
+  EXPECT_EQ(refusal("match.ranges_px=5"), "match.ranges_px: unknown option; did you mean 'match.range_px'?");
+  EXPECT_EQ(refusal("match.range_px"), "match.range_px: must read FIELD=VALUE");
 }
 
 // Names are told apart, defaults are allowed, and one value beyond either end of a range is refused by check().

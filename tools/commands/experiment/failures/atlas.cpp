@@ -25,7 +25,8 @@ void add_experiment_failures(CLI::App& experiment) {
       ->type_name("CAMERA");
   add_methods_option(*command, options->methods)
       ->description(
-          "A matcher's name: these alone. NAME=COMMAND: another program beside them; see `dualpixel evaluate --help`");
+          "A matcher's name, with other options where they follow (split:split_match.window_px=9): these alone. "
+          "NAME=COMMAND: another program beside them; see `dualpixel evaluate --help`");
   command
       ->add_option("--row", options->rows,
                    "This row alone, by its name; repeat for several. An unknown name lists all names")
