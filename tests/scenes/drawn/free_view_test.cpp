@@ -90,6 +90,16 @@ TEST(FreeView, TheSubjectIsInThePictureAndNotHidden) {
 TEST(FreeView, LightMustSuitAnExposure) {
   EXPECT_TRUE(faults_of(add_walls, -3).empty());
   expect_fault(faults_of(add_walls, 20), "at ISO 100");  // 2^20 times what gives a picture
+  // The walls' geometric mean is .35 of what is around them, so that 1 nit takes 2.9 s at ISO 100; 10.7 s are the most.
+  const auto by_night = [](float nits) {
+    return [nits](SceneBuilder& build) {
+      add_walls(build);
+      build.ambient(vec3(nits));
+    };
+  };
+  EXPECT_TRUE(faults_of(by_night(0.18f)).empty());  // less than a stop too dark
+  expect_fault(faults_of(by_night(0.18f), 0.5), "15.1 s at ISO 100 are asked for");
+  expect_fault(faults_of(by_night(0.1f)), "the limit is 10.7 s");
 }
 
 }  // namespace
