@@ -1,6 +1,6 @@
 """Are the constants of matcher split tuned to one camera? Chosen by all cameras but one, and judged on that one.
 
-    python3 leave_one_camera_out.py PROGRAM WORK                         # three rendered cameras: half an hour on two cores
+    python3 leave_one_camera_out.py PROGRAM WORK                         # three rendered cameras: forty minutes on two cores
     python3 leave_one_camera_out.py PROGRAM WORK --pixel4 DP_data_pixel_4 --dp119 real_sample_set    # and two real ones
 
 Needs dualpixel (PYTHONPATH=build/release/python) and OpenCV; pairs_with_truth.py says where real pairs are from. Each constant is
@@ -41,7 +41,7 @@ CONSTANTS = {
     "window_px": (12, 9, 15, 17),
     "near_focus_dp_px": (1.2, 0.8, 1.8),
 }
-WALLS = {"defocus": (6, 32), "near_defocus": (6, 32), "edges": (4, 24)}  # rows of the atlas: |value| from, to
+WALLS = {"defocus": (6, 32), "near_defocus": (6, 32), "edges": (4, 24), "thin": (32, 96)}  # rows of the atlas: |value| from, to
 RECIPE = Path(__file__).resolve().parents[2] / "datasets/recipes/phone_matching.json"
 
 
@@ -90,7 +90,7 @@ def drawn_scenes(methods, folder):
     sets = [word for values in methods for word in ("--method", method(values))]
     run("evaluate", scenes, "-o", folder, *sets)
     scores = json.loads((folder / "evaluation.json").read_text())["methods"]
-    return [[scores[method(values)]["regions"]["all"]["rmse_dp_px"]] for values in methods]
+    return [[scores[method(values)]["regions"]["everything"]["rmse_dp_px"]] for values in methods]
 
 
 def real(option, pairs, folder_of_pairs, unit_range):
