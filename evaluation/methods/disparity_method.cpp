@@ -94,23 +94,32 @@ MethodRun run_program(const DisparityMethod& method, const std::string& command,
   return run;
 }
 
+/// Of "GROUP.OPTION=VALUE,...".
+pipeline::MatcherOptions options_of(const pipeline::Matcher& matcher, const std::string& assignments) {
+  pipeline::MatcherOptions options;
+  for (std::size_t at = 0, end = 0; end != std::string::npos; at = end + 1) {
+    end = assignments.find(',', at);
+    const std::string assignment = assignments.substr(at, end - at);
+    if (assignment.empty()) throw InputError("an option is missing after ':' or ','");
+    set_field(pipeline::fields(options), assignment);
+    pipeline::require_read_by(&matcher, assignment.substr(0, assignment.find('=')));
+  }
+  check(options);
+  return options;
+}
+
 /// "MATCHER" or "MATCHER:GROUP.OPTION=VALUE,...".
 DisparityMethod matcher_with_options(const std::string& text) {
   const std::size_t colon = text.find(':');
-  const pipeline::Matcher& matcher = pipeline::matcher_named(text.substr(0, colon));
-  pipeline::MatcherOptions options;
-  for (std::size_t at = colon; at != std::string::npos; at = text.find(',', at + 1)) {
-    const std::string assignment = text.substr(at + 1, text.find(',', at + 1) - at - 1);
-    try {
-      set_field(pipeline::fields(options), assignment);
-      pipeline::require_read_by(&matcher, assignment.substr(0, assignment.find('=')));
-    } catch (const InputError& error) {
-      throw InputError(fmt::format("--method {}: {}", printable(text), error.what()));
-    }
+  if (colon == std::string::npos) return method_of(pipeline::matcher_named(text));
+  try {
+    const pipeline::Matcher& matcher = pipeline::matcher_named(text.substr(0, colon));
+    DisparityMethod method = method_of(matcher, options_of(matcher, text.substr(colon + 1)));
+    method.name = text;
+    return method;
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("--method {}: {}", printable(text), error.what()));
   }
-  DisparityMethod method = method_of(matcher, options);
-  method.name = text;
-  return method;
 }
 
 }  // namespace
@@ -129,9 +138,9 @@ DisparityMethod method_of(const pipeline::Matcher& matcher, const pipeline::Matc
 }
 
 bool names_matcher(const std::string& text) {
-  const std::size_t colon = text.find(':');
-  return text.find('=') == std::string::npos ||
-         (colon != std::string::npos && find_named(pipeline::matchers(), text.substr(0, colon)));
+  if (text.find('{') != std::string::npos) return false;  // a command's placeholders
+  const std::size_t equals = text.find('=');
+  return equals == std::string::npos || text.find(':') < equals;
 }
 
 DisparityMethod method_named(const std::string& text) {

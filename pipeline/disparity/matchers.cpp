@@ -89,6 +89,13 @@ OptionFields fields(MatcherOptions& options) {
   return all;
 }
 
+void check(const MatcherOptions& options) {
+  check(options.normalize);
+  check(options.match);
+  check(options.likelihood_match);
+  check(options.split_match);
+}
+
 std::span<const Matcher> matchers() { return kMatchers; }
 
 const Matcher& matcher_named(std::string_view name) {

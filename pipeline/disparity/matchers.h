@@ -30,6 +30,9 @@ struct MatcherOptions {
 /// All but what describes the sensor, as "normalize.window_px", "match.range_px", "likelihood_match.range_px", ...
 OptionFields fields(MatcherOptions& options);
 
+/// Throws InputError where a value of any group is out of its range.
+void check(const MatcherOptions& options);
+
 struct Matcher {
   std::string_view name;         ///< on the command line and in a result's provenance
   std::string_view description;  ///< one phrase, for help and tables

@@ -1,13 +1,13 @@
 """Are the constants of matcher split tuned to one camera? Chosen by all cameras but one, and judged on that one.
 
-    python3 leave_one_camera_out.py PROGRAM WORK                         # three rendered cameras: forty minutes on two cores
+    python3 leave_one_camera_out.py PROGRAM WORK                         # three rendered cameras: half an hour on two cores
     python3 leave_one_camera_out.py PROGRAM WORK --pixel4 DP_data_pixel_4 --dp119 real_sample_set    # and two real ones
 
 Needs dualpixel (PYTHONPATH=build/release/python) and OpenCV; pairs_with_truth.py says where real pairs are from. Each constant is
 varied alone, the others at their defaults. A camera's figure is the geometric mean of its errors: DP px of rendered views, AIWE(1)
 of real pairs (Garg et al. 2019). For each camera, the others choose each constant's value: that of the least geometric mean of
-their figures. Then all that they chose is tried on the camera. WORK keeps what was measured, so that a run goes on where the last
-one was stopped: after a change of PROGRAM or of the pairs, take another WORK.
+their figures. Then all that they chose is tried on the camera. WORK keeps each camera's figures, scenes and walls, so that a run
+goes on where the last one was stopped: after a change of PROGRAM or of the pairs, take another WORK.
 """
 
 # %% Options
@@ -59,7 +59,7 @@ def run(*arguments):
     """The program, silent unless it fails."""
     done = subprocess.run([options.program, *map(str, arguments)], capture_output=True, text=True, check=False)
     if done.returncode:
-        sys.exit(done.stderr)
+        sys.exit(done.stderr or f"{options.program} {arguments[0]}: ended with status {done.returncode}")
 
 
 # %% Cameras: each gives the errors of several methods, which are dictionaries of constants
@@ -79,7 +79,7 @@ def walls(camera):
 
 def drawn_scenes(methods, folder):
     """A phone's everyday scenes: the RMSE over all, DP px."""
-    scenes = options.work / f"scenes_{options.scenes}"
+    scenes = options.work / f"drawn_{options.scenes}"
     if not scenes.exists():
         recipe = json.loads(RECIPE.read_text())
         del recipe["set"]["render.noise_fraction"]  # takes minutes for a portrait
@@ -88,6 +88,7 @@ def drawn_scenes(methods, folder):
         run("dataset", "plan", options.work / "recipe.json", "--count", options.scenes, "-o", scenes)
     run("dataset", "render", scenes)
     sets = [word for values in methods for word in ("--method", method(values))]
+    shutil.rmtree(folder, ignore_errors=True)
     run("evaluate", scenes, "-o", folder, *sets)
     scores = json.loads((folder / "evaluation.json").read_text())["methods"]
     return [[scores[method(values)]["regions"]["everything"]["rmse_dp_px"]] for values in methods]
@@ -123,7 +124,7 @@ CAMERAS = {name: camera for name, camera in ALL_CAMERAS.items() if camera}
 if options.cameras is not None:
     chosen_cameras = [name.strip() for name in options.cameras.split(",")]
     if unknown := [name for name in chosen_cameras if name not in CAMERAS]:
-        parser.error(f"--cameras: {', '.join(unknown)}: must be of {', '.join(CAMERAS)}")
+        parser.error(f"--cameras: {', '.join(unknown)}: must be of {', '.join(CAMERAS)}; pixel4 and dp119 need their pairs")
     CAMERAS = {name: CAMERAS[name] for name in chosen_cameras}
 if len(CAMERAS) < 2:
     parser.error("--cameras: must name two at least")
@@ -131,13 +132,13 @@ if len(CAMERAS) < 2:
 
 def figures(camera, methods):
     """For each method the geometric mean of the camera's errors; of WORK/CAMERA.json where it is there."""
-    path = options.work / f"{camera}.json"
+    name = f"{camera}_{options.scenes}" if camera == "scenes" else camera
+    path = options.work / f"{name}.json"
     known = json.loads(path.read_text()) if path.exists() else {}
     missing = list({method(values): values for values in methods if method(values) not in known}.values())
     if missing:
         print(f"{camera}: {len(missing)} settings", file=sys.stderr)
-        folder = options.work / f"{camera}_{len(known)}"
-        shutil.rmtree(folder, ignore_errors=True)
+        folder = options.work / f"{name}_with_{len(known)}"
         for values, errors in zip(missing, CAMERAS[camera](missing, folder)):
             known[method(values)] = float(np.exp(np.mean(np.log(errors))))
         path.write_text(json.dumps(known, indent=1) + "\n")
@@ -155,12 +156,15 @@ options.work.mkdir(parents=True, exist_ok=True)
 
 DEFAULTS = {name: values[0] for name, values in CONSTANTS.items()}
 alone = [{**DEFAULTS, name: value} for name, values in CONSTANTS.items() for value in values]
-measured = {camera: figures(camera, alone) for camera in CAMERAS}
+try:
+    measured = {camera: figures(camera, alone) for camera in CAMERAS}
+except dualpixel.InputError as error:
+    parser.error(str(error))
 
-print("figure of each camera, one constant varied:\n" + " " * 24 + "".join(f"{camera:>14s}" for camera in CAMERAS))
+print("figure of each camera (DP px; AIWE(1) of pixel4 and dp119), one constant varied; * default:\n" + " " * 25 + "".join(f"{camera:>14s}" for camera in CAMERAS))
 for i, (name, value) in enumerate((name, value) for name, values in CONSTANTS.items() for value in values):
-    print(f"{name:17s}{value:6g} " + "".join(f"{measured[camera][i]:14.4f}" for camera in CAMERAS))
-print("\nleft out: what the others choose, and the camera's figure at the defaults and at that")
+    print(f"{name:17s}{value:6g} {'*' if value == DEFAULTS[name] else ' '}" + "".join(f"{measured[camera][i]:14.4f}" for camera in CAMERAS))
+print("\nleft out: what the others choose, the camera's figure at the defaults, and at that")
 for left_out in CAMERAS:
     votes = sum(np.log(measured[camera]) for camera in CAMERAS if camera != left_out)
     chosen, first = {}, 0

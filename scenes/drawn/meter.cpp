@@ -52,7 +52,7 @@ double seconds_at_iso_100(const Image& picture, const Image& person_mask, double
   return std::min(by_key, 0.95 / *clipped);
 }
 
-/// The darkest nights are taken up to a stop under their key.
+/// Cameras take the darkest nights with less light than asked for; up to a stop of it nobody is told.
 double possible_at_night(double seconds) { return seconds > 2 * kMost_s ? seconds : std::min(seconds, kMost_s); }
 
 /// Depth of a pixel of the middle half of the picture.
@@ -126,8 +126,8 @@ std::vector<std::string> meter(json& scene, const std::string& scene_path, const
   const Image picture = simulator::undivided(simulator::render_views(world, camera, options));
   const Truth truth = simulator::trace_truth(world, camera);
   const double seconds =
-      possible_at_night(seconds_at_iso_100(picture, truth.person_mask, kSignalPerNitSecond, shooting));
-  const std::optional<MissedExposure> missed = set_exposure(scene, std::exp2(stops) * seconds, kDigits);
+      std::exp2(stops) * seconds_at_iso_100(picture, truth.person_mask, kSignalPerNitSecond, shooting);
+  const std::optional<MissedExposure> missed = set_exposure(scene, possible_at_night(seconds), kDigits);
   const double focus_m = shooting.focus_m ? *shooting.focus_m : focus_on_something(truth, seed);
   scene["camera"]["focus_distance_m"] = rounded(focus_m, kDigits);
 

@@ -18,7 +18,8 @@ double signal_per_nit(const nlohmann::json& scene);
 /// Sets exposure.time_s, exposure.iso and camera.focus_distance_m of `scene` by what its camera sees of the glTF file
 /// beside `scene_path`: a small picture through a pinhole. `seed` picks the surface in focus where the shooting has
 /// none; `stops` brightens (positive) or darkens. Returns what is wrong with the scene, one line each: a view that
-/// shows nothing (view_fault()), light for which no exposure is long or short enough.
+/// shows nothing (view_fault()), light for which no exposure is long or short enough; one that is less than a
+/// stop too short is taken as it is.
 std::vector<std::string> meter(nlohmann::json& scene, const std::string& scene_path, const Shooting& shooting,
                                std::uint64_t seed, double stops);
 

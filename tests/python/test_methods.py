@@ -287,7 +287,7 @@ def test_the_example_leaves_one_camera_out(tmp_path):
     done = run_example("leave_one_camera_out.py", tmp_path / "work", *cameras)
     assert done.returncode == 0, done.stderr
     lines = [line.split() for line in done.stdout.splitlines() if line]
-    varied = {(line[0], line[1]): [float(value) for value in line[2:]] for line in lines[2:-3]}
+    varied = {(line[0], line[1]): [float(value) for value in line[-2:]] for line in lines[2:-3]}
     assert len(varied) == 14 and varied["window_px", "12"] == varied["low_pass_px", "4.5"]
     assert varied["window_px", "9"] != varied["window_px", "12"]
     for line, other in zip(lines[-2:], (1, 0)):

@@ -124,10 +124,12 @@ TEST(DisparityMethod, TakesAMatchersOptions) {
             "'split_match.window_px'?");
   EXPECT_EQ(message("split:match.range_px=9").substr(0, 77),
             "--method split:match.range_px=9: match.range_px: matcher split does not use i");
-  EXPECT_EQ(message("split:"), "--method split:: : must read FIELD=VALUE");
+  EXPECT_EQ(message("split:"), "--method split:: an option is missing after ':' or ','");
   EXPECT_EQ(message("split:split_match.window_px=9,"),
-            "--method split:split_match.window_px=9,: : must read FIELD=VALUE");
-  EXPECT_EQ(message("mine:a=cp {left} {out}; : {right}"), "");  // another program's name
+            "--method split:split_match.window_px=9,: an option is missing after ':' or ','");
+  EXPECT_NE(message("splt:split_match.window_px=9").find("did you mean 'split'?"), std::string::npos);
+  EXPECT_NE(message("split:split_match.alpha=0.01").find("split_match.alpha: 0.01: must be"), std::string::npos);
+  EXPECT_EQ(message("split:a=cp {left} {out}; : {right}"), "");  // another program's name
 }
 
 TEST(ForeignMethod, SaysWhatIsWrong) {
