@@ -23,17 +23,17 @@ std::span<const DisparitySetting> disparity_settings() {
        0,
        81,
        21,
-       0.58,
+       0.75,
        "likelihood",
        {"smooth.divisor=32", "smooth.grid.cell_px=4", "smooth.grid.cell_luma=4", "smooth.solver.lambda=32"}},
       {"split, 1/16",
        7,
        84,
        23,
-       0.23,
+       0.25,
        "split",
        {"smooth.divisor=16", "smooth.grid.cell_px=4", "smooth.solver.robust_rounds=1"}},
-      {"split, 1/4", 7, 84, 54, 0.226, "split", {}},
+      {"split, 1/4", 7, 84, 54, 0.245, "split", {}},
   };
   return settings;
 }

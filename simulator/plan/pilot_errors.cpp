@@ -60,7 +60,13 @@ class CountedPilots {
   /// At the scene file's spacing; repeats differ in the noise of light, too, and the first one is timed.
   PilotRender render(int bounces, int samples, int repeat) {
     const bool timed = repeat == 0 && samples == kPilotSamples[0];
-    return render(pilots_, {bounces, samples, light_spacing_px_, repeat, repeat, timed, timed});
+    return render(pilots_, {.bounces = bounces,
+                            .samples = samples,
+                            .light_spacing_px = light_spacing_px_,
+                            .repeat = repeat,
+                            .light_repeat = repeat,
+                            .timed = timed,
+                            .new_light = timed});
   }
 
   const PilotRenders& plain() const { return pilots_; }
@@ -164,8 +170,13 @@ std::vector<LightStep> compare_lights(const std::vector<TileWindow>& windows, do
                                       const RenderPair& as_asked, CountedPilots& pilots) {
   const double coarse_px = std::min(2 * spacing_px, 1000.0);
   const auto render = [&](int repeat) {
-    return pilots.render(pilots.plain(), {kReferenceBounces, kPilotSamples[kBouncePilot], coarse_px, repeat, repeat,
-                                          repeat == 0, repeat == 0});
+    return pilots.render(pilots.plain(), {.bounces = kReferenceBounces,
+                                          .samples = kPilotSamples[kBouncePilot],
+                                          .light_spacing_px = coarse_px,
+                                          .repeat = repeat,
+                                          .light_repeat = repeat,
+                                          .timed = repeat == 0,
+                                          .new_light = repeat == 0});
   };
   const PilotRender renders[2] = {render(0), render(1)};
   const RenderPair coarse(windows, renders);

@@ -160,9 +160,9 @@ bool find_divided(const RenderScene& world, const RayPacket& rays, const Paths& 
   return any;
 }
 
-void pass_glass(const RenderScene& world, const PathOptions& options, const SampleIndices& indices, int bounces_left,
+void pass_glass(const RenderScene& world, const PathOptions& options, const SampleIndices& indices, int bounce,
                 RayPacket& rays, Paths& paths) {
-  const bool from_camera = bounces_left == options.max_bounces;
+  const bool from_camera = bounce == 0;
   if (from_camera) paths.unlit_throughput = paths.throughput;  // camera rays have none yet
   GlassWalk walk(world, rays, paths);
   alignas(64) int lanes[kPacket];
@@ -173,10 +173,10 @@ void pass_glass(const RenderScene& world, const PathOptions& options, const Samp
       return;
     }
     alignas(64) float u[kPacket], v[kPacket], choice[kPacket], unused[kPacket];
-    const std::uint32_t stream = kGlassStreams + 2 * (kMostPassages * (bounces_left + 1) + passage);
+    const std::uint32_t stream = kGlassStreams + 2 * (kMostPassages * indices.reflections_before(bounce) + passage);
     path_samples(options.sampling, indices, stream, choice, unused);
     path_samples(options.sampling, indices, stream + 1, u, v);
-    const bool may_stay = bounces_left >= 0 && !(from_camera && passage == 0);
+    const bool may_stay = bounce <= options.max_bounces && !(from_camera && passage == 0);
     each_surface(world.scene, lanes, rays, [&](int i, const Surface& s, float magnitude) {
       walk.step(i, s, magnitude, may_stay, u[i], v[i], choice[i]);
     });

@@ -13,9 +13,9 @@ namespace dualpixel::simulator {
 bool find_divided(const RenderScene& world, const RayPacket& rays, const Paths& paths, int lanes[kPacket]);
 
 /// Leads the active paths, whose rays hold their nearest hits, on through glass. Those that stay for what glass
-/// reflects keep their hit, those that end in it are active no longer. `bounces_left` < 0: none stay; nor do camera
-/// rays at the first glass, where what is reflected is followed beside them.
-void pass_glass(const RenderScene& world, const PathOptions& options, const SampleIndices& indices, int bounces_left,
+/// reflects keep their hit, those that end in it are active no longer. Beyond the last reflection none stay; nor do
+/// camera rays at the first glass, where what is reflected is followed beside them.
+void pass_glass(const RenderScene& world, const PathOptions& options, const SampleIndices& indices, int bounce,
                 RayPacket& rays, Paths& paths);
 
 /// Takes off what glass keeps of `light` along shadow rays, active ones that nothing hides. Light goes straight through

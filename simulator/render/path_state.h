@@ -25,6 +25,11 @@ struct PathOptions {
 struct SampleIndices {
   std::uint32_t first, index_mask;
   std::uint64_t pixel_key;
+  int first_bounce = 0;  ///< the reflection with which the path begins
+
+  /// Reflections of the path before `bounce`. Random numbers go by this: then light at points is the same whatever the
+  /// most reflections of the job are, and more of them add to what fewer find.
+  int reflections_before(int bounce) const { return bounce - first_bounce; }
 };
 
 /// What a path's `pdf` says of rays whose light is counted in full where they meet a light.

@@ -334,7 +334,7 @@ SurfaceLight gathered_light(const RenderScene& world, const PathOptions& options
       paths.before_m[i] = 0, paths.straight_pdf[i] = -1;
     }
     const std::uint32_t mask = packets * kPacket / 2 - 1;
-    const SampleIndices indices{static_cast<std::uint32_t>(packet) * kPacket / 2, mask, hash(key, 1)};
+    const SampleIndices indices{static_cast<std::uint32_t>(packet) * kPacket / 2, mask, hash(key, 1), bounce};
     find_nearest(world, options, rays, paths, bounce);
     for (int i = 0; i < kPacket; ++i) {
       if (paths.sent_to[i] >= 0) continue;
@@ -375,6 +375,9 @@ struct WantedLight {
     if (bounces == 0) return surer ? 1 : 0;
     return 2 * static_cast<std::uint64_t>(bounces) + (refined ? 1 : 0);
   }
+
+  /// Of one reflection where there are several: more of them add to what the same paths find.
+  WantedLight of_same_paths() const { return {std::min(bounces, 1), refined, surer}; }
 };
 
 /// Light at one point of a lattice.
@@ -383,7 +386,8 @@ SurfaceLight light_at(const RenderScene& world, const PathOptions& options, cons
   constexpr int kMoreReflected = 4, kMoreToBeSure = 4;
   LightCache& cache = *world.light_cache;
   const int bounces = wanted.bounces;
-  const std::uint64_t key = wanted.id() == 0 ? point.key : hash(point.key, wanted.id()) | 1;
+  const auto key_of = [&](std::uint64_t id) { return id == 0 ? point.key : hash(point.key, id) | 1; };
+  const std::uint64_t key = key_of(wanted.id());
   if (const auto known = cache.table.find(point.group, key)) return *known;
   Hits hits;
   surface_of(world, lattice, point, hits);
@@ -394,7 +398,7 @@ SurfaceLight light_at(const RenderScene& world, const PathOptions& options, cons
   constexpr int kMostSamples = 65536;  // points of a net
   const int samples =
       std::clamp(more * cache.options.light_samples >> (2 * lattice.fewer()), 1, kMostSamples);  // in whole packets
-  const std::uint64_t random = hash(key, cache.scramble);
+  const std::uint64_t random = hash(key_of(wanted.of_same_paths().id()), cache.scramble);
   if (bounces > 0) {
     light = gathered_light(world, options, hits, random, samples, options.max_bounces - bounces + 1, false);
   } else {
@@ -578,12 +582,11 @@ void add_known_light(const RenderScene& world, const PathOptions& options, unsig
   }
 }
 
-/// Numbers for one reflection of each path, drawn when first wanted. They go by the reflections that are left, so that
-/// light at points is the same whatever the most reflections of the job are.
+/// Numbers for one reflection of each path, drawn when first wanted.
 class ScatterSamples {
  public:
-  ScatterSamples(Sampling sampling, const SampleIndices& indices, int bounces_left)
-      : sampling_(sampling), indices_(indices), bounces_left_(bounces_left) {}
+  ScatterSamples(Sampling sampling, const SampleIndices& indices, int reflections_before)
+      : sampling_(sampling), indices_(indices), reflections_before_(reflections_before) {}
 
   const Padded& light() { return drawn(0); }
   const Padded& reflection() { return drawn(1); }
@@ -594,7 +597,8 @@ class ScatterSamples {
  private:
   const Padded& drawn(int which) {
     constexpr std::uint32_t kStrandStreams = 0x20000;  // beyond all others
-    const std::uint32_t stream = which < 3 ? 3 * bounces_left_ + which : kStrandStreams + 2 * bounces_left_ + which - 3;
+    const std::uint32_t stream =
+        which < 3 ? 3 * reflections_before_ + which : kStrandStreams + 2 * reflections_before_ + which - 3;
     if (!drawn_[which]) {
       path_samples(sampling_, indices_, stream, numbers_[which].u, numbers_[which].v);
     }
@@ -604,7 +608,7 @@ class ScatterSamples {
 
   Sampling sampling_;
   const SampleIndices& indices_;
-  int bounces_left_;
+  int reflections_before_;
   bool drawn_[5] = {};
   Padded numbers_[5];
 };
@@ -801,7 +805,7 @@ void shade_met(const RenderScene& world, const PathOptions& options, RayPacket& 
   }
   alignas(64) ShadowRays shadow;
   for (int i = 0; i < kPacket; ++i) paths.active[i] = shadow.active[i] = 0;
-  ScatterSamples samples(options.sampling, indices, std::max(options.max_bounces - bounce, 0));
+  ScatterSamples samples(options.sampling, indices, indices.reflections_before(bounce));
   for (int first; (first = first_set(waiting)) < kPacket;) {  // mesh by mesh: most packets hit only one
     const unsigned mesh_id = rays.mesh[first];
     alignas(64) int lanes[kPacket];
@@ -833,7 +837,7 @@ void shade(const RenderScene& world, const PathOptions& options, RayPacket& rays
            const SampleIndices& indices, int bounce) {
   weigh_sent(world, rays, paths);
   if (world.intersector.has_glass()) {
-    pass_glass(world, options, indices, options.max_bounces - bounce, rays, paths);
+    pass_glass(world, options, indices, bounce, rays, paths);
   }
   shade_met(world, options, rays, paths, indices, bounce);
 }

@@ -35,7 +35,7 @@ TEST(DisparitySettings, TheLastThatFitsIsTheBest) {
             }),
             "--auto 1: must be at least 52.0, ms of the fastest setting for 2 megapixels");
   EXPECT_EQ(message_of<InputError>([] { fastest_setting(0.01); }),
-            "--auto-error 0.01: must be at least 0.226, DP px of the most accurate setting on offer");
+            "--auto-error 0.01: must be at least 0.245, DP px of the most accurate setting on offer");
 }
 
 // Matching takes its time by DP pixels, which are eight times as many where each is one photosite.

@@ -30,8 +30,8 @@ TEST(PortraitAuto, ChoosesByTimeOrError) {
              "--auto: split, 1/4 (--matcher split): some 7.8 ms of CPU time"},
         Case{"--auto .4 --set split_match.alpha=.3", "paper",
              "--auto: paper, 1/16 (--matcher paper --set smooth.divisor=16 "},
-        Case{"--auto-error .6 --zoom", "likelihood",
-             "some 0.3 ms of CPU time for disparity, at most 0.58 DP px on charted"}}) {
+        Case{"--auto-error .8 --zoom", "likelihood",
+             "some 0.3 ms of CPU time for disparity, at most 0.75 DP px on charted"}}) {
     const TemporaryFolder folder;
     const Outcome outcome = run_command(write_pair(folder) + "--mode dp " + option);
     ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -49,7 +49,7 @@ TEST(PortraitAuto, RefusesWhatItCannotKeep) {
        {std::pair{"--auto .01", "--auto 0.01: must be at least 0.3, ms of the fastest setting for 0.00614 megapixels"},
         {"--auto nan", "--auto: Value nan not in range 0.001 to 1e+09"},
         {"--auto ''", "--auto: Value  not in range"},
-        {"--auto-error .1", "--auto-error 0.1: must be at least 0.226, DP px of the most accurate setting on offer"},
+        {"--auto-error .1", "--auto-error 0.1: must be at least 0.245, DP px of the most accurate setting on offer"},
         {"--auto 100 --auto-error 1", "--auto excludes --auto-error"},
         {"--auto 100 --matcher split", "--matcher excludes --auto"},
         {"--auto 100 --disparity d.npy", "--auto excludes --disparity"},
