@@ -33,7 +33,7 @@ parser.add_argument("program", metavar="PROGRAM", help="build/release/tools/dual
 parser.add_argument("work", type=Path, metavar="WORK", help="folder for captures and results")
 parser.add_argument("--pixel4", type=Path, metavar="DIR", help="real pairs")
 parser.add_argument("--rendered", action="store_true", help="rendered pairs")
-parser.add_argument("--methods", metavar="NAMES", help="separated by commas; default: all")
+parser.add_argument("--methods", metavar="NAMES", help="separated by commas; default: all. A matcher may have an option of portrait: split:smooth.divisor=8")
 parser.add_argument("--size", type=int, default=2688, metavar="N",
                     help="photosites across the middle of the sensor that is rendered, a multiple of 32 from 224 on; default: "
                     "2688. Under 1000 only to try the script: so small a part of a scene has hardly any depth")
@@ -68,8 +68,10 @@ def smoothed(views, disparity, **by):
     return portrait(views, *arguments)
 
 
-def by_matcher(name):
-    return lambda *views: portrait(views, "--matcher", name)
+def by_matcher(text):
+    """A matcher, or one with an option of `portrait`, MATCHER:GROUP.OPTION=VALUE."""
+    name, _, assignment = text.partition(":")
+    return lambda *views: portrait(views, "--matcher", name, *(["--set", assignment] if assignment else []))
 
 
 # %% The likelihood matcher on smaller views
@@ -184,6 +186,7 @@ def kernels_of_a_band(*views, alpha=0.21):
 
 # Each takes the left and the right view, float32 of one size, 0 black and 1 where they clip, and returns disparity of that size,
 # DP px, right(x + d) = left(x), smoothed by the pipeline as the others are: see smoothed().
+MATCHERS = ("paper", "likelihood", "split")
 METHODS = {"paper": by_matcher("paper"), "likelihood": by_matcher("likelihood"), "averaged": at_a_quarter(0),
            "low_passed": at_a_quarter(DETAIL_PX), "A": pyramid, "B": shifts_of_a_band, "C": kernels_of_a_band,
            "split": by_matcher("split")}
@@ -256,12 +259,14 @@ def table(kind, pairs, names):
         count += 1
         for name in names:
             rows[name].append(errors(found_by(name, kind, scene, views), truth, absolute))
+    width = max(12, *(len(name) for name in names))
     print(f"{kind}, {count} pairs: AIWE(1), AIWE(2), 1 - |rank|" + (", RMSE in DP px" if absolute else ""))
     for name in sorted(rows, key=lambda name: np.mean(rows[name], 0)[0]):
-        print(f"  {name:12s}" + "".join(f"{value:8.3f}" for value in np.mean(rows[name], 0)))
+        print(f"  {name:{width}s}" + "".join(f"{value:8.3f}" for value in np.mean(rows[name], 0)))
 
 
 chosen = list(METHODS) if options.methods is None else [name.strip() for name in options.methods.split(",")]
+METHODS.update({name: by_matcher(name) for name in chosen if name.partition(":")[0] in MATCHERS and "=" in name})
 if unknown := [name for name in chosen if name not in METHODS]:
     parser.error(f"--methods: {', '.join(unknown)}: must be of {', '.join(METHODS)}")
 if not options.pixel4 and not options.rendered:
