@@ -8,8 +8,8 @@
 namespace dualpixel::simulator {
 namespace {
 
-constexpr std::array kPilotRenders = {4, 2};  ///< at kPilotSamples, with seeds of their own
-constexpr std::size_t kBouncePilot = 0;       ///< bounces are judged by the renders of these samples
+constexpr int kPilotRenders = 4;         ///< at each of kPilotSamples, with seeds of their own
+constexpr std::size_t kBouncePilot = 0;  ///< bounces are judged by the renders of these samples
 constexpr std::array kBounces = {0, 1, 2, 4, kReferenceBounces};
 constexpr double kLeastCorrelation = 0.8;
 constexpr double kLostDpPx = 1;
@@ -25,9 +25,8 @@ double work_of_effect(int poses) { return 3.0 * poses * work(0, kPilotSamples[ef
 
 double work_in_all(const Simulation& simulation) {
   double sum = work(kReferenceBounces, kPilotSamples[kBouncePilot]);  // the first one is timed
-  for (std::size_t n = 0; n < kPilotSamples.size(); ++n) {
-    sum += kPilotRenders[n] * work(kReferenceBounces, kPilotSamples[n]);
-  }
+  for (int samples : kPilotSamples) sum += kPilotRenders * work(kReferenceBounces, samples);
+  sum += 2 * work(kReferenceBounces, kPilotSamples.back());  // of which the windows are made
   for (int bounces : kBounces) {
     if (bounces != kReferenceBounces) sum += 3 * work(bounces, kPilotSamples[kBouncePilot]);
   }
@@ -101,9 +100,18 @@ double noise_error(const std::vector<std::vector<double>>& renders) {
   return upper_rms(variances);
 }
 
-/// The windows with texture, by two renders of the reference.
-std::vector<TileWindow> textured_windows(const std::vector<PilotRender>& best, const Simulation& simulation,
-                                         double tolerance_dp_px, int& total) {
+/// The windows with texture, by two renders of the reference that serve nothing else: what a window is made of would
+/// match it too well. They share the light of two of the others.
+std::vector<TileWindow> textured_windows(const Simulation& simulation, double tolerance_dp_px, CountedPilots& pilots,
+                                         int& total) {
+  const auto render = [&](int nth) {
+    return pilots.render(pilots.plain(), {.bounces = kReferenceBounces,
+                                          .samples = kPilotSamples.back(),
+                                          .light_spacing_px = simulation.light.light_spacing_px,
+                                          .repeat = kPilotRenders + nth,
+                                          .light_repeat = kPilotRenders - 2 + nth});
+  };
+  const PilotRender best[2] = {render(0), render(1)};
   const Exposure exposure = describe_exposure(simulation.sensor, simulation.exposure);
   std::vector<TileWindow> windows;
   for (std::size_t t = 0; t < best[0].tiles.size(); ++t) {
@@ -153,22 +161,27 @@ Difference compare(const std::vector<TileWindow>& windows, const RenderPair& che
   return difference;
 }
 
+/// Noise is not taken to be less with fewer bounces: two renders cannot tell by how much.
 BounceStep compare_bounces(int bounces, const std::vector<TileWindow>& windows, const RenderPair& cheap,
                            const RenderPair& reference) {
   const auto [error_dp_px, lost_windows] = compare(windows, cheap, reference);
   return {.bounces = bounces,
           .error_dp_px = error_dp_px,
           .lost_windows = lost_windows,
-          .noise = reference.noise_dp_px > 0 ? cheap.noise_dp_px / reference.noise_dp_px : 1,
+          .noise = reference.noise_dp_px > 0 ? std::max(cheap.noise_dp_px / reference.noise_dp_px, 1.0) : 1,
           .seconds_per_sample = cheap.renders[0].seconds_per_sample,
           .light_seconds = cheap.renders[0].light_seconds};
 }
 
-/// The scene file's spacing and twice that. Interpolation errs with the square of the spacing, so that the difference
-/// of the two is three quarters of the coarse one's error, and three times the other's.
-std::vector<LightStep> compare_lights(const std::vector<TileWindow>& windows, double spacing_px,
+/// The scene file's spacing, twice that and half. Interpolation errs with the square of the spacing, so that the
+/// difference of the first two is three quarters of the coarse one's error, and three times the other's. Half is not
+/// rendered: it errs by a quarter, and takes as many times longer as the coarse one is faster, with at most four times
+/// as many points. A quarter as many points have twice the noise in a window; of closer ones it is not taken to be
+/// less, as those of small triangles stay where they are.
+std::vector<LightStep> compare_lights(const std::vector<TileWindow>& windows, double spacing_px, double noise_dp_px,
                                       const RenderPair& as_asked, CountedPilots& pilots) {
   const double coarse_px = std::min(2 * spacing_px, 1000.0);
+  const double more_noise_dp_px = std::sqrt(square(coarse_px / spacing_px) - 1) * noise_dp_px;
   const auto render = [&](int repeat) {
     return pilots.render(pilots.plain(), {.bounces = kReferenceBounces,
                                           .samples = kPilotSamples[kBouncePilot],
@@ -181,12 +194,14 @@ std::vector<LightStep> compare_lights(const std::vector<TileWindow>& windows, do
   const PilotRender renders[2] = {render(0), render(1)};
   const RenderPair coarse(windows, renders);
   const auto [difference_dp_px, lost_windows] = compare(windows, coarse, as_asked);
-  const double as_asked_s = as_asked.renders[0].light_seconds;
+  const double coarse_s = renders[0].light_seconds, as_asked_s = as_asked.renders[0].light_seconds;
+  const double making = as_asked_s > 0 ? std::clamp(coarse_s / as_asked_s, 0.25, 1.0) : 1;
   return {{.spacing_px = coarse_px,
-           .error_dp_px = 4.0 / 3 * difference_dp_px,
+           .error_dp_px = std::hypot(4.0 / 3 * difference_dp_px, more_noise_dp_px),
            .lost_windows = lost_windows,
-           .making = as_asked_s > 0 ? std::min(renders[0].light_seconds / as_asked_s, 1.0) : 1},
-          {.spacing_px = spacing_px, .error_dp_px = difference_dp_px / 3}};
+           .making = making},
+          {.spacing_px = spacing_px, .error_dp_px = difference_dp_px / 3},
+          {.spacing_px = spacing_px / 2, .error_dp_px = difference_dp_px / 12, .making = 1 / making}};
 }
 
 /// Two renders that differ by their seeds alone, the first one timed.
@@ -248,17 +263,17 @@ PilotErrors measure_pilots(const PilotRenders& pilot_renders, const Simulation& 
                            const ProgressCallback& progress) {
   const double spacing_px = simulation.light.light_spacing_px;
   CountedPilots pilots(pilot_renders, simulation, progress);
-  std::array<std::vector<PilotRender>, kPilotSamples.size()> full;  // with the reference's bounces
-  for (std::size_t n = 0; n < full.size(); ++n) {
-    for (int repeat = 0; repeat < kPilotRenders[n]; ++repeat) {
-      full[n].push_back(pilots.render(kReferenceBounces, kPilotSamples[n], repeat));
-    }
-  }
   PilotErrors errors;
-  const std::vector<TileWindow> windows = textured_windows(full.back(), simulation, tolerance_dp_px, errors.windows);
+  const std::vector<TileWindow> windows = textured_windows(simulation, tolerance_dp_px, pilots, errors.windows);
   errors.windows_textured = static_cast<int>(windows.size());
   if (errors.windows_textured < kFewestWindows) return errors;
 
+  std::array<std::vector<PilotRender>, kPilotSamples.size()> full;  // with the reference's bounces
+  for (std::size_t n = 0; n < full.size(); ++n) {
+    for (int repeat = 0; repeat < kPilotRenders; ++repeat) {
+      full[n].push_back(pilots.render(kReferenceBounces, kPilotSamples[n], repeat));
+    }
+  }
   for (std::size_t n = 0; n < full.size(); ++n) {
     std::vector<std::vector<double>> all;
     for (const PilotRender& pilot : full[n]) all.push_back(shifts(windows, pilot));
@@ -269,7 +284,7 @@ PilotErrors measure_pilots(const PilotRenders& pilot_renders, const Simulation& 
     const PilotRender other =
         pilots.render(pilots.plain(), {kReferenceBounces, kPilotSamples[kBouncePilot], spacing_px, 0, 1});
     errors.light_noise = noise_error({reference.shifts_dp_px[0], shifts(windows, other)});
-    errors.lights = compare_lights(windows, spacing_px, reference, pilots);
+    errors.lights = compare_lights(windows, spacing_px, errors.light_noise, reference, pilots);
   } else {
     errors.lights = {{}};
   }

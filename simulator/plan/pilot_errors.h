@@ -14,7 +14,7 @@ inline constexpr std::array kPilotSamples = {16, 64};  ///< less than a packet o
 struct PilotErrors {
   int windows = 0, windows_textured = 0;
   std::vector<BounceStep> bounces;                   ///< 0, 1, 2, 4, 8; empty where too few windows have texture
-  std::vector<LightStep> lights;                     ///< twice the scene file's spacing, and that
+  std::vector<LightStep> lights;                     ///< twice the scene file's spacing, that, and half
   std::vector<EffectStep> effects;                   ///< those of effects_of(simulation)
   std::array<double, kPilotSamples.size()> noise{};  ///< with the reference's bounces, at kPilotSamples
   double light_noise = 0;                            ///< the part of it that more camera samples do not reduce

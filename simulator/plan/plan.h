@@ -22,15 +22,18 @@
 /// where it is small), through the most accurate model short of the exact trace, without effects, by what they do to a
 /// matcher (simulator/plan/match_error.h) in windows that have texture.
 ///   Samples  renders that differ by their seeds alone scatter by their error. Measured at 16 and 64 samples with
-///            8 bounces, scaled to fewer bounces by their noise at 16; from there on to the next it is taken to fall as
-///            1/sqrt(samples), the least that sampling does, but for the part that light at points has: it is measured
-///            by renders that differ in nothing else, and stays.
+///            8 bounces, and scaled to fewer bounces that have more noise at 16; from there on to the next it is taken
+///            to fall as 1/sqrt(samples), the least that sampling does, but for the part that light at points has: it
+///            is measured by renders that differ in nothing else, and stays. The windows are made of two more renders:
+///            one that a window is made of matches it too well.
 ///   Bounces  two pairs of renders, n bounces and 8 with the same random numbers; the mean product of the two pairs'
 ///            differences is the mean square of what is no noise. A window whose two pictures correlate by less than
 ///            0.8 cannot be matched: it is lost and counts as an error of 1 DP px.
 ///   Effects  likewise, each added by itself, without bounces. Of things that move by themselves no effect is measured.
 ///   Light    likewise, points twice as far apart as the scene file has them against those. Interpolation errs with the
 ///            square of the distance: of their difference, 4/3 is the error of the one and 1/3 that of the other.
+///            Half as far apart is offered too, by the same law: a twelfth. The noise of light doubles with the
+///            distance; what that adds to it counts here, too.
 /// Three standard errors, from the scatter over the windows, are added to each mean square. Windows count whose
 /// disparity the capture's own sensor noise, its burst merged, blurs by no more than the tolerance. Where fewer than 6
 /// windows have texture, bounces, light, effects and samples stay as the scene file has them, and the plan says so.

@@ -36,17 +36,17 @@ struct BounceStep {
   int bounces = 0;
   double error_dp_px = 0;
   int lost_windows = 0;           ///< those that count as 1 DP px
-  double noise = 1;               ///< error of 16 samples over that with 8 bounces
+  double noise = 1;               ///< error of 16 samples over that with 8 bounces, at least 1
   double seconds_per_sample = 0;  ///< whole, on all threads, behind the pilot's lens, with light at points found
   double light_seconds = 0;       ///< of finding it, per photosite, at the scene file's spacing
 };
 
 /// Diffuse light at points of surfaces.
 struct LightStep {
-  double spacing_px = 0;  ///< photosites between them; 0: all light is sampled
-  double error_dp_px = 0;
-  int lost_windows = 0;  ///< those that count as 1 DP px
-  double making = 1;     ///< time of finding it over that at the scene file's spacing
+  double spacing_px = 0;   ///< photosites between them; 0: all light is sampled
+  double error_dp_px = 0;  ///< of interpolation, and of noise over that at the scene file's spacing
+  int lost_windows = 0;    ///< those that count as 1 DP px
+  double making = 1;       ///< time of finding it over that at the scene file's spacing
 };
 
 /// An effect that can be left out.
