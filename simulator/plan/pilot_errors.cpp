@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "simulator/plan/error_statistics.h"
 
@@ -30,7 +31,9 @@ double work_in_all(const Simulation& simulation) {
   for (int bounces : kBounces) {
     if (bounces != kReferenceBounces) sum += 3 * work(bounces, kPilotSamples[kBouncePilot]);
   }
-  if (simulation.light.light_spacing_px > 0) sum += 4 * work(kReferenceBounces, kPilotSamples[kBouncePilot]);
+  if (simulation.light.light_spacing_px > 0) {
+    sum += (kPilotRenders + 3) * work(kReferenceBounces, kPilotSamples[kBouncePilot]);
+  }
   for (int samples : kPilotSamples) sum += 3 * work(0, samples);  // without effects
   for (const Effect effect : effects_of(simulation)) {
     Simulation with = without_effects(simulation);
@@ -88,8 +91,8 @@ std::vector<double> shifts(const std::vector<TileWindow>& windows, const PilotRe
   return result;
 }
 
-/// Error of one of several renders that differ by their seeds alone.
-double noise_error(const std::vector<std::vector<double>>& renders) {
+/// Of each window, over several renders that differ by their seeds alone.
+std::vector<double> variances_of(const std::vector<std::vector<double>>& renders) {
   std::vector<double> variances;
   for (std::size_t i = 0; i < renders.front().size(); ++i) {
     double mean = 0, variance = 0;
@@ -97,8 +100,11 @@ double noise_error(const std::vector<std::vector<double>>& renders) {
     for (const std::vector<double>& shift : renders) variance += square(shift[i] - mean);
     variances.push_back(variance / static_cast<double>(renders.size() - 1));
   }
-  return upper_rms(variances);
+  return variances;
 }
+
+/// Error of one such render.
+double noise_error(const std::vector<std::vector<double>>& renders) { return upper_rms(variances_of(renders)); }
 
 /// The windows with texture, by two renders of the reference that serve nothing else: what a window is made of would
 /// match it too well. They share the light of two of the others.
@@ -204,6 +210,30 @@ std::vector<LightStep> compare_lights(const std::vector<TileWindow>& windows, do
           {.spacing_px = spacing_px / 2, .error_dp_px = difference_dp_px / 12, .making = 1 / making}};
 }
 
+/// By renders that differ in nothing but light at points.
+std::vector<double> light_variances(const std::vector<TileWindow>& windows, double spacing_px, CountedPilots& pilots) {
+  std::vector<std::vector<double>> all;
+  for (int light_repeat = 0; light_repeat < kPilotRenders; ++light_repeat) {
+    all.push_back(shifts(windows, pilots.render(pilots.plain(), {.bounces = kReferenceBounces,
+                                                                 .samples = kPilotSamples[kBouncePilot],
+                                                                 .light_spacing_px = spacing_px,
+                                                                 .light_repeat = light_repeat})));
+  }
+  return variances_of(all);
+}
+
+/// More samples of each point: independent ones have that much less noise at least.
+std::vector<LightSampleStep> light_sample_steps(const LightCacheOptions& light, double noise_dp_px) {
+  constexpr int kMostLightSamples = 65536;
+  std::vector<LightSampleStep> steps = {{light.light_samples, noise_dp_px}};
+  for (const int times : {4, 16}) {
+    if (times * light.light_samples > kMostLightSamples || light.light_spacing_px == 0) break;
+    steps.push_back(
+        {times * light.light_samples, noise_dp_px / std::sqrt(static_cast<double>(times)), static_cast<double>(times)});
+  }
+  return steps;
+}
+
 /// Two renders that differ by their seeds alone, the first one timed.
 std::array<PilotRender, 2> render_pair(const PilotRenders& pilots, int bounces, int samples, double light_spacing_px,
                                        CountedPilots& counted) {
@@ -250,13 +280,12 @@ int fewest_bounces(const std::vector<BounceStep>& steps) {
 
 }  // namespace
 
-/// From the largest pilot that is not larger, as 1/sqrt but for the noise of light at points: that much sampling does
-/// at least. A curve drawn through 16 and 64 samples would promise more at 32.
+/// From the largest pilot that is not larger, as 1/sqrt: that much sampling does at least. A curve drawn through 16 and
+/// 64 samples would promise more at 32.
 double PilotErrors::sample_error(int samples) const {
   std::size_t i = kPilotSamples.size() - 1;
   while (kPilotSamples[i] > samples) --i;
-  const double sampled = std::max(square(noise[i]) - square(light_noise), 0.0);
-  return std::sqrt(sampled * kPilotSamples[i] / samples + std::min(square(light_noise), square(noise[i])));
+  return std::sqrt(std::max(square(noise[i]) - light_variance, 0.0) * kPilotSamples[i] / samples);
 }
 
 PilotErrors measure_pilots(const PilotRenders& pilot_renders, const Simulation& simulation, double tolerance_dp_px,
@@ -280,14 +309,15 @@ PilotErrors measure_pilots(const PilotRenders& pilot_renders, const Simulation& 
     errors.noise[n] = noise_error(all);
   }
   const RenderPair reference(windows, full[kBouncePilot].data());  // its first two
+  double light_noise = 0;
+  errors.lights = {{}};
   if (spacing_px > 0) {
-    const PilotRender other =
-        pilots.render(pilots.plain(), {kReferenceBounces, kPilotSamples[kBouncePilot], spacing_px, 0, 1});
-    errors.light_noise = noise_error({reference.shifts_dp_px[0], shifts(windows, other)});
-    errors.lights = compare_lights(windows, spacing_px, errors.light_noise, reference, pilots);
-  } else {
-    errors.lights = {{}};
+    const std::vector<double> variances = light_variances(windows, spacing_px, pilots);
+    light_noise = upper_rms(variances);
+    errors.light_variance = std::accumulate(variances.begin(), variances.end(), 0.0) / errors.windows_textured;
+    errors.lights = compare_lights(windows, spacing_px, light_noise, reference, pilots);
   }
+  errors.light_samples = light_sample_steps(simulation.light, light_noise);
   for (int bounces : kBounces) {
     if (bounces == kReferenceBounces) {
       errors.bounces.push_back({.bounces = bounces,

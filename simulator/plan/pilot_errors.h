@@ -15,11 +15,13 @@ struct PilotErrors {
   int windows = 0, windows_textured = 0;
   std::vector<BounceStep> bounces;                   ///< 0, 1, 2, 4, 8; empty where too few windows have texture
   std::vector<LightStep> lights;                     ///< twice the scene file's spacing, that, and half
+  std::vector<LightSampleStep> light_samples;        ///< the scene file's, and more
   std::vector<EffectStep> effects;                   ///< those of effects_of(simulation)
   std::array<double, kPilotSamples.size()> noise{};  ///< with the reference's bounces, at kPilotSamples
-  double light_noise = 0;                            ///< the part of it that more camera samples do not reduce
+  /// What of the squares of noise more camera samples do not reduce: the mean, not a bound, as it is taken off a bound.
+  double light_variance = 0;
 
-  /// Error of `samples` samples with the reference's bounces.
+  /// Error of `samples` samples with the reference's bounces, without light's part.
   double sample_error(int samples) const;
 };
 

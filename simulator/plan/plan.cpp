@@ -36,7 +36,8 @@ double sample_error(const Plan& plan, const PilotErrors& pilots, std::size_t b, 
 /// Error of all but samples, squared.
 double squared_bias(const Plan& plan, const PlanChoice& c) {
   double sum = square(plan.lenses[c.lens].error_dp_px) + square(plan.bounces[c.bounce].error_dp_px) +
-               square(plan.lights[c.light].error_dp_px);
+               square(plan.lights[c.light].error_dp_px) +
+               square(plan.bounces[c.bounce].noise * plan.light_samples[c.light_samples].error_dp_px);
   for (std::size_t i = 0; i < plan.effects.size(); ++i) {
     if (!c.effects[i]) sum += square(plan.effects[i].error_dp_px);
   }
@@ -53,6 +54,7 @@ double photosite_s(const Plan& plan, const PlanChoice& c, int samples) {
   for (std::size_t i = 0; i <= c.lens; ++i) lens_s = std::max(lens_s, plan.lenses[i].seconds_per_sample);
   double making = 0;
   for (std::size_t i = 0; i <= c.light; ++i) making = std::max(making, plan.lights[i].making);
+  making *= plan.light_samples[c.light_samples].making;
   double effects_s = 0;
   for (std::size_t i = 0; i < plan.effects.size(); ++i) {
     if (c.effects[i]) effects_s += plan.effects[i].seconds_per_sample;
@@ -90,9 +92,11 @@ std::vector<PlanChoice> choices_of(const Plan& plan, const std::vector<bool>& ef
   for (std::size_t l = 0; l < plan.lenses.size(); ++l) {
     for (std::size_t b = 0; b < plan.bounces.size(); ++b) {
       for (std::size_t t = 0; t < plan.lights.size(); ++t) {
-        for (const std::vector<bool>& set : effects) {
-          const PlanChoice choice{l, b, t, set};
-          if (!plan.measured || makes_sense(plan, choice)) choices.push_back(choice);
+        for (std::size_t n = 0; n < plan.light_samples.size(); ++n) {
+          for (const std::vector<bool>& set : effects) {
+            const PlanChoice choice{l, b, t, n, set};
+            if (!plan.measured || makes_sense(plan, choice)) choices.push_back(choice);
+          }
         }
       }
     }
@@ -190,6 +194,7 @@ Plan plan(const Simulation& simulation, const Scene& scene, double tolerance_dp_
   if (plan.measured) {
     plan.bounces = errors.bounces;
     plan.lights = errors.lights;
+    plan.light_samples = errors.light_samples;
     plan.effects = errors.effects;
   } else {
     const double spacing_px = simulation.light.light_spacing_px;
@@ -199,6 +204,7 @@ Plan plan(const Simulation& simulation, const Scene& scene, double tolerance_dp_
     plan.bounces = {
         {.bounces = bounces, .seconds_per_sample = pilot.seconds_per_sample, .light_seconds = pilot.light_seconds}};
     plan.lights = {{.spacing_px = spacing_px}};
+    plan.light_samples = {{simulation.light.light_samples}};
     for (const Effect effect : effects_of(simulation)) plan.effects.push_back({effect});
     if (progress) progress(1);
   }
@@ -218,6 +224,7 @@ Simulation planned(const Simulation& file, const Plan& plan) {
   if (!plan.measured) return simulation;
   simulation.render.max_bounces = plan.bounces[chosen.bounce].bounces;
   simulation.light.light_spacing_px = plan.lights[chosen.light].spacing_px;
+  simulation.light.light_samples = plan.light_samples[chosen.light_samples].samples;
   simulation.render.samples_per_pixel = plan.samples[chosen.sample].samples;
   simulation.noise_fraction.reset();
   simulation.render_error.reset();

@@ -7,10 +7,11 @@
 #include "simulator/scene/scene.h"
 #include "simulator/scene_file.h"
 
-/// "Model no more than a scene needs": the cheapest lens model, bounce count, spacing of light at points, effects
-/// (effects.h) and sample count whose disparity errors, added in quadrature, stay within a tolerance, in DP px RMS over
-/// the picture. The reference has everything on: the most accurate model of the scene's lens, 8 bounces, points of
-/// light without end (light sampled by every path where the scene file has none), all effects, endless samples.
+/// "Model no more than a scene needs": the cheapest lens model, bounce count, spacing and samples of light at points,
+/// effects (effects.h) and sample count whose disparity errors, added in quadrature, stay within a tolerance, in DP px
+/// RMS over the picture. The reference has everything on: the most accurate model of the scene's lens, 8 bounces,
+/// points of light without end (light sampled by every path where the scene file has none), all effects, endless
+/// samples.
 ///
 /// Lens models, from the most accurate: exact trace of the prescription, its polynomials, its aberrated twin, the thin
 /// lens; an aberrated lens has only itself and the thin lens. Their error is traced, not rendered: disparity at the
@@ -24,8 +25,8 @@
 ///   Samples  renders that differ by their seeds alone scatter by their error. Measured at 16 and 64 samples with
 ///            8 bounces, and scaled to fewer bounces that have more noise at 16; from there on to the next it is taken
 ///            to fall as 1/sqrt(samples), the least that sampling does, but for the part that light at points has: it
-///            is measured by renders that differ in nothing else, and stays. The windows are made of two more renders:
-///            one that a window is made of matches it too well.
+///            is measured by renders that differ in nothing else, and falls with the samples of each point alone. The
+///            windows are made of two more renders: one that a window is made of matches it too well.
 ///   Bounces  two pairs of renders, n bounces and 8 with the same random numbers; the mean product of the two pairs'
 ///            differences is the mean square of what is no noise. A window whose two pictures correlate by less than
 ///            0.8 cannot be matched: it is lost and counts as an error of 1 DP px.
@@ -48,7 +49,7 @@ namespace dualpixel::simulator {
 
 /// One step of each kind.
 struct PlanChoice {
-  std::size_t lens = 0, bounce = 0, light = 0;
+  std::size_t lens = 0, bounce = 0, light = 0, light_samples = 0;
   std::vector<bool> effects;  ///< which of Plan::effects are simulated
   std::size_t sample = 0;
 };
@@ -59,6 +60,7 @@ struct Plan {
   std::vector<LensStep> lenses;     ///< from the cheapest to the reference
   std::vector<BounceStep> bounces;  ///< likewise; as the scene file has it alone where `windows_textured` is too few
   std::vector<LightStep> lights;    ///< likewise
+  std::vector<LightSampleStep> light_samples;
   std::vector<EffectStep> effects;  ///< all that the simulation can have
   std::vector<SampleStep> samples;  ///< powers of two, from 16 to beyond the chosen
   PlanChoice chosen;

@@ -14,6 +14,7 @@ std::string bounces_name(int bounces) { return fmt::format("{} bounce{}", bounce
 std::string light_name(double spacing_px) {
   return spacing_px > 0 ? fmt::format("points every {} px", spacing_px) : "light sampled";
 }
+std::string light_samples_name(int samples) { return fmt::format("{} of each point", samples); }
 std::string lost(int windows) { return windows > 0 ? fmt::format("; {} windows cannot be matched", windows) : ""; }
 std::string samples_name(int samples) { return fmt::format("{} sample{}", samples, samples == 1 ? "" : "s"); }
 
@@ -47,10 +48,12 @@ std::string effects_text(const Plan& plan) {
 /// One sentence.
 std::string conclusion(const Plan& plan) {
   const PlanChoice& best = plan.chosen;
-  const std::string chosen =
-      fmt::format("{}, {}, {}, {}{}", plan.lenses[best.lens].candidate.name,
-                  bounces_name(plan.bounces[best.bounce].bounces), light_name(plan.lights[best.light].spacing_px),
-                  samples_name(plan.samples[best.sample].samples), effects_text(plan));
+  const double spacing_px = plan.lights[best.light].spacing_px;
+  const std::string of_points =
+      spacing_px > 0 ? fmt::format(" with {} samples each", plan.light_samples[best.light_samples].samples) : "";
+  const std::string chosen = fmt::format(
+      "{}, {}, {}{}, {}{}", plan.lenses[best.lens].candidate.name, bounces_name(plan.bounces[best.bounce].bounces),
+      light_name(spacing_px), of_points, samples_name(plan.samples[best.sample].samples), effects_text(plan));
   const double error = plan.error_dp_px(best), time_s = plan.picture_s(best);
   const std::string views =
       plan.frames > 1 ? fmt::format("the two views of each of {} frames", plan.frames) : "the two views";
@@ -95,8 +98,8 @@ nlohmann::ordered_json plan_json(const Plan& plan, bool with_times) {
     row["chosen"] = chosen;
     return row;
   };
-  ordered_json lenses = ordered_json::array(), bounces = lenses, lights = lenses, effects = lenses, samples = lenses,
-               chosen_effects = lenses;
+  ordered_json lenses = ordered_json::array(), bounces = lenses, lights = lenses, light_samples = lenses,
+               effects = lenses, samples = lenses, chosen_effects = lenses;
   for (std::size_t l = 0; l < plan.lenses.size(); ++l) {
     const LensStep& r = plan.lenses[l];
     lenses.push_back(step({{"model", r.candidate.name},
@@ -121,6 +124,11 @@ nlohmann::ordered_json plan_json(const Plan& plan, bool with_times) {
         step({{"light_spacing_px", r.spacing_px}, {"error_dp_px", r.error_dp_px}, {"lost_windows", r.lost_windows}},
              chosen_but(plan, &PlanChoice::light, t), t == best.light));
   }
+  for (std::size_t n = 0; n < plan.light_samples.size(); ++n) {
+    const LightSampleStep& r = plan.light_samples[n];
+    light_samples.push_back(step({{"light_samples", r.samples}, {"error_dp_px", r.error_dp_px}},
+                                 chosen_but(plan, &PlanChoice::light_samples, n), n == best.light_samples));
+  }
   for (std::size_t i = 0; i < plan.effects.size(); ++i) {
     const EffectStep& r = plan.effects[i];
     const char* name = name_of(kEffects, r.effect);
@@ -137,6 +145,7 @@ nlohmann::ordered_json plan_json(const Plan& plan, bool with_times) {
   ordered_json chosen = {{"lens_model", plan.lenses[best.lens].candidate.name},
                          {"max_bounces", plan.bounces[best.bounce].bounces},
                          {"light_spacing_px", plan.lights[best.light].spacing_px},
+                         {"light_samples", plan.light_samples[best.light_samples].samples},
                          {"effects", chosen_effects},
                          {"samples_per_pixel", plan.samples[best.sample].samples},
                          {"error_dp_px", plan.measured ? ordered_json(plan.error_dp_px(best)) : ordered_json()}};
@@ -153,6 +162,7 @@ nlohmann::ordered_json plan_json(const Plan& plan, bool with_times) {
           {"lens_models", lenses},
           {"bounces", bounces},
           {"light", lights},
+          {"light_samples", light_samples},
           {"effects", effects},
           {"samples", samples}};
 }
@@ -194,6 +204,12 @@ std::string plan_text(const Plan& plan) {
     const LightStep& r = plan.lights[t];
     row(light_name(r.spacing_px), r.error_dp_px, chosen_but(plan, &PlanChoice::light, t), t == best.light,
         lost(r.lost_windows));
+  }
+  if (plan.lights[best.light].spacing_px > 0) heading("light samples");
+  for (std::size_t n = 0; plan.lights[best.light].spacing_px > 0 && n < plan.light_samples.size(); ++n) {
+    const LightSampleStep& r = plan.light_samples[n];
+    row(light_samples_name(r.samples), r.error_dp_px, chosen_but(plan, &PlanChoice::light_samples, n),
+        n == best.light_samples, "");
   }
   const std::size_t effects = plan.measured ? plan.effects.size() : 0;
   if (effects > 0) heading("effects");

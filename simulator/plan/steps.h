@@ -49,6 +49,13 @@ struct LightStep {
   double making = 1;       ///< time of finding it over that at the scene file's spacing
 };
 
+/// Samples of light at each point.
+struct LightSampleStep {
+  int samples = 0;
+  double error_dp_px = 0;  ///< the part of noise that more camera samples do not reduce
+  double making = 1;       ///< time of finding light over that with the scene file's samples
+};
+
 /// An effect that can be left out.
 struct EffectStep {
   Effect effect;
@@ -60,7 +67,7 @@ struct EffectStep {
 
 struct SampleStep {
   int samples = 0;
-  double error_dp_px = 0;  ///< with the chosen bounces
+  double error_dp_px = 0;  ///< with the chosen bounces; without noise of light at points
 };
 
 }  // namespace dualpixel::simulator

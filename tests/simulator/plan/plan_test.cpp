@@ -252,7 +252,7 @@ TEST(Plan, SaysSoWhereNothingReachesTheTolerance) {
 TEST(SlowPlan, GoesNotFarBeyondWhatCanBeReached) {
   Simulation s = small_camera();
   s.burst_frames = 2000000000;  // so that the sensor's own noise is no excuse
-  const Plan p = plan(s, wall_in_indirect_light(), 1e-4, 1);
+  const Plan p = plan(s, wall_in_indirect_light(), 1e-5, 1);
   ASSERT_TRUE(p.measured);
   EXPECT_FALSE(p.met);
   EXPECT_LT(chosen_samples(p), 65536);
@@ -313,6 +313,11 @@ TEST(Plan, OffersPointsOfLightCloserThanTheFileHasThem) {
   EXPECT_GT(close.error_dp_px, 0);
   EXPECT_LE(wide.making, as_asked.making);
   EXPECT_LE(as_asked.making, close.making);
+  ASSERT_EQ(p.light_samples.size(), 3u);
+  EXPECT_EQ(p.light_samples[0].samples, 64);
+  EXPECT_EQ(p.light_samples[2].samples, 1024);
+  EXPECT_GT(p.light_samples[0].error_dp_px, 0);
+  EXPECT_NEAR(p.light_samples[2].error_dp_px, p.light_samples[0].error_dp_px / 4, 1e-12);
 }
 
 /// The error that leaving an effect out would leave, and whether the plan does.
@@ -474,8 +479,10 @@ TEST(SlowPlanProgram, SimulateAutoAppliesItAndRecordsIt) {
   ASSERT_EQ(run_program("simulate " + kScene + kSmall +
                         "--set burst.frames=1 --set render.photograph_samples_per_pixel=1 --set render.max_bounces=0 "
                         "--set render.samples_per_pixel=" +
-                        std::to_string(samples) + " --set render.light_spacing_px=" +
-                        plan_of_capture["chosen"]["light_spacing_px"].dump() + " -o '" + (folder / "c") + "'")
+                        std::to_string(samples) +
+                        " --set render.light_spacing_px=" + plan_of_capture["chosen"]["light_spacing_px"].dump() +
+                        " --set render.light_samples=" + plan_of_capture["chosen"]["light_samples"].dump() + " -o '" +
+                        (folder / "c") + "'")
                 .status,
             0);
   const auto left = [&](const char* name) { return read_capture(folder / name, false).frames[0].left.data; };
