@@ -420,10 +420,14 @@ class LightLookup {
   LightLookup(const RenderScene& world, const PathOptions& options, int bounces)
       : world_(world), options_(options), bounces_(bounces), recent_(world.light_cache->recent.local()) {}
 
+  /// Whether the triangle is no longer than its points would be apart.
+  bool is_small(const Hit& hit, glm::vec3 direction, float spacing_m) {
+    return lattice_of(0, hit, direction, spacing_m).is_small();
+  }
+
   InterpolatedLight at(const Hit& hit, glm::vec3 direction, float spacing_m) {
     for (int level = 0;; ++level, spacing_m /= 2) {
-      TriangleLattice& lattice = lattices_[level];
-      if (!lattice.is_of(hit, direction, spacing_m)) lattice = TriangleLattice(world_.scene, hit, direction, spacing_m);
+      const TriangleLattice& lattice = lattice_of(level, hit, direction, spacing_m);
       const LatticeCell cell = lattice.cell(hit.u, hit.v);
       const CellLight& around = around_cell(lattice, cell, level);
       if (!is_coarse(lattice, around, level)) return interpolated(cell, around);
@@ -432,6 +436,12 @@ class LightLookup {
 
  private:
   static constexpr int kLevels = 5;
+
+  const TriangleLattice& lattice_of(int level, const Hit& hit, glm::vec3 direction, float spacing_m) {
+    TriangleLattice& lattice = lattices_[level];
+    if (!lattice.is_of(hit, direction, spacing_m)) lattice = TriangleLattice(world_.scene, hit, direction, spacing_m);
+    return lattice;
+  }
 
   /// Whether light varies so much between these points that it takes points half as far apart. Reflected light may
   /// vary as fast as its distance is short (Ward 1988): then its points come as close as those of direct light, and
@@ -569,6 +579,8 @@ void add_known_light(const RenderScene& world, const PathOptions& options, unsig
     const float facing = std::abs(glm::dot(hits.surface.geometric_normal.at(i), direction));
     const float spacing_m = hits.spacing_m[i] / std::sqrt(std::max(facing, 0.1f));
     const Hit hit{0, mesh_id, rays.triangle[i], rays.u[i], rays.v[i], mesh.placements.empty() ? 0 : rays.placement[i]};
+    // Points of reflected light take many paths each, more than ever ask for them where triangles are small.
+    if (bounces_left > 0 && direct.is_small(hit, direction, spacing_m)) continue;
     const InterpolatedLight found = direct.at(hit, direction, spacing_m);
     if (!world.lights.has_emissive()) known.diffuse_by_lights[i] = -1;
     glm::vec3 irradiance(0);

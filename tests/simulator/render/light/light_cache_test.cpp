@@ -115,6 +115,39 @@ TEST(SlowLightCache, BytesDependOnTheSceneAlone) {
   }
 }
 
+/// A square cut into n x n smaller ones.
+Mesh make_grid(glm::vec3 corner, glm::vec3 a, glm::vec3 b, int n, int material) {
+  Mesh mesh = make_quad(corner, a, b, material);
+  mesh.positions.clear(), mesh.uv0.clear(), mesh.triangles.clear();
+  for (int y = 0; y <= n; ++y) {
+    for (int x = 0; x <= n; ++x) {
+      const glm::vec2 uv = glm::vec2(x, y) / static_cast<float>(n);
+      mesh.positions.push_back(corner + uv.x * a + uv.y * b);
+      mesh.uv0.push_back(uv);
+      if (x == n || y == n) continue;
+      const unsigned i = y * (n + 1) + x, below = i + n + 1;
+      mesh.triangles.push_back({i, i + 1, below + 1});
+      mesh.triangles.push_back({i, below + 1, below});
+    }
+  }
+  return mesh;
+}
+
+// Points of reflected light take many paths each. On triangles smaller than the points would be apart there are more
+// points than samples that ask for them, so that all light is sampled there, as without points; direct light is not.
+// The wall fills the picture, 15 mm; four photosites see 1.3 mm of it.
+TEST(LightCache, SamplesReflectedLightOnSmallTriangles) {
+  for (const int pieces : {64, 4}) {  // of .6 mm, of 10 mm
+    Scene scene = room();
+    scene.meshes = {make_quad({-1, 0.5f, -1}, {2, 0, 0}, {0, 0, 2}, 0),
+                    make_grid({-0.02f, -0.02f, 1}, {0.04f, 0, 0}, {0, 0.04f, 0}, pieces, 0)};
+    for (const int bounces : {0, 1}) {
+      const bool is_sampled = picture(scene, {}, 16, bounces).data == picture(scene, kNone, 16, bounces).data;
+      EXPECT_EQ(is_sampled, bounces > 0 && pieces == 64) << pieces << " pieces, " << bounces << " reflections";
+    }
+  }
+}
+
 // What is set aside comes back with its points, and takes no more memory than one cache may.
 TEST(LightCache, IsSetAsideWithinItsMemory) {
   const Scene scene = room();
