@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "simulator/plan/error_statistics.h"
 
@@ -32,7 +31,8 @@ double work_in_all(const Simulation& simulation) {
     if (bounces != kReferenceBounces) sum += 3 * work(bounces, kPilotSamples[kBouncePilot]);
   }
   if (simulation.light.light_spacing_px > 0) {
-    sum += (kPilotRenders + 3) * work(kReferenceBounces, kPilotSamples[kBouncePilot]);
+    for (int bounces : {0, kReferenceBounces}) sum += (kPilotRenders + 3) * work(bounces, kPilotSamples[kBouncePilot]);
+    sum += 3 * work(0, kPilotSamples[kBouncePilot]);
   }
   for (int samples : kPilotSamples) sum += 3 * work(0, samples);  // without effects
   for (const Effect effect : effects_of(simulation)) {
@@ -107,7 +107,7 @@ std::vector<double> variances_of(const std::vector<std::vector<double>>& renders
 double noise_error(const std::vector<std::vector<double>>& renders) { return upper_rms(variances_of(renders)); }
 
 /// The windows with texture, by two renders of the reference that serve nothing else: what a window is made of would
-/// match it too well. They share the light of two of the others.
+/// match it too well.
 std::vector<TileWindow> textured_windows(const Simulation& simulation, double tolerance_dp_px, CountedPilots& pilots,
                                          int& total) {
   const auto render = [&](int nth) {
@@ -115,7 +115,7 @@ std::vector<TileWindow> textured_windows(const Simulation& simulation, double to
                                           .samples = kPilotSamples.back(),
                                           .light_spacing_px = simulation.light.light_spacing_px,
                                           .repeat = kPilotRenders + nth,
-                                          .light_repeat = kPilotRenders - 2 + nth});
+                                          .light_repeat = kPilotRenders + nth});
   };
   const PilotRender best[2] = {render(0), render(1)};
   const Exposure exposure = describe_exposure(simulation.sensor, simulation.exposure);
@@ -183,13 +183,12 @@ BounceStep compare_bounces(int bounces, const std::vector<TileWindow>& windows, 
 /// difference of the first two is three quarters of the coarse one's error, and three times the other's. Half is not
 /// rendered: it errs by a quarter, and takes as many times longer as the coarse one is faster, with at most four times
 /// as many points. A quarter as many points have twice the noise in a window; of closer ones it is not taken to be
-/// less, as those of small triangles stay where they are.
-std::vector<LightStep> compare_lights(const std::vector<TileWindow>& windows, double spacing_px, double noise_dp_px,
+/// less, as those at vertices stay where they are.
+std::vector<LightStep> compare_lights(const std::vector<TileWindow>& windows, int bounces, double spacing_px,
                                       const RenderPair& as_asked, CountedPilots& pilots) {
   const double coarse_px = std::min(2 * spacing_px, 1000.0);
-  const double more_noise_dp_px = std::sqrt(square(coarse_px / spacing_px) - 1) * noise_dp_px;
   const auto render = [&](int repeat) {
-    return pilots.render(pilots.plain(), {.bounces = kReferenceBounces,
+    return pilots.render(pilots.plain(), {.bounces = bounces,
                                           .samples = kPilotSamples[kBouncePilot],
                                           .light_spacing_px = coarse_px,
                                           .repeat = repeat,
@@ -203,18 +202,20 @@ std::vector<LightStep> compare_lights(const std::vector<TileWindow>& windows, do
   const double coarse_s = renders[0].light_seconds, as_asked_s = as_asked.renders[0].light_seconds;
   const double making = as_asked_s > 0 ? std::clamp(coarse_s / as_asked_s, 0.25, 1.0) : 1;
   return {{.spacing_px = coarse_px,
-           .error_dp_px = std::hypot(4.0 / 3 * difference_dp_px, more_noise_dp_px),
+           .error_dp_px = 4.0 / 3 * difference_dp_px,
            .lost_windows = lost_windows,
+           .noise = coarse_px / spacing_px,
            .making = making},
           {.spacing_px = spacing_px, .error_dp_px = difference_dp_px / 3},
           {.spacing_px = spacing_px / 2, .error_dp_px = difference_dp_px / 12, .making = 1 / making}};
 }
 
 /// By renders that differ in nothing but light at points.
-std::vector<double> light_variances(const std::vector<TileWindow>& windows, double spacing_px, CountedPilots& pilots) {
+std::vector<double> light_variances(const std::vector<TileWindow>& windows, int bounces, double spacing_px,
+                                    CountedPilots& pilots) {
   std::vector<std::vector<double>> all;
   for (int light_repeat = 0; light_repeat < kPilotRenders; ++light_repeat) {
-    all.push_back(shifts(windows, pilots.render(pilots.plain(), {.bounces = kReferenceBounces,
+    all.push_back(shifts(windows, pilots.render(pilots.plain(), {.bounces = bounces,
                                                                  .samples = kPilotSamples[kBouncePilot],
                                                                  .light_spacing_px = spacing_px,
                                                                  .light_repeat = light_repeat})));
@@ -222,9 +223,30 @@ std::vector<double> light_variances(const std::vector<TileWindow>& windows, doub
   return variances_of(all);
 }
 
+/// What light at points does with so many bounces.
+struct LightErrors {
+  std::vector<LightStep> steps;
+  std::vector<double> variances;  ///< of each window
+};
+
+LightErrors measure_light(const std::vector<TileWindow>& windows, int bounces, double spacing_px,
+                          const RenderPair& as_asked, CountedPilots& pilots) {
+  return {compare_lights(windows, bounces, spacing_px, as_asked, pilots),
+          light_variances(windows, bounces, spacing_px, pilots)};
+}
+
+/// The worse of each.
+void take_worse(const std::vector<LightStep>& other, std::vector<LightStep>& steps) {
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    steps[i].error_dp_px = std::max(steps[i].error_dp_px, other[i].error_dp_px);
+    steps[i].lost_windows = std::max(steps[i].lost_windows, other[i].lost_windows);
+    steps[i].making = std::max(steps[i].making, other[i].making);
+  }
+}
+
 /// More samples of each point: independent ones have that much less noise at least.
 std::vector<LightSampleStep> light_sample_steps(const LightCacheOptions& light, double noise_dp_px) {
-  constexpr int kMostLightSamples = 65536;
+  constexpr int kMostLightSamples = 65536 / 4;  // reflected light has four times as many paths at its points
   std::vector<LightSampleStep> steps = {{light.light_samples, noise_dp_px}};
   for (const int times : {4, 16}) {
     if (times * light.light_samples > kMostLightSamples || light.light_spacing_px == 0) break;
@@ -309,15 +331,6 @@ PilotErrors measure_pilots(const PilotRenders& pilot_renders, const Simulation& 
     errors.noise[n] = noise_error(all);
   }
   const RenderPair reference(windows, full[kBouncePilot].data());  // its first two
-  double light_noise = 0;
-  errors.lights = {{}};
-  if (spacing_px > 0) {
-    const std::vector<double> variances = light_variances(windows, spacing_px, pilots);
-    light_noise = upper_rms(variances);
-    errors.light_variance = std::accumulate(variances.begin(), variances.end(), 0.0) / errors.windows_textured;
-    errors.lights = compare_lights(windows, spacing_px, light_noise, reference, pilots);
-  }
-  errors.light_samples = light_sample_steps(simulation.light, light_noise);
   for (int bounces : kBounces) {
     if (bounces == kReferenceBounces) {
       errors.bounces.push_back({.bounces = bounces,
@@ -329,6 +342,22 @@ PilotErrors measure_pilots(const PilotRenders& pilot_renders, const Simulation& 
                                   pilots.render(bounces, kPilotSamples[kBouncePilot], 1)};
     errors.bounces.push_back(compare_bounces(bounces, windows, RenderPair(windows, cheap), reference));
   }
+  double light_noise = 0;
+  errors.lights = {{}};
+  if (spacing_px > 0) {
+    const LightErrors all_bounces = measure_light(windows, kReferenceBounces, spacing_px, reference, pilots);
+    errors.lights = all_bounces.steps;
+    light_noise = upper_rms(all_bounces.variances);
+    errors.light_variance = mean(all_bounces.variances);
+    if (errors.bounces[0].lost_windows == 0) {  // then small triangles have points, too
+      const PilotRender direct[2] = {pilots.render(0, kPilotSamples[kBouncePilot], 0),
+                                     pilots.render(0, kPilotSamples[kBouncePilot], 1)};
+      const LightErrors direct_light = measure_light(windows, 0, spacing_px, RenderPair(windows, direct), pilots);
+      take_worse(direct_light.steps, errors.lights);
+      light_noise = std::max(light_noise, upper_rms(direct_light.variances));
+    }
+  }
+  errors.light_samples = light_sample_steps(simulation.light, light_noise);
   errors.effects = compare_effects(simulation, windows, fewest_bounces(errors.bounces), pilots);
   return errors;
 }

@@ -18,7 +18,7 @@ struct PilotErrors {
   std::vector<LightSampleStep> light_samples;        ///< the scene file's, and more
   std::vector<EffectStep> effects;                   ///< those of effects_of(simulation)
   std::array<double, kPilotSamples.size()> noise{};  ///< with the reference's bounces, at kPilotSamples
-  /// What of the squares of noise more camera samples do not reduce: the mean, not a bound, as it is taken off a bound.
+  /// The part of squared noise that more camera samples do not reduce: the mean, not a bound, as it is taken off one.
   double light_variance = 0;
 
   /// Error of `samples` samples with the reference's bounces, without light's part.

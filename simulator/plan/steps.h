@@ -44,8 +44,9 @@ struct BounceStep {
 /// Diffuse light at points of surfaces.
 struct LightStep {
   double spacing_px = 0;   ///< photosites between them; 0: all light is sampled
-  double error_dp_px = 0;  ///< of interpolation, and of noise over that at the scene file's spacing
+  double error_dp_px = 0;  ///< of interpolation
   int lost_windows = 0;    ///< those that count as 1 DP px
+  double noise = 1;        ///< of light at points, over that at the scene file's spacing
   double making = 1;       ///< time of finding it over that at the scene file's spacing
 };
 

@@ -420,14 +420,14 @@ class LightLookup {
   LightLookup(const RenderScene& world, const PathOptions& options, int bounces)
       : world_(world), options_(options), bounces_(bounces), recent_(world.light_cache->recent.local()) {}
 
-  /// Whether the triangle is no longer than its points would be apart.
-  bool is_small(const Hit& hit, glm::vec3 direction, float spacing_m) {
-    return lattice_of(0, hit, direction, spacing_m).is_small();
+  /// Whether the triangle is no longer than `size_m`.
+  bool is_small(const Hit& hit, glm::vec3 direction, float size_m) {
+    return lattice_of(small_, hit, direction, size_m).is_small();
   }
 
   InterpolatedLight at(const Hit& hit, glm::vec3 direction, float spacing_m) {
     for (int level = 0;; ++level, spacing_m /= 2) {
-      const TriangleLattice& lattice = lattice_of(level, hit, direction, spacing_m);
+      const TriangleLattice& lattice = lattice_of(lattices_[level], hit, direction, spacing_m);
       const LatticeCell cell = lattice.cell(hit.u, hit.v);
       const CellLight& around = around_cell(lattice, cell, level);
       if (!is_coarse(lattice, around, level)) return interpolated(cell, around);
@@ -437,10 +437,10 @@ class LightLookup {
  private:
   static constexpr int kLevels = 5;
 
-  const TriangleLattice& lattice_of(int level, const Hit& hit, glm::vec3 direction, float spacing_m) {
-    TriangleLattice& lattice = lattices_[level];
-    if (!lattice.is_of(hit, direction, spacing_m)) lattice = TriangleLattice(world_.scene, hit, direction, spacing_m);
-    return lattice;
+  /// `last`: the one that was made last.
+  const TriangleLattice& lattice_of(TriangleLattice& last, const Hit& hit, glm::vec3 direction, float spacing_m) {
+    if (!last.is_of(hit, direction, spacing_m)) last = TriangleLattice(world_.scene, hit, direction, spacing_m);
+    return last;
   }
 
   /// Whether light varies so much between these points that it takes points half as far apart. Reflected light may
@@ -539,6 +539,7 @@ class LightLookup {
   const int bounces_;
   RecentCells& recent_;
   TriangleLattice lattices_[kLevels];  ///< each of half the spacing of the one before
+  TriangleLattice small_;
 };
 
 /// What of each lane's light was taken from points on the surface.
@@ -566,12 +567,14 @@ bool has_points(const RenderScene& world, const Material& material, const Hits& 
 void add_known_light(const RenderScene& world, const PathOptions& options, unsigned mesh_id, const int lanes[kPacket],
                      const RayPacket& rays, const Hits& hits, int bounces_left, Paths& paths, KnownLight& known) {
   constexpr float kIndirectSpacing = 4;  // over that of direct light, as it has no sharp shadows
+  constexpr float kSmallPx = 4;          // photosites
   const Mesh& mesh = world.scene.meshes[mesh_id];
   alignas(64) int asking[kPacket];
   for (int i = 0; i < kPacket; ++i) {
     asking[i] = lanes[i] && hits.spacing_m[i] > 0 && hits.spacing_m[i] < kInfinity ? -1 : 0;
   }
   if (first_set(asking) == kPacket || !has_points(world, world.scene.materials[mesh.material], hits)) return;
+  const float small_px = kSmallPx / static_cast<float>(world.light_cache->options.light_spacing_px);
   LightLookup direct(world, options, 0), indirect(world, options, bounces_left);
   for (int i = 0; i < kPacket; ++i) {
     if (!asking[i]) continue;
@@ -579,8 +582,9 @@ void add_known_light(const RenderScene& world, const PathOptions& options, unsig
     const float facing = std::abs(glm::dot(hits.surface.geometric_normal.at(i), direction));
     const float spacing_m = hits.spacing_m[i] / std::sqrt(std::max(facing, 0.1f));
     const Hit hit{0, mesh_id, rays.triangle[i], rays.u[i], rays.v[i], mesh.placements.empty() ? 0 : rays.placement[i]};
-    // Points of reflected light take many paths each, more than ever ask for them where triangles are small.
-    if (bounces_left > 0 && direct.is_small(hit, direction, spacing_m)) continue;
+    // Points of reflected light take many paths each, more than ever ask for them where triangles are small: there all
+    // light is sampled. Which are small does not depend on the spacing, so that closer points change nothing else.
+    if (bounces_left > 0 && direct.is_small(hit, direction, small_px * spacing_m)) continue;
     const InterpolatedLight found = direct.at(hit, direction, spacing_m);
     if (!world.lights.has_emissive()) known.diffuse_by_lights[i] = -1;
     glm::vec3 irradiance(0);

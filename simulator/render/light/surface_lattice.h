@@ -49,7 +49,7 @@ class TriangleLattice {
   float spacing_m() const;
   /// Of the light samples that points get, the power of 4 by which these get fewer, as they lie closer: 0 to 2.
   int fewer() const { return fewer_; }
-  /// Whether the triangle is no longer than the spacing.
+  /// Whether the triangle is no longer than the spacing, as rounded.
   bool is_small() const { return rows_ == 1; }
   /// Whether points are vertices of the mesh.
   bool at_vertices() const { return shared_; }

@@ -247,8 +247,8 @@ TEST(Plan, SaysSoWhereNothingReachesTheTolerance) {
   EXPECT_NE(plan_text(p).find("Nothing reaches 3e-06 DP px"), std::string::npos);
 }
 
-// The thin lens, the only one on offer, is exact, but light at points leaves an error that no samples take away: what
-// is chosen stops where samples no longer tell.
+// The thin lens, the only one on offer, is exact, but light at points leaves an error that no camera samples take away:
+// what is chosen stops where samples no longer tell.
 TEST(SlowPlan, GoesNotFarBeyondWhatCanBeReached) {
   Simulation s = small_camera();
   s.burst_frames = 2000000000;  // so that the sensor's own noise is no excuse
@@ -295,20 +295,21 @@ TEST(Plan, KnowsLightAtPoints) {
   EXPECT_EQ(planned(s, sampled).light.light_spacing_px, 0);
 }
 
-// Half as far apart as the scene file has them is offered, too. Interpolation errs with the square of the distance; to
-// the widest, noise of fewer points is added.
+// Half as far apart as the scene file has them is offered, too, and more samples of each: what is chosen is simulated,
+// and noise of light counts by both.
 TEST(Plan, OffersPointsOfLightCloserThanTheFileHasThem) {
   Scene scene = speckled_wall();
   scene.materials.push_back(glowing(20000));
   scene.materials[1].double_sided = true;
   scene.meshes.push_back(make_quad({0.02f, 0, 0.98f}, {0.01f, 0, 0}, {0, 0.01f, 0}, 1));
-  const Plan p = plan(small_camera(), scene, 0.1, 1);
+  Plan p = plan(small_camera(), scene, 0.1, 1);
   ASSERT_EQ(p.lights.size(), 3u);
   const LightStep &wide = p.lights[0], &as_asked = p.lights[1], &close = p.lights[2];
   EXPECT_EQ(wide.spacing_px, 8);
   EXPECT_EQ(as_asked.spacing_px, 4);
   EXPECT_EQ(close.spacing_px, 2);
-  EXPECT_GT(wide.error_dp_px, 4 * as_asked.error_dp_px);
+  EXPECT_NEAR(wide.error_dp_px, 4 * as_asked.error_dp_px, 1e-12);
+  EXPECT_EQ(wide.noise, 2);
   EXPECT_NEAR(as_asked.error_dp_px, 4 * close.error_dp_px, 1e-12);
   EXPECT_GT(close.error_dp_px, 0);
   EXPECT_LE(wide.making, as_asked.making);
@@ -318,6 +319,15 @@ TEST(Plan, OffersPointsOfLightCloserThanTheFileHasThem) {
   EXPECT_EQ(p.light_samples[2].samples, 1024);
   EXPECT_GT(p.light_samples[0].error_dp_px, 0);
   EXPECT_NEAR(p.light_samples[2].error_dp_px, p.light_samples[0].error_dp_px / 4, 1e-12);
+  p.chosen.light = 2, p.chosen.light_samples = 2;
+  EXPECT_EQ(planned(small_camera(), p).light.light_spacing_px, 2);
+  EXPECT_EQ(planned(small_camera(), p).light.light_samples, 1024);
+  for (LightStep& step : p.lights) step.error_dp_px = 0;
+  PlanChoice few = p.chosen, wide_and_many = p.chosen;
+  few.light = 1, few.light_samples = 0;
+  wide_and_many.light = 0, wide_and_many.light_samples = 1;  // twice the noise, and half of that
+  EXPECT_NEAR(p.error_dp_px(wide_and_many), p.error_dp_px(few), 1e-12);
+  EXPECT_GT(p.error_dp_px(few), p.error_dp_px(p.chosen));
 }
 
 /// The error that leaving an effect out would leave, and whether the plan does.
