@@ -135,15 +135,19 @@ Mesh make_grid(glm::vec3 corner, glm::vec3 a, glm::vec3 b, int n, int material) 
 
 // Points of reflected light take many paths each. On triangles smaller than the points would be apart there are more
 // points than samples that ask for them, so that all light is sampled there, as without points; direct light is not.
-// The wall fills the picture, 15 mm; four photosites see 1.3 mm of it.
+// The wall fills the picture, 15 mm; four photosites see 1.3 mm of it, whatever the spacing.
 TEST(LightCache, SamplesReflectedLightOnSmallTriangles) {
   for (const int pieces : {64, 4}) {  // of .6 mm, of 10 mm
     Scene scene = room();
     scene.meshes = {make_quad({-1, 0.5f, -1}, {2, 0, 0}, {0, 0, 2}, 0),
                     make_grid({-0.02f, -0.02f, 1}, {0.04f, 0, 0}, {0, 0.04f, 0}, pieces, 0)};
     for (const int bounces : {0, 1}) {
-      const bool is_sampled = picture(scene, {}, 16, bounces).data == picture(scene, kNone, 16, bounces).data;
-      EXPECT_EQ(is_sampled, bounces > 0 && pieces == 64) << pieces << " pieces, " << bounces << " reflections";
+      const Image sampled = picture(scene, kNone, 16, bounces);
+      for (const double spacing_px : {1, 4}) {
+        const bool is_sampled = picture(scene, {.light_spacing_px = spacing_px}, 16, bounces).data == sampled.data;
+        EXPECT_EQ(is_sampled, bounces > 0 && pieces == 64)
+            << pieces << " pieces, " << bounces << " reflections, " << spacing_px << " px";
+      }
     }
   }
 }
