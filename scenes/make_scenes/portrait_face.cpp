@@ -21,29 +21,29 @@ struct Lips {
 };
 
 Lips lips_at(vec3 p) {
-  constexpr float kMiddle_m = -0.0552f, kHalfWidth_m = 0.0245f, kUpper_m = 0.0078f, kLower_m = 0.0092f;
+  constexpr float kMiddle_m = -0.0525f, kHalfWidth_m = 0.0235f, kUpper_m = 0.0078f, kLower_m = 0.0092f;
   const float t = p.x / kHalfWidth_m, taper = 1 - t * t;  // to 0 at the corners
-  const float y = p.y - kMiddle_m - 5.5f * p.x * p.x;     // the corners are higher
+  const float y = p.y - kMiddle_m - 9.0f * p.x * p.x;     // the corners are higher
   if (taper <= 0 || p.z < 0.05f) return {};               // beside them, or at the back of the head
   const float bow = 1 - 0.16f * ridge(p.x, 0.0038f);      // the dip in the middle of the upper lip
   const float height = y > 0 ? kUpper_m * taper * bow : kLower_m * std::pow(taper, 0.75f);
   const float share = std::min(std::abs(y) / height, 1.0f), gap = ridge(y, 0.0009f);
-  const float bulge = (y > 0 ? 0.0024f : 0.0036f) * std::sin(kPi * std::pow(share, 0.75f)) - 0.0012f * gap;
+  const float bulge = (y > 0 ? 0.0026f : 0.0040f) * std::sin(kPi * std::pow(share, 0.75f)) - 0.0012f * gap;
   return {height - std::abs(y), std::sqrt(taper) * bulge, gap};
 }
 
 float with_jaw_and_cheeks(float d, vec3 p, vec3 s) {
-  d = sdf_union(d, sdf_ellipsoid(p, {0, -0.045f, 0.022f}, {0.0405f, 0.0575f, 0.062f}), 0.045f);  // jaw
-  d = sdf_union(d, sdf_capsule(s, {0.0435f, -0.042f, 0.0f}, {0.009f, -0.0900f, 0.0590f}, 0.010f, 0.011f),
-                0.03f);                                                                              // its edge
-  d = sdf_union(d, sdf_ellipsoid(s, {0.042f, -0.005f, 0.047f}, {0.019f, 0.013f, 0.019f}), 0.03f);    // cheekbones
-  d = sdf_union(d, sdf_ellipsoid(p, {0, -0.052f, 0.064f}, {0.0265f, 0.026f, 0.021f}), 0.022f);       // around the mouth
-  return sdf_union(d, sdf_ellipsoid(p, {0, -0.0870f, 0.061f}, {0.0140f, 0.0130f, 0.0145f}), 0.02f);  // chin
+  d = sdf_union(d, sdf_ellipsoid(p, {0, -0.043f, 0.022f}, {0.0370f, 0.0520f, 0.063f}), 0.045f);  // jaw
+  d = sdf_union(d, sdf_capsule(s, {0.0415f, -0.040f, 0.0f}, {0.009f, -0.0835f, 0.0600f}, 0.010f, 0.011f),
+                0.03f);                                                                            // its edge
+  d = sdf_union(d, sdf_ellipsoid(s, {0.041f, -0.008f, 0.050f}, {0.019f, 0.015f, 0.019f}), 0.03f);  // cheekbones
+  d = sdf_union(d, sdf_ellipsoid(p, {0, -0.050f, 0.064f}, {0.0265f, 0.025f, 0.021f}), 0.022f);     // around the mouth
+  return sdf_union(d, sdf_ellipsoid(p, {0, -0.0800f, 0.0640f}, {0.0130f, 0.0120f, 0.0140f}), 0.02f);  // chin
 }
 
 float with_eyes(float d, vec3 p, vec3 s) {
-  d = sdf_union(d, sdf_ellipsoid(s, {0.022f, 0.034f, 0.0765f}, {0.024f, 0.0065f, 0.010f}), 0.022f);       // brows
-  d = sdf_subtract(d, sdf_ellipsoid(s, {0.031f, 0.0150f, 0.099f}, {0.0195f, 0.0120f, 0.0195f}), 0.016f);  // sockets
+  d = sdf_union(d, sdf_ellipsoid(s, {0.022f, 0.034f, 0.0765f}, {0.024f, 0.0065f, 0.010f}), 0.022f);        // brows
+  d = sdf_subtract(d, sdf_ellipsoid(s, {0.0325f, 0.0150f, 0.099f}, {0.0235f, 0.0130f, 0.0200f}), 0.016f);  // sockets
   const float lids = glm::length(s - kEye) - kLidRadius_m, x = s.x - kEye.x, y = p.y - kEye.y;
   const float upper = std::max(lids, upper_lid_m(x) - y), lower = std::max(lids, y - lower_lid_m(x));
   d = sdf_union(d, std::min(upper, lower), 0.003f);
@@ -53,28 +53,28 @@ float with_eyes(float d, vec3 p, vec3 s) {
 }
 
 float with_nose(float d, vec3 p, vec3 s) {
-  d = sdf_union(d, sdf_capsule(p, {0, 0.024f, 0.0780f}, {0, -0.016f, 0.0990f}, 0.0054f, 0.0078f), 0.010f);  // bridge
-  d = sdf_union(d, glm::length(p - vec3(0, -0.0182f, 0.0990f)) - 0.0078f, 0.009f);                          // tip
-  d = sdf_union(d, sdf_ellipsoid(s, {0.0113f, -0.0230f, 0.0888f}, {0.0060f, 0.0062f, 0.0092f}), 0.009f);    // wings
-  return sdf_subtract(d, sdf_ellipsoid(s, {0.0066f, -0.0300f, 0.0925f}, {0.0034f, 0.003f, 0.006f}),
+  d = sdf_union(d, sdf_capsule(p, {0, 0.024f, 0.0790f}, {0, -0.015f, 0.0995f}, 0.0044f, 0.0070f), 0.010f);  // bridge
+  d = sdf_union(d, glm::length(p - vec3(0, -0.0172f, 0.1000f)) - 0.0074f, 0.009f);                          // tip
+  d = sdf_union(d, sdf_ellipsoid(s, {0.0118f, -0.0225f, 0.0888f}, {0.0058f, 0.0062f, 0.0092f}), 0.009f);    // wings
+  return sdf_subtract(d, sdf_ellipsoid(s, {0.0066f, -0.0292f, 0.0925f}, {0.0034f, 0.003f, 0.006f}),
                       0.003f);  // nostrils
 }
 
 float with_mouth(float d, vec3 p, vec3 s) {
-  d = sdf_subtract(d, sdf_capsule(p, {0, -0.0335f, 0.0985f}, {0, -0.0435f, 0.0955f}, 0.0035f, 0.0035f),
+  d = sdf_subtract(d, sdf_capsule(p, {0, -0.0325f, 0.0985f}, {0, -0.0415f, 0.0955f}, 0.0035f, 0.0035f),
                    0.006f);  // philtrum
   d -= lips_at(p).bulge_m;
-  d = sdf_subtract(d, sdf_capsule(s, {0.0180f, -0.0250f, 0.0900f}, {0.0300f, -0.0500f, 0.0790f}, 0.0016f, 0.0016f),
-                   0.007f);  // beside nose and mouth
-  return sdf_subtract(d, sdf_ellipsoid(p, {0, -0.0725f, 0.0925f}, {0.018f, 0.004f, 0.0085f}), 0.010f);  // under the lip
+  d = sdf_subtract(d, sdf_capsule(s, {0.0180f, -0.0250f, 0.0900f}, {0.0300f, -0.0480f, 0.0800f}, 0.0010f, 0.0010f),
+                   0.008f);  // beside nose and mouth
+  return sdf_subtract(d, sdf_ellipsoid(p, {0, -0.0685f, 0.0925f}, {0.016f, 0.004f, 0.0085f}), 0.010f);  // under the lip
 }
 
 float with_ears_and_neck(float d, vec3 p, vec3 s) {
   const float ear = sdf_subtract(sdf_ellipsoid(s, {0.0795f, 0.002f, -0.012f}, {0.009f, 0.030f, 0.018f}),
                                  sdf_ellipsoid(s, {0.0895f, 0.004f, -0.006f}, {0.007f, 0.020f, 0.010f}), 0.005f);
   d = sdf_union(d, ear, 0.008f);
-  d = sdf_union(d, sdf_capsule(p, {0, -0.05f, -0.025f}, {0, -0.2f, -0.035f}, 0.047f, 0.055f), 0.028f);
-  return sdf_union(d, sdf_capsule(s, {0.05f, -0.06f, -0.03f}, {0.012f, -0.185f, 0.018f}, 0.008f, 0.009f), 0.02f);
+  d = sdf_union(d, sdf_capsule(p, {0, -0.05f, -0.025f}, {0, -0.2f, -0.035f}, 0.044f, 0.054f), 0.022f);
+  return sdf_union(d, sdf_capsule(s, {0.046f, -0.06f, -0.035f}, {0.012f, -0.185f, 0.018f}, 0.008f, 0.009f), 0.02f);
 }
 
 float bell(vec3 p, vec3 center, float sigma_m) {
@@ -85,12 +85,12 @@ float bell(vec3 p, vec3 center, float sigma_m) {
 }  // namespace
 
 float upper_lid_m(float x) {
-  const float t = x / 0.0148f;
-  return 0.0037f * (1 - t * t) - 0.0004f + 0.02f * x;  // the outer corner is the higher one
+  const float t = x / 0.0166f;
+  return 0.0042f * (1 - t * t) - 0.0004f + 0.02f * x;  // the outer corner is the higher one
 }
 
 float lower_lid_m(float x) {
-  const float t = x / 0.0148f;
+  const float t = x / 0.0166f;
   return -0.0043f * (1 - t * t) - 0.0004f + 0.02f * x;
 }
 
@@ -115,13 +115,13 @@ vec3 skin_tint(vec3 p) {
   const vec3 s(std::abs(p.x), p.y, p.z);
   const auto tint = [](vec3& color, float amount, vec3 by) { color *= glm::mix(vec3(1), by, std::min(amount, 1.0f)); };
   vec3 color(0.97f, 0.96f, 0.95f);
-  tint(color, bell(s, {0.043f, -0.022f, 0.062f}, 0.017f), {1.0f, 0.84f, 0.82f});        // cheeks
+  tint(color, bell(s, {0.043f, -0.022f, 0.062f}, 0.019f), {1.0f, 0.92f, 0.90f});        // cheeks
   tint(color, bell(p, {0, -0.019f, 0.105f}, 0.011f), {1.0f, 0.88f, 0.85f});             // tip of the nose
   tint(color, bell(s, {0.085f, 0, -0.01f}, 0.02f), {1.0f, 0.80f, 0.76f});               // ears
-  tint(color, bell(s, kEye + vec3(0, 0.002f, 0.012f), 0.010f), {0.88f, 0.78f, 0.77f});  // lids
+  tint(color, bell(s, kEye + vec3(0, 0.002f, 0.012f), 0.010f), {0.89f, 0.80f, 0.79f});  // lids
   tint(color, bell(p, {0, -0.095f, 0.08f}, 0.014f), {1.0f, 0.92f, 0.90f});              // chin
   const Lips lips = lips_at(p);
-  tint(color, std::clamp(0.5f + lips.inside_m / 0.0012f, 0.0f, 1.0f), {0.74f, 0.45f, 0.45f});
+  tint(color, std::clamp(0.5f + lips.inside_m / 0.0012f, 0.0f, 1.0f), {0.80f, 0.55f, 0.54f});
   tint(color, lips.gap, {0.35f, 0.25f, 0.25f});
   return color;
 }

@@ -5,8 +5,8 @@
 namespace dualpixel::scenes {
 
 /// The middle of the eye on the side of positive x; the other is its mirror image.
-inline constexpr glm::vec3 kEye{0.0305f, 0.0148f, 0.0715f};
-inline constexpr float kEyeRadius_m = 0.0121f, kLidRadius_m = 0.0134f;
+inline constexpr glm::vec3 kEye{0.0310f, 0.0148f, 0.0698f};
+inline constexpr float kEyeRadius_m = 0.0138f, kLidRadius_m = 0.0151f;
 
 /// Heights over the eye's middle between which it is open, `x` from its middle: an almond.
 float upper_lid_m(float x);

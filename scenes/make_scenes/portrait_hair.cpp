@@ -50,7 +50,7 @@ class Ribbon {
 
 /// Which way hair is combed at a point: away from a parting on the left, forward over the forehead, down at the sides.
 vec3 combed(vec3 p) {
-  const float side = p.x > -0.025f ? 0.8f : -0.8f;
+  const float side = 0.8f * std::clamp((p.x + 0.025f) / 0.012f, -1.0f, 1.0f);
   const float down = std::clamp((0.1f - p.y) * 8, 0.0f, 1.0f);
   return glm::normalize(vec3(side * (1 - 0.6f * down), -0.1f - 0.9f * down, p.z > 0.02f ? 0.35f * (1 - down) : -0.3f));
 }
@@ -99,17 +99,16 @@ Mesh hair_strands() {
 }
 
 Mesh brow_hairs() {
-  constexpr int kHairs = 640, kSegments = 3;
+  constexpr int kHairs = 520, kSegments = 3;
   Mesh mesh;
   for (int i = 0; i < kHairs; ++i) {
     const float side = i % 2 ? 1.0f : -1.0f, t = scene_hash01(211, i), across = scene_hash01(212, i) - 0.5f;
-    const float x = 0.0135f + 0.036f * t - 0.004f * (1 - t) * scene_hash01(217, i);  // no straight inner end
-    const float y =
-        0.0312f + 0.0050f * std::sin(2.4f * t + 0.15f) - 0.003f * t * t + 0.0052f * across * (1 - 0.65f * t);
+    const float x = 0.0135f + 0.036f * t - 0.008f * (1 - t) * scene_hash01(217, i);  // no straight inner end
+    const float y = 0.0318f + 0.0062f * std::sin(2.1f * t) - 0.0028f * t * t + 0.0046f * across * (1 - 0.65f * t);
     vec3 p = on_face(side * x, y);
     vec3 direction = glm::normalize(vec3(side * (0.55f + 0.5f * t), 0.75f - 1.15f * t - 0.5f * across, 0.15f) +
                                     0.25f * vec3(scene_hash01(214, i) - 0.5f, scene_hash01(215, i) - 0.5f, 0));
-    Ribbon ribbon(mesh, 0.00014f, 0.6f * scene_hash01(213, i), kSegments);
+    Ribbon ribbon(mesh, 0.00012f, 0.2f + 0.7f * scene_hash01(213, i), kSegments);
     for (int s = 0; s <= kSegments; ++s) {
       ribbon.add(p, direction, glm::normalize(vec3(0.4f * side * t, 0.1f, 1)));
       p += direction * (0.0075f * (0.7f + 0.5f * scene_hash01(216, i)) / kSegments);
@@ -120,17 +119,17 @@ Mesh brow_hairs() {
 }
 
 Mesh lashes() {
-  constexpr int kLashes = 75, kSegments = 4;
+  constexpr int kLashes = 110, kSegments = 4;
   Mesh mesh;
   for (int i = 0; i < 2 * kLashes; ++i) {
     const int along = i / 2;
     const float side = i % 2 ? 1.0f : -1.0f;
-    const float x = 0.0118f * (2 * (static_cast<float>(along) + scene_hash01(221, i)) / kLashes - 1);
+    const float x = 0.0134f * (2 * (static_cast<float>(along) + scene_hash01(221, i)) / kLashes - 1);
     const float y = upper_lid_m(x);
     const float z = std::sqrt(std::max(kLidRadius_m * kLidRadius_m - x * x - y * y, 0.0f));
     vec3 p = vec3(side * (kEye.x + x), kEye.y + y, kEye.z + z);
-    vec3 direction = glm::normalize(vec3(side * (30 * x + 0.2f * (scene_hash01(222, i) - 0.5f)), -0.25f, 1));
-    Ribbon ribbon(mesh, 0.00012f, 0, kSegments);
+    vec3 direction = glm::normalize(vec3(side * (45 * x + 0.5f * (scene_hash01(222, i) - 0.5f)), -0.25f, 1));
+    Ribbon ribbon(mesh, 0.00007f, 0, kSegments);
     for (int s = 0; s <= kSegments; ++s) {
       ribbon.add(p, direction, {0, 1, 0.2f});
       direction = glm::normalize(direction + vec3(0, 0.38f, 0));

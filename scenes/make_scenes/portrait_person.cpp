@@ -84,16 +84,20 @@ vec3 hand_tint(vec3 p, float curl) {
   return color;
 }
 
-Mesh ball(vec3 center, float radius, vec3 pole) {
+/// An eye that looks along `pole`: a ball whose cornea stands out, more curved than the rest, as it shows lights.
+Mesh eyeball(vec3 center, float radius, vec3 pole) {
   Mesh mesh;
   const vec3 x = glm::normalize(glm::cross(vec3(0, 1, 0), pole)), y = glm::cross(pole, x);
   constexpr unsigned kRows = 24, kColumns = 48;
   for (unsigned i = 0; i <= kRows; ++i) {
     for (unsigned j = 0; j <= kColumns; ++j) {
       const float theta = kPi * i / kRows, phi = 2 * kPi * j / kColumns;
-      const vec3 n = std::cos(theta) * pole + std::sin(theta) * (std::cos(phi) * x + std::sin(phi) * y);
-      mesh.positions.push_back(center + radius * n);
-      mesh.normals.push_back(n);
+      const vec3 across = std::cos(phi) * x + std::sin(phi) * y;
+      const vec3 n = std::cos(theta) * pole + std::sin(theta) * across;
+      const vec3 along = std::cos(theta) * across - std::sin(theta) * pole;  // how n changes with theta
+      const float cornea = 0.0012f * std::exp(-theta * theta / (0.42f * 0.42f)), r = radius + cornea;
+      mesh.positions.push_back(center + r * n);
+      mesh.normals.push_back(glm::normalize(r * n + 2 * theta / (0.42f * 0.42f) * cornea * along));
       mesh.uvs.push_back({0.5f + 0.5f * static_cast<float>(i) / kRows * std::cos(phi),
                           0.5f + 0.5f * static_cast<float>(i) / kRows * std::sin(phi)});
     }
@@ -114,14 +118,14 @@ void add_eyes(Glb& glb, const glm::mat4& to_head) {
                 rays = value_noise(206, vec3(std::atan2(v - 0.5f, u - 0.5f) * 14, r * 9, 0));
     if (r < 0.058f) return vec3(0.006f);
     const vec3 color = glm::mix(vec3(0.045f, 0.026f, 0.013f), vec3(0.2f, 0.12f, 0.055f), 0.4f * n + 0.6f * rays);
-    if (r < 0.17f) return color * std::clamp((0.172f - r) / 0.02f, 0.3f, 1.0f);
+    if (r < 0.143f) return color * std::clamp((0.145f - r) / 0.02f, 0.3f, 1.0f);
     return glm::mix(vec3(0.5f, 0.43f, 0.4f), vec3(0.62f, 0.57f, 0.54f), n) *
-           std::clamp((r - 0.14f) / 0.05f, 0.5f, 1.0f);
+           std::clamp((r - 0.113f) / 0.05f, 0.5f, 1.0f);
   });
   const int material = glb.add_material(glb.add_texture(iris), vec3(1), false, 0.12f);
   for (const float side : {-1.0f, 1.0f}) {
-    const vec3 gaze = glm::normalize(vec3(0.15f - 0.02f * side, -0.05f, 1));
-    glb.add_node("eye", placed_mesh(ball({side * kEye.x, kEye.y, kEye.z}, kEyeRadius_m, gaze), to_head), material,
+    const vec3 gaze = glm::normalize(vec3(0.146f - 0.039f * side, -0.10f, 1));
+    glb.add_node("eye", placed_mesh(eyeball({side * kEye.x, kEye.y, kEye.z}, kEyeRadius_m, gaze), to_head), material,
                  true);
   }
 }
