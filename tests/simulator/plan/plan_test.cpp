@@ -575,11 +575,12 @@ double traced_error(const Simulation& s, const Scene& scene, const Lens& lens, c
 /// Where the chosen lens draws the picture elsewhere, or nothing has texture, the two renders cannot be compared window
 /// by window; then the lens's own error is traced, and the reference is rendered through the chosen lens.
 void keeps_its_promise(const Simulation& s, const std::string& scene_name, const std::string& lens,
-                       double tolerance_dp_px, int seeds = 16) {
+                       double tolerance_dp_px, int seeds = 16, bool print_plan = false) {
   const Scene scene = load_scene(s);
   const Plan p = plan(s, scene, tolerance_dp_px, 5);
   const LensStep& step = p.lenses[p.chosen.lens];
   EXPECT_TRUE(p.met) << scene_name << ' ' << lens;
+  if (print_plan) std::cout << plan_text(p);
 
   const bool comparable = p.measured && step.differences.picture_shift_px < 0.1;
   const double lens_error =
@@ -657,13 +658,13 @@ TEST(SweepPlan, KeepsItsPromiseOnTheCalibrationTarget) { keeps_its_promise("cali
 TEST(SweepPlan, KeepsItsPromiseInThePortrait) {
   keeps_its_promise("portrait", std::vector<std::string>{"phone_6p_4.2mm_f1.8"});  // the scene's own
 }
-// Each through the lens that it has. Some take half an hour, so that few seeds are taken.
+// Each through the lens that it has. Some take half an hour, so that few seeds are taken. Prints the plans.
 class GalleryPlan : public ::testing::TestWithParam<std::string> {};
 TEST_P(GalleryPlan, KeepsItsPromise) {
   const TemporaryFolder folder;
   const std::string file = DUALPIXEL_SOURCE_DIR "/scenes/gallery/" + GetParam() + ".json", drawn = folder / GetParam();
   ASSERT_EQ(run_program("scene '" + file + "' -o '" + drawn + "'").status, 0);
-  keeps_its_promise(small_picture(drawn + "/scene.json"), GetParam(), "its own", kDefaultTolerance_dp_px, 4);
+  keeps_its_promise(small_picture(drawn + "/scene.json"), GetParam(), "its own", kDefaultTolerance_dp_px, 4, true);
 }
 std::vector<std::string> gallery() {
   std::vector<std::string> names;
