@@ -13,7 +13,8 @@ constexpr std::size_t kBouncePilot = 0;  ///< bounces are judged by the renders 
 constexpr std::array kBounces = {0, 1, 2, 4, kReferenceBounces};
 constexpr double kLeastCorrelation = 0.8;
 constexpr double kLostDpPx = 1;
-constexpr int kFewestWindows = 6;
+constexpr std::size_t kFewestWindows = 6;
+constexpr std::size_t kMostTiles = 4;  ///< over what there are at first
 
 double work(int bounces, int samples) { return (1.0 + bounces) * samples; }
 
@@ -46,7 +47,7 @@ double work_in_all(const Simulation& simulation) {
 /// Pilot renders that report how much of all their work is done.
 class CountedPilots {
  public:
-  CountedPilots(const PilotRenders& pilots, const Simulation& file, const ProgressCallback& progress)
+  CountedPilots(PilotRenders& pilots, const Simulation& file, const ProgressCallback& progress)
       : pilots_(pilots),
         light_spacing_px_(file.light.light_spacing_px),
         work_in_all_(work_in_all(file)),
@@ -71,10 +72,10 @@ class CountedPilots {
                             .new_light = timed});
   }
 
-  const PilotRenders& plain() const { return pilots_; }
+  PilotRenders& plain() const { return pilots_; }
 
  private:
-  const PilotRenders& pilots_;
+  PilotRenders& pilots_;
   double light_spacing_px_, work_in_all_;
   const ProgressCallback& progress_;
   double done_ = 0;
@@ -106,10 +107,14 @@ std::vector<double> variances_of(const std::vector<std::vector<double>>& renders
 /// Error of one such render.
 double noise_error(const std::vector<std::vector<double>>& renders) { return upper_rms(variances_of(renders)); }
 
-/// The windows with texture, by two renders of the reference that serve nothing else: what a window is made of would
-/// match it too well.
-std::vector<TileWindow> textured_windows(const Simulation& simulation, double tolerance_dp_px, CountedPilots& pilots,
-                                         int& total) {
+/// Windows of all tiles.
+struct TileWindows {
+  std::vector<TileWindow> textured;
+  int total = 0;
+};
+
+/// By two renders of the reference that serve nothing else: what a window is made of would match it too well.
+TileWindows windows_of_tiles(const Simulation& simulation, double tolerance_dp_px, CountedPilots& pilots) {
   const auto render = [&](int nth) {
     return pilots.render(pilots.plain(), {.bounces = kReferenceBounces,
                                           .samples = kPilotSamples.back(),
@@ -119,13 +124,36 @@ std::vector<TileWindow> textured_windows(const Simulation& simulation, double to
   };
   const PilotRender best[2] = {render(0), render(1)};
   const Exposure exposure = describe_exposure(simulation.sensor, simulation.exposure);
-  std::vector<TileWindow> windows;
+  TileWindows windows;
   for (std::size_t t = 0; t < best[0].tiles.size(); ++t) {
     const MatchWindows in_tile =
         match_windows(best[0].tiles[t], best[1].tiles[t], exposure, simulation.burst_frames, tolerance_dp_px);
-    total += in_tile.total;
-    for (const MatchWindow& window : in_tile.textured) windows.push_back({t, window});
+    windows.total += in_tile.total;
+    for (const MatchWindow& window : in_tile.textured) windows.textured.push_back({t, window});
   }
+  return windows;
+}
+
+/// Leaves out the tiles without a window, but for the first ones, by which time is measured.
+void keep_textured_tiles(std::size_t first_ones, PilotRenders& pilots, std::vector<TileWindow>& windows) {
+  std::vector<bool> wanted(pilots.tiles(), false);
+  std::fill_n(wanted.begin(), first_ones, true);
+  for (const TileWindow& w : windows) wanted[w.tile] = true;
+  for (TileWindow& w : windows) {
+    w.tile = std::count(wanted.begin(), wanted.begin() + static_cast<std::ptrdiff_t>(w.tile), true);
+  }
+  pilots.keep_tiles(wanted);
+}
+
+/// Where few windows have texture, those of up to kMostTiles times as many tiles.
+TileWindows find_windows(const Simulation& simulation, double tolerance_dp_px, CountedPilots& pilots) {
+  PilotRenders& plain = pilots.plain();
+  const std::size_t first_ones = plain.tiles();
+  TileWindows windows = windows_of_tiles(simulation, tolerance_dp_px, pilots);
+  while (windows.textured.size() < kFewestWindows && plain.tiles() < kMostTiles * first_ones && plain.add_tiles()) {
+    windows = windows_of_tiles(simulation, tolerance_dp_px, pilots);
+  }
+  keep_textured_tiles(first_ones, plain, windows.textured);
   return windows;
 }
 
@@ -310,14 +338,16 @@ double PilotErrors::sample_error(int samples) const {
   return std::sqrt(std::max(square(noise[i]) - light_variance, 0.0) * kPilotSamples[i] / samples);
 }
 
-PilotErrors measure_pilots(const PilotRenders& pilot_renders, const Simulation& simulation, double tolerance_dp_px,
+PilotErrors measure_pilots(PilotRenders& pilot_renders, const Simulation& simulation, double tolerance_dp_px,
                            const ProgressCallback& progress) {
   const double spacing_px = simulation.light.light_spacing_px;
   CountedPilots pilots(pilot_renders, simulation, progress);
   PilotErrors errors;
-  const std::vector<TileWindow> windows = textured_windows(simulation, tolerance_dp_px, pilots, errors.windows);
+  const TileWindows found = find_windows(simulation, tolerance_dp_px, pilots);
+  const std::vector<TileWindow>& windows = found.textured;
+  errors.windows = found.total;
   errors.windows_textured = static_cast<int>(windows.size());
-  if (errors.windows_textured < kFewestWindows) return errors;
+  if (windows.size() < kFewestWindows) return errors;
 
   std::array<std::vector<PilotRender>, kPilotSamples.size()> full;  // with the reference's bounces
   for (std::size_t n = 0; n < full.size(); ++n) {

@@ -25,8 +25,8 @@ struct PilotErrors {
   double sample_error(int samples) const;
 };
 
-/// `pilots` without effects; `simulation` is the scene file's.
-PilotErrors measure_pilots(const PilotRenders& pilots, const Simulation& simulation, double tolerance_dp_px,
+/// `pilots` without effects; they get more tiles where few have texture. `simulation` is the scene file's.
+PilotErrors measure_pilots(PilotRenders& pilots, const Simulation& simulation, double tolerance_dp_px,
                            const ProgressCallback& progress);
 
 }  // namespace dualpixel::simulator

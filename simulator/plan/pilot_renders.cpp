@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "capture/timing.h"
 #include "simulator/held_camera.h"
@@ -17,8 +18,9 @@ namespace {
 
 constexpr int kTileColumns = 6, kTileRows = 4;
 
-/// Parts of the sensor: the principal point moves, nothing else.
-std::vector<SensorGrid> tile_grids(const SensorOptions& options, std::uint64_t seed) {
+/// Parts of the sensor: the principal point moves, nothing else. As many as there are cells, from the `first` one on;
+/// the whole sensor where it is small.
+std::vector<SensorGrid> tile_grids(const SensorOptions& options, std::uint64_t seed, int first) {
   const SensorGrid sensor = sensor_grid(options);
   // a tile begins at a DP pixel and at the mosaic's first photosite
   const int step_x = std::max(options.dp_downsample_x, 2), step_y = std::max(options.dp_downsample_y, 2);
@@ -27,10 +29,11 @@ std::vector<SensorGrid> tile_grids(const SensorOptions& options, std::uint64_t s
   const int cell_width = sensor.width_px / kTileColumns, cell_height = sensor.height_px / kTileRows;
   if (cell_width < tile_width || cell_height < tile_height) return {sensor};
   std::vector<SensorGrid> grids;
-  for (int i = 0; i < kTileColumns * kTileRows; ++i) {
+  for (int i = first; i < first + kTileColumns * kTileRows; ++i) {
     const std::uint64_t key = hash(seed, i);
     const int x = i % kTileColumns * cell_width + static_cast<int>(key % (cell_width - tile_width + 1));
-    const int y = i / kTileColumns * cell_height + static_cast<int>((key >> 32) % (cell_height - tile_height + 1));
+    const int y =
+        i / kTileColumns % kTileRows * cell_height + static_cast<int>((key >> 32) % (cell_height - tile_height + 1));
     const glm::dvec2 corner(x / step_x * step_x, y / step_y * step_y);
     grids.push_back(
         {tile_width, tile_height, sensor.pixel_pitch_m, sensor.principal_point_px - corner, sensor.dp_downsample_x});
@@ -51,12 +54,11 @@ std::vector<CameraView> poses_of_tile(const Simulation& s, const CameraView& who
   return poses;
 }
 
-std::vector<std::vector<CameraView>> tiles_of(const Simulation& simulation, const Scene& scene, std::uint64_t seed) {
+std::vector<std::vector<CameraView>> tiles_of(const Simulation& simulation, const Scene& scene,
+                                              const std::vector<SensorGrid>& grids) {
   const CameraView camera = place_camera(simulation, scene);
   std::vector<std::vector<CameraView>> tiles;
-  for (const SensorGrid& grid : tile_grids(simulation.sensor, seed)) {
-    tiles.push_back(poses_of_tile(simulation, camera, grid));
-  }
+  for (const SensorGrid& grid : grids) tiles.push_back(poses_of_tile(simulation, camera, grid));
   return tiles;
 }
 
@@ -66,8 +68,35 @@ LeastSensor least_sensor(const SensorOptions& sensor) {
   return {(kWindowDpPx + 2 * color_period(sensor)) * sensor.dp_downsample_x, kWindowDpPx * sensor.dp_downsample_y};
 }
 
+PilotRenders::PilotRenders(const Simulation& simulation, RenderScene& world, std::uint64_t seed,
+                           std::vector<SensorGrid> grids)
+    : simulation_(simulation),
+      world_(world),
+      grids_(std::move(grids)),
+      tiles_(tiles_of(simulation, world.scene, grids_)),
+      seed_(seed) {}
+
 PilotRenders::PilotRenders(const Simulation& simulation, RenderScene& world, std::uint64_t seed)
-    : simulation_(simulation), world_(world), tiles_(tiles_of(simulation, world.scene, hash(seed, 1))), seed_(seed) {}
+    : PilotRenders(simulation, world, seed, tile_grids(simulation.sensor, hash(seed, 1), 0)) {}
+
+bool PilotRenders::add_tiles() {
+  if (grids_.size() == 1) return false;
+  const auto before = static_cast<int>(grids_.size());
+  for (int first = before; first < 2 * before; first += kTileColumns * kTileRows) {
+    for (const SensorGrid& grid : tile_grids(simulation_.sensor, hash(seed_, 1), first)) grids_.push_back(grid);
+  }
+  tiles_ = tiles_of(simulation_, world_.scene, grids_);
+  return true;
+}
+
+void PilotRenders::keep_tiles(const std::vector<bool>& wanted) {
+  std::vector<SensorGrid> kept;
+  for (std::size_t i = 0; i < grids_.size(); ++i) {
+    if (wanted[i]) kept.push_back(grids_[i]);
+  }
+  grids_ = std::move(kept);
+  tiles_ = tiles_of(simulation_, world_.scene, grids_);
+}
 
 void PilotRenders::choose_light(const PilotSettings& settings) const {
   LightCacheOptions light = simulation_.light;

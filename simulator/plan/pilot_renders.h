@@ -43,15 +43,22 @@ class PilotRenders {
   PilotRender render(const PilotSettings& settings) const;
 
   /// The same tiles and random numbers of another simulation.
-  PilotRenders of(const Simulation& other) const { return {other, world_, seed_}; }
+  PilotRenders of(const Simulation& other) const { return {other, world_, seed_, grids_}; }
+  /// As many tiles once more, elsewhere; false where there is but the whole sensor.
+  bool add_tiles();
+  /// Leaves out those of which `wanted` is false.
+  void keep_tiles(const std::vector<bool>& wanted);
   const Simulation& simulation() const { return simulation_; }
+  std::size_t tiles() const { return tiles_.size(); }
   int poses() const { return static_cast<int>(tiles_[0].size()); }  ///< of each exposure
 
  private:
+  PilotRenders(const Simulation& simulation, RenderScene& world, std::uint64_t seed, std::vector<SensorGrid> grids);
   void choose_light(const PilotSettings& settings) const;
 
   const Simulation& simulation_;
   RenderScene& world_;
+  std::vector<SensorGrid> grids_;               ///< of the tiles
   std::vector<std::vector<CameraView>> tiles_;  ///< of each, the poses in which the hand holds the camera
   std::uint64_t seed_;
 };

@@ -188,7 +188,7 @@ Plan plan(const Simulation& simulation, const Scene& scene, double tolerance_dp_
   plan.pilot_lens = plan.lenses.size() - (last && last->exact_trace ? 2 : 1);  // an exact trace would take too long
   Simulation pilot_simulation = bare;
   pilot_simulation.lens = plan.lenses[plan.pilot_lens].candidate.lens;
-  const PilotRenders pilots(pilot_simulation, world, seed);
+  PilotRenders pilots(pilot_simulation, world, seed);
   const PilotErrors errors = measure_pilots(pilots, simulation, tolerance_dp_px, progress);
   plan.windows = errors.windows;
   plan.windows_textured = errors.windows_textured;

@@ -237,6 +237,20 @@ TEST(Plan, WithoutTextureBouncesAndSamplesStay) {
   EXPECT_TRUE(plan_json(p, true)["tolerance_met"].is_null());
 }
 
+TEST(Plan, LooksAtMoreWindowsWhereFewHaveTexture) {
+  Simulation file = small_camera();
+  file.sensor.width_px = 480;
+  file.sensor.height_px = 160;
+  file.sensor.pixel_pitch_um = 10;
+  file.sensor.dp_downsample_x = file.sensor.dp_downsample_y = 1;
+  Scene scene = glowing_wall();
+  scene.meshes[0] = make_quad({-0.11f, -0.05f, 1}, {0.12f, 0, 0}, {0, 0.1f, 0}, 0);
+  const Plan p = plan(file, scene, 0.02, 1);
+  EXPECT_TRUE(p.measured);
+  EXPECT_GT(p.windows, 48);  // two in each of 24 tiles
+  EXPECT_GE(p.windows_textured, 6);
+}
+
 TEST(Plan, SaysSoWhereNothingReachesTheTolerance) {
   Simulation s = small_camera();
   s.burst_frames = 2000000000;  // so that the sensor's own noise is no excuse
