@@ -6,6 +6,7 @@ namespace dualpixel::scenes {
 
 /// The middle of the eye on the side of positive x; the other is its mirror image.
 inline constexpr glm::vec3 kEye{0.0310f, 0.0148f, 0.0698f};
+/// Of the ball without its cornea, which stands out by 1.2 mm and must stay behind the lids, and of the lids.
 inline constexpr float kEyeRadius_m = 0.0138f, kLidRadius_m = 0.0151f;
 
 /// Heights over the eye's middle between which it is open, `x` from its middle: an almond.

@@ -84,20 +84,22 @@ vec3 hand_tint(vec3 p, float curl) {
   return color;
 }
 
-/// An eye that looks along `pole`: a ball whose cornea stands out, more curved than the rest, as it shows lights.
+/// An eye that looks along `pole`: a ball with a cornea that bulges and curves more, so that it reflects the sun as a
+/// small highlight.
 Mesh eyeball(vec3 center, float radius, vec3 pole) {
   Mesh mesh;
   const vec3 x = glm::normalize(glm::cross(vec3(0, 1, 0), pole)), y = glm::cross(pole, x);
   constexpr unsigned kRows = 24, kColumns = 48;
+  constexpr float kCornea_m = 0.0012f, kWidth2 = 0.42f * 0.42f;  // a Gaussian of the angle from the pole
   for (unsigned i = 0; i <= kRows; ++i) {
     for (unsigned j = 0; j <= kColumns; ++j) {
       const float theta = kPi * i / kRows, phi = 2 * kPi * j / kColumns;
       const vec3 across = std::cos(phi) * x + std::sin(phi) * y;
       const vec3 n = std::cos(theta) * pole + std::sin(theta) * across;
       const vec3 along = std::cos(theta) * across - std::sin(theta) * pole;  // how n changes with theta
-      const float cornea = 0.0012f * std::exp(-theta * theta / (0.42f * 0.42f)), r = radius + cornea;
+      const float cornea = kCornea_m * std::exp(-theta * theta / kWidth2), r = radius + cornea;
       mesh.positions.push_back(center + r * n);
-      mesh.normals.push_back(glm::normalize(r * n + 2 * theta / (0.42f * 0.42f) * cornea * along));
+      mesh.normals.push_back(glm::normalize(r * n + 2 * theta / kWidth2 * cornea * along));
       mesh.uvs.push_back({0.5f + 0.5f * static_cast<float>(i) / kRows * std::cos(phi),
                           0.5f + 0.5f * static_cast<float>(i) / kRows * std::sin(phi)});
     }

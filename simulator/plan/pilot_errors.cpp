@@ -14,7 +14,7 @@ constexpr std::array kBounces = {0, 1, 2, 4, kReferenceBounces};
 constexpr double kLeastCorrelation = 0.8;
 constexpr double kLostDpPx = 1;
 constexpr std::size_t kFewestWindows = 6;
-constexpr std::size_t kMostTiles = 4;  ///< over what there are at first
+constexpr std::size_t kMostTimesTiles = 4;  ///< of those looked at first
 
 double work(int bounces, int samples) { return (1.0 + bounces) * samples; }
 
@@ -55,7 +55,9 @@ class CountedPilots {
 
   PilotRender render(const PilotRenders& pilots, const PilotSettings& settings) {
     PilotRender pilot = pilots.render(settings);
-    done_ += (settings.timed ? 2 : 1) * pilots.poses() * work(settings.bounces, settings.samples);
+    const double done = (settings.timed ? 2 : 1) * pilots.poses() * work(settings.bounces, settings.samples);
+    if (settings.first_tile > 0) work_in_all_ += done;  // it was not expected
+    done_ += done;
     if (progress_) progress_(std::min(done_ / work_in_all_, 1.0));
     return pilot;
   }
@@ -107,34 +109,36 @@ std::vector<double> variances_of(const std::vector<std::vector<double>>& renders
 /// Error of one such render.
 double noise_error(const std::vector<std::vector<double>>& renders) { return upper_rms(variances_of(renders)); }
 
-/// Windows of all tiles.
+/// Windows of the tiles.
 struct TileWindows {
   std::vector<TileWindow> textured;
   int total = 0;
 };
 
-/// By two renders of the reference that serve nothing else: what a window is made of would match it too well.
-TileWindows windows_of_tiles(const Simulation& simulation, double tolerance_dp_px, CountedPilots& pilots) {
+/// Adds the windows of the tiles from `first_tile` on, by two renders of the reference that serve nothing else: what a
+/// window is made of would match it too well.
+void add_windows(const Simulation& simulation, double tolerance_dp_px, std::size_t first_tile, CountedPilots& pilots,
+                 TileWindows& windows) {
   const auto render = [&](int nth) {
     return pilots.render(pilots.plain(), {.bounces = kReferenceBounces,
                                           .samples = kPilotSamples.back(),
                                           .light_spacing_px = simulation.light.light_spacing_px,
                                           .repeat = kPilotRenders + nth,
-                                          .light_repeat = kPilotRenders + nth});
+                                          .light_repeat = kPilotRenders + nth,
+                                          .first_tile = first_tile});
   };
   const PilotRender best[2] = {render(0), render(1)};
   const Exposure exposure = describe_exposure(simulation.sensor, simulation.exposure);
-  TileWindows windows;
-  for (std::size_t t = 0; t < best[0].tiles.size(); ++t) {
+  for (std::size_t t = first_tile; t < best[0].tiles.size(); ++t) {
     const MatchWindows in_tile =
         match_windows(best[0].tiles[t], best[1].tiles[t], exposure, simulation.burst_frames, tolerance_dp_px);
     windows.total += in_tile.total;
     for (const MatchWindow& window : in_tile.textured) windows.textured.push_back({t, window});
   }
-  return windows;
 }
 
-/// Leaves out the tiles without a window, but for the first ones, by which time is measured.
+/// Leaves out the tiles without a textured window, but for the first ones, so that time is still nearly that of the
+/// whole frame.
 void keep_textured_tiles(std::size_t first_ones, PilotRenders& pilots, std::vector<TileWindow>& windows) {
   std::vector<bool> wanted(pilots.tiles(), false);
   std::fill_n(wanted.begin(), first_ones, true);
@@ -145,15 +149,17 @@ void keep_textured_tiles(std::size_t first_ones, PilotRenders& pilots, std::vect
   pilots.keep_tiles(wanted);
 }
 
-/// Where few windows have texture, those of up to kMostTiles times as many tiles.
+/// Of the tiles; where few windows have texture, of up to kMostTimesTiles times as many.
 TileWindows find_windows(const Simulation& simulation, double tolerance_dp_px, CountedPilots& pilots) {
   PilotRenders& plain = pilots.plain();
   const std::size_t first_ones = plain.tiles();
-  TileWindows windows = windows_of_tiles(simulation, tolerance_dp_px, pilots);
-  while (windows.textured.size() < kFewestWindows && plain.tiles() < kMostTiles * first_ones && plain.add_tiles()) {
-    windows = windows_of_tiles(simulation, tolerance_dp_px, pilots);
-  }
-  keep_textured_tiles(first_ones, plain, windows.textured);
+  std::size_t looked_at = 0;
+  TileWindows windows;
+  do {
+    add_windows(simulation, tolerance_dp_px, looked_at, pilots, windows);
+    looked_at = plain.tiles();
+  } while (windows.textured.size() < kFewestWindows && looked_at < kMostTimesTiles * first_ones && plain.add_tiles());
+  if (looked_at > first_ones) keep_textured_tiles(first_ones, plain, windows.textured);
   return windows;
 }
 

@@ -25,7 +25,7 @@ struct PilotErrors {
   double sample_error(int samples) const;
 };
 
-/// `pilots` without effects; they get more tiles where few have texture. `simulation` is the scene file's.
+/// `pilots` without effects; they get more tiles where few windows have texture. `simulation` is the scene file's.
 PilotErrors measure_pilots(PilotRenders& pilots, const Simulation& simulation, double tolerance_dp_px,
                            const ProgressCallback& progress);
 

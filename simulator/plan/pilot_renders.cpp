@@ -16,10 +16,10 @@
 namespace dualpixel::simulator {
 namespace {
 
-constexpr int kTileColumns = 6, kTileRows = 4;
+constexpr int kTileColumns = 6, kTileRows = 4, kTiles = kTileColumns * kTileRows;
 
-/// Parts of the sensor: the principal point moves, nothing else. As many as there are cells, from the `first` one on;
-/// the whole sensor where it is small.
+/// Parts of the sensor: the principal point moves, nothing else. One in each cell, numbered from `first`; the whole
+/// sensor where it is small.
 std::vector<SensorGrid> tile_grids(const SensorOptions& options, std::uint64_t seed, int first) {
   const SensorGrid sensor = sensor_grid(options);
   // a tile begins at a DP pixel and at the mosaic's first photosite
@@ -29,8 +29,8 @@ std::vector<SensorGrid> tile_grids(const SensorOptions& options, std::uint64_t s
   const int cell_width = sensor.width_px / kTileColumns, cell_height = sensor.height_px / kTileRows;
   if (cell_width < tile_width || cell_height < tile_height) return {sensor};
   std::vector<SensorGrid> grids;
-  for (int i = first; i < first + kTileColumns * kTileRows; ++i) {
-    const std::uint64_t key = hash(seed, i);
+  for (int i = first; i < first + kTiles; ++i) {
+    const std::uint64_t key = hash(hash(seed, 1), i);
     const int x = i % kTileColumns * cell_width + static_cast<int>(key % (cell_width - tile_width + 1));
     const int y =
         i / kTileColumns % kTileRows * cell_height + static_cast<int>((key >> 32) % (cell_height - tile_height + 1));
@@ -54,12 +54,9 @@ std::vector<CameraView> poses_of_tile(const Simulation& s, const CameraView& who
   return poses;
 }
 
-std::vector<std::vector<CameraView>> tiles_of(const Simulation& simulation, const Scene& scene,
-                                              const std::vector<SensorGrid>& grids) {
-  const CameraView camera = place_camera(simulation, scene);
-  std::vector<std::vector<CameraView>> tiles;
-  for (const SensorGrid& grid : grids) tiles.push_back(poses_of_tile(simulation, camera, grid));
-  return tiles;
+bool overlap(const SensorGrid& a, const SensorGrid& b) {
+  const glm::dvec2 apart = glm::abs(a.principal_point_px - b.principal_point_px);
+  return apart.x < a.width_px && apart.y < a.height_px;
 }
 
 }  // namespace
@@ -69,33 +66,44 @@ LeastSensor least_sensor(const SensorOptions& sensor) {
 }
 
 PilotRenders::PilotRenders(const Simulation& simulation, RenderScene& world, std::uint64_t seed,
-                           std::vector<SensorGrid> grids)
-    : simulation_(simulation),
-      world_(world),
-      grids_(std::move(grids)),
-      tiles_(tiles_of(simulation, world.scene, grids_)),
-      seed_(seed) {}
+                           const std::vector<SensorGrid>& grids)
+    : simulation_(simulation), world_(world), seed_(seed), next_(grids.size() == 1 ? 0 : kTiles) {
+  const CameraView camera = place_camera(simulation, world.scene);
+  for (const SensorGrid& grid : grids) tiles_.push_back(poses_of_tile(simulation, camera, grid));
+}
 
 PilotRenders::PilotRenders(const Simulation& simulation, RenderScene& world, std::uint64_t seed)
-    : PilotRenders(simulation, world, seed, tile_grids(simulation.sensor, hash(seed, 1), 0)) {}
+    : PilotRenders(simulation, world, seed, tile_grids(simulation.sensor, seed, 0)) {}
+
+std::vector<SensorGrid> PilotRenders::grids() const {
+  std::vector<SensorGrid> grids;
+  for (const std::vector<CameraView>& poses : tiles_) grids.push_back(poses[0].lens.sensor());
+  return grids;
+}
 
 bool PilotRenders::add_tiles() {
-  if (grids_.size() == 1) return false;
-  const auto before = static_cast<int>(grids_.size());
-  for (int first = before; first < 2 * before; first += kTileColumns * kTileRows) {
-    for (const SensorGrid& grid : tile_grids(simulation_.sensor, hash(seed_, 1), first)) grids_.push_back(grid);
+  constexpr int kTries = 8;  // in each cell
+  if (next_ == 0) return false;
+  const std::size_t before = tiles_.size();
+  std::vector<SensorGrid> all = grids();
+  const CameraView camera = place_camera(simulation_, world_.scene);
+  for (int tries = 0; tries < kTries; ++tries, next_ += kTiles) {
+    for (const SensorGrid& grid : tile_grids(simulation_.sensor, seed_, next_)) {
+      const auto meets = [&](const SensorGrid& other) { return overlap(grid, other); };
+      if (tiles_.size() == 2 * before || std::any_of(all.begin(), all.end(), meets)) continue;
+      all.push_back(grid);
+      tiles_.push_back(poses_of_tile(simulation_, camera, grid));
+    }
   }
-  tiles_ = tiles_of(simulation_, world_.scene, grids_);
-  return true;
+  return tiles_.size() > before;
 }
 
 void PilotRenders::keep_tiles(const std::vector<bool>& wanted) {
-  std::vector<SensorGrid> kept;
-  for (std::size_t i = 0; i < grids_.size(); ++i) {
-    if (wanted[i]) kept.push_back(grids_[i]);
+  std::vector<std::vector<CameraView>> kept;
+  for (std::size_t i = 0; i < tiles_.size(); ++i) {
+    if (wanted[i]) kept.push_back(std::move(tiles_[i]));
   }
-  grids_ = std::move(kept);
-  tiles_ = tiles_of(simulation_, world_.scene, grids_);
+  tiles_ = std::move(kept);
 }
 
 void PilotRenders::choose_light(const PilotSettings& settings) const {
@@ -113,13 +121,14 @@ PilotRender PilotRenders::render(const PilotSettings& settings) const {
   PilotRender pilot;
   pilot.tiles.resize(tiles_.size());
   double photosites = 0;  // of all poses
-  for (const std::vector<CameraView>& poses : tiles_) {
+  for (std::size_t i = settings.first_tile; i < tiles_.size(); ++i) {
+    const std::vector<CameraView>& poses = tiles_[i];
     const SensorGrid& tile = poses[0].lens.sensor();
     photosites += static_cast<double>(poses.size()) * tile.width_px * tile.height_px;
   }
   choose_light(settings);
   const auto render_all = [&] {
-    tbb::parallel_for(std::size_t{0}, tiles_.size(), [&](std::size_t i) {
+    tbb::parallel_for(settings.first_tile, tiles_.size(), [&](std::size_t i) {
       const RenderOptions options{settings.samples, settings.bounces, hash(hash(seed_, 2), settings.repeat, i)};
       const std::vector<CameraView>& poses = tiles_[i];
       Views mean;

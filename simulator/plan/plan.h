@@ -38,8 +38,8 @@
 ///            and, where every window can be matched without any, with none; the worse counts.
 /// Three standard errors, from the scatter over the windows, are added to each mean square. Windows count whose
 /// disparity the capture's own sensor noise, its burst merged, blurs by no more than the tolerance. Where fewer than 6
-/// windows have texture, two and four times as many are looked at; where fewer still have, bounces, light, effects and
-/// samples stay as the scene file has them, and the plan says so.
+/// windows have texture, up to four times as many are looked at, unless the whole sensor already is; where fewer than 6
+/// still have, bounces, light, effects and samples stay as the scene file has them, and the plan says so.
 ///
 /// Where nothing keeps the tolerance, the plan is the cheapest within a tenth of the least error that there is: it may
 /// take far less than that of a tolerance that can just be kept.

@@ -239,16 +239,27 @@ TEST(Plan, WithoutTextureBouncesAndSamplesStay) {
 
 TEST(Plan, LooksAtMoreWindowsWhereFewHaveTexture) {
   Simulation file = small_camera();
-  file.sensor.width_px = 480;
-  file.sensor.height_px = 160;
-  file.sensor.pixel_pitch_um = 10;
+  file.sensor.width_px = 960;
+  file.sensor.height_px = 320;
+  file.sensor.pixel_pitch_um = 5;
   file.sensor.dp_downsample_x = file.sensor.dp_downsample_y = 1;
   Scene scene = glowing_wall();
-  scene.meshes[0] = make_quad({-0.11f, -0.05f, 1}, {0.12f, 0, 0}, {0, 0.1f, 0}, 0);
-  const Plan p = plan(file, scene, 0.02, 1);
-  EXPECT_TRUE(p.measured);
-  EXPECT_GT(p.windows, 48);  // two in each of 24 tiles
-  EXPECT_GE(p.windows_textured, 6);
+  const auto windows_of = [&] {
+    const Plan p = plan(file, scene, 0.02, 1);
+    for (const BounceStep& step : p.bounces) EXPECT_EQ(step.lost_windows, 0);  // each in its own tile
+    EXPECT_EQ(p.measured, p.windows_textured >= 6);
+    return std::pair{p.windows, p.windows_textured};
+  };
+  constexpr int kAtFirst = 48;  // two in each of 24 tiles
+  EXPECT_EQ(windows_of().first, kAtFirst);
+  scene.meshes[0] = make_quad({-0.2f, -0.05f, 1}, {0.2f, 0, 0}, {0, 0.12f, 0}, 0);
+  const auto [some, textured] = windows_of();
+  EXPECT_GT(some, kAtFirst);
+  EXPECT_LE(some, 4 * kAtFirst);
+  EXPECT_GE(textured, 6);
+  scene.meshes[0] = make_quad({-2, -2, 1}, {4, 0, 0}, {0, 4, 0}, 0);
+  scene.materials[0].base_color_texture.texture = -1;
+  EXPECT_EQ(windows_of(), std::pair(4 * kAtFirst, 0));
 }
 
 TEST(Plan, SaysSoWhereNothingReachesTheTolerance) {
