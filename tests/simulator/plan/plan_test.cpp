@@ -260,6 +260,9 @@ TEST(Plan, LooksAtMoreWindowsWhereFewHaveTexture) {
   scene.meshes[0] = make_quad({-2, -2, 1}, {4, 0, 0}, {0, 4, 0}, 0);
   scene.materials[0].base_color_texture.texture = -1;
   EXPECT_EQ(windows_of(), std::pair(4 * kAtFirst, 0));
+  file.sensor.width_px = 300;  // no room for a second tile beside the first one of a cell
+  file.sensor.height_px = 96;
+  EXPECT_EQ(windows_of(), std::pair(kAtFirst, 0));
 }
 
 TEST(Plan, SaysSoWhereNothingReachesTheTolerance) {
