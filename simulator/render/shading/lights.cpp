@@ -4,67 +4,28 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
-#include "simulator/render/shading/pick.h"
 #include "simulator/render/shading/radiometry.h"
 #include "simulator/render/shading/surface.h"
 
 namespace dualpixel::simulator {
+namespace {
+
+NearLights near_lights(const Scene& scene, const Intersector::Bounds& bounds) {
+  return {scene, 0.5f * (bounds.high + bounds.low), 0.5f * glm::length(bounds.high - bounds.low)};
+}
+
+}  // namespace
+
 Lights::Lights(const Scene& scene, const Intersector& intersector)
-    : scene_(scene), environment_(scene.environment), sky_(environment_, intersector) {
+    : scene_(scene),
+      environment_(scene.environment),
+      sky_(environment_, intersector),
+      near_(near_lights(scene, intersector.bounds())) {
   for (const PunctualLight& light : scene.lights) {
     const bool far = light.kind == PunctualLight::Kind::directional;
     if (far && luminance(light.intensity) > 0) directional_.push_back({light, luminance(light.intensity)});
   }
-  const glm::vec3 size = intersector.bounds().high - intersector.bounds().low;
-  const glm::vec3 middle = 0.5f * (intersector.bounds().high + intersector.bounds().low);
-  make_near_lights(std::max(0.25f * glm::dot(size, size), 1e-12f), middle);
-}
-
-void Lights::make_near_lights(float radius_squared, glm::vec3 middle) {
-  std::vector<float> powers;
-  for (const PunctualLight& light : scene_.lights) {
-    const bool far = light.kind == PunctualLight::Kind::directional;
-    const glm::vec3 off = light.position - middle;
-    const float distance_squared = std::max(radius_squared, glm::dot(off, off));  // a lamp far outside shines on little
-    powers.push_back(far ? 0 : luminance(light.intensity) / (4 * distance_squared));
-  }
-  first_triangle_of_mesh_.assign(scene_.meshes.size(), -1);
-  for (unsigned m = 0; m < scene_.meshes.size(); ++m) {
-    const Mesh& mesh = scene_.meshes[m];
-    const Material& material = scene_.materials[mesh.material];
-    if (luminance(material.emission_nits) <= 0 || material.unlit || mesh.is_hair()) continue;
-    first_triangle_of_mesh_[m] = static_cast<int>(triangles_.size());
-    for (unsigned t = 0; t < mesh.triangles.size(); ++t) {
-      const glm::uvec3& corners = mesh.triangles[t];
-      const glm::vec3 p = mesh.positions[corners.x];
-      const glm::vec3 first_edge = mesh.positions[corners.y] - p, second_edge = mesh.positions[corners.z] - p;
-      const glm::vec3 normal = glm::cross(first_edge, second_edge);
-      const float area = 0.5f * glm::length(normal);
-      triangles_.push_back({m, t, area, p, first_edge, second_edge, glm::normalize(normal)});
-      powers.push_back(luminance(material.emission_nits) * area / (4 * radius_squared));
-    }
-  }
-  // running sums in float would skip a weak lamp beside a strong one, which may not shine where the weak one does
-  const double all = std::accumulate(powers.begin(), powers.end(), 0.0);
-  const auto least =
-      static_cast<float>(1e-2 * all / static_cast<double>(std::max<std::size_t>(scene_.lights.size(), 1)));
-  for (std::size_t i = 0; i < scene_.lights.size(); ++i) powers[i] = powers[i] > 0 ? std::max(powers[i], least) : 0;
-  const auto first_triangle = powers.begin() + static_cast<std::ptrdiff_t>(scene_.lights.size());
-  const double glowing = std::accumulate(first_triangle, powers.end(), 0.0);
-  if (glowing > 0 && glowing < 1e-2 * all) {
-    const auto scale = static_cast<float>(1e-2 * all / glowing);
-    std::for_each(first_triangle, powers.end(), [scale](float& power) { power *= scale; });
-  }
-  double sum = 0;
-  for (float power : powers) {
-    sum += power;
-    near_.push_back(static_cast<float>(sum));
-  }
-  near_lux_ = static_cast<float>(sum);
-  if (near_lux_ > 0) normalize_sums(near_.begin(), near_.end());
-  if (near_lux_ > 0 && !scene_.lights.empty()) near_hard_ = near_[scene_.lights.size() - 1];
 }
 
 Lights::Choice Lights::sky_at(glm::vec3 point, glm::vec3 normal) const {
@@ -85,8 +46,16 @@ float Lights::directional_lux(glm::vec3 normal) const {
 
 Lights::Choice Lights::choice_at(glm::vec3 point, glm::vec3 normal, LightKinds kinds) const {
   Choice choice = environment_.dark() ? Choice{} : sky_at(point, normal);
-  choice.all_lux += kinds == LightKinds::soft ? near_lux_ * (1 - near_hard_) : near_lux_ + directional_lux(normal);
+  if (kinds != LightKinds::soft) choice.all_lux += directional_lux(normal);
+  choice.near_lux = near_lux_beside(choice.all_lux, near_.lux(point, normal, kinds), kinds);
+  choice.all_lux += choice.near_lux;
   return choice;
+}
+
+/// Where a lamp is near but hidden, the others keep a quarter of the samples, or what an average point gives them.
+float Lights::near_lux_beside(float others, float unhidden_near_lux, LightKinds kinds) const {
+  constexpr float kMost = 3;
+  return std::min(unhidden_near_lux, std::max(near_.average_lux(kinds), kMost * others));
 }
 
 float Lights::near_share() const {
@@ -97,10 +66,10 @@ float Lights::near_share() const {
       normal[axis] = sign;
       const float sky_lux =
           environment_.dark() ? 0 : environment_.lux(environment_.table_of(normal.x, normal.y, normal.z));
-      all += (sky_lux + directional_lux(normal) + near_lux_) / 6;
+      all += (sky_lux + directional_lux(normal) + near_lux()) / 6;
     }
   }
-  return all > 0 ? near_lux_ / all : 0;
+  return all > 0 ? near_lux() / all : 0;
 }
 
 void Lights::sample(const int lanes[kPacket], const Vec3Packet& point, const Vec3Packet& normal, const float u[kPacket],
@@ -111,13 +80,9 @@ void Lights::sample(const int lanes[kPacket], const Vec3Packet& point, const Vec
   alignas(64) float below[kPacket], all_lux[kPacket], within[kPacket];
   const bool environment = !environment_.dark() && kinds != LightKinds::hard;
   const std::size_t directional = kinds == LightKinds::soft ? 0 : directional_.size();
-  const float near_first = kinds == LightKinds::soft ? near_hard_ : 0;
-  const float near_last = kinds == LightKinds::hard ? near_hard_ : 1;
-  const float near_lux = near_lux_ * (near_last - near_first);
   for (int i = 0; i < kPacket; ++i) {
     if (environment && lanes[i]) choice[i] = sky_at(point.at(i), normal.at(i));
-    below[i] = choice[i].environment_lux;
-    all_lux[i] = below[i] + near_lux;
+    all_lux[i] = below[i] = choice[i].environment_lux;
   }
   const auto own_lux = [&](const Directional& d, int i) {
     const glm::vec3 l = d.light.direction;
@@ -126,6 +91,13 @@ void Lights::sample(const int lanes[kPacket], const Vec3Packet& point, const Vec
   };
   for (std::size_t k = 0; k < directional; ++k) {
     for (int i = 0; i < kPacket; ++i) all_lux[i] += own_lux(directional_[k], i);
+  }
+  NearLights::Choice near;
+  near_.choose(point, normal, kinds, near);
+  alignas(64) float near_lux[kPacket];
+  for (int i = 0; i < kPacket; ++i) {
+    near_lux[i] = near_lux_beside(all_lux[i], near.lux[i], kinds);
+    all_lux[i] += near_lux[i];
   }
   int any_environment = 0, any_waiting = 0;
   for (int i = 0; i < kPacket; ++i) {
@@ -152,8 +124,8 @@ void Lights::sample(const int lanes[kPacket], const Vec3Packet& point, const Vec
     }
   }
   if (!any_waiting) return;
-  for (int i = 0; i < kPacket; ++i) within[i] = (u[i] * all_lux[i] - below[i]) / near_lux;
-  sample_near(waiting, point, within, v, all_lux, near_first, near_last, out);
+  for (int i = 0; i < kPacket; ++i) within[i] = (u[i] * all_lux[i] - below[i]) / near_lux[i];
+  sample_near(waiting, point, within, v, near, kinds, near_lux, all_lux, out);
 }
 
 void Lights::sample_environment(const int lanes[kPacket], const Choice choice[kPacket], const float u[kPacket],
@@ -198,10 +170,10 @@ LightSample Lights::sample_punctual(const PunctualLight& light, glm::vec3 point)
 }
 
 void Lights::sample_near(const int lanes[kPacket], const Vec3Packet& point, const float u[kPacket],
-                         const float v[kPacket], const float all_lux[kPacket], float first, float last,
-                         LightPacket& out) const {
+                         const float v[kPacket], const NearLights::Choice& choice, LightKinds kinds,
+                         const float near_lux[kPacket], const float all_lux[kPacket], LightPacket& out) const {
   struct Lane {
-    int triangle = -1;  // index into triangles_
+    int triangle = -1;  // of near_.triangles()
     float b1 = 0, b2 = 0;
   };
   std::array<Lane, kPacket> chosen;
@@ -212,25 +184,25 @@ void Lights::sample_near(const int lanes[kPacket], const Vec3Packet& point, cons
     normal.set(i, glm::vec3(0));
     area[i] = probability[i] = 1;
     if (!lanes[i]) continue;
-    if (!(near_lux_ * (last - first) > 0)) {
+    if (!(near_lux[i] > 0)) {
       out.set(i, {});
       continue;
     }
-    float along = std::min(first + u[i] * (last - first), std::nextafter(last, 0.0f)), share;
-    const std::size_t entry = pick_from(near_.data(), near_.size(), along, share);
-    probability[i] = share * near_lux_ / all_lux[i];
-    if (entry < scene_.lights.size()) {
-      LightSample sample = sample_punctual(scene_.lights[entry], point.at(i));
+    float along = u[i];
+    const NearLights::Picked picked = near_.pick(choice, i, kinds, along);
+    probability[i] = picked.probability * near_lux[i] / all_lux[i];
+    if (picked.light < scene_.lights.size()) {
+      LightSample sample = sample_punctual(scene_.lights[picked.light], point.at(i));
       sample.radiance /= probability[i];
       out.set(i, sample);
       continue;
     }
     Lane& lane = chosen[i];
-    lane.triangle = static_cast<int>(entry - scene_.lights.size());
+    lane.triangle = static_cast<int>(picked.light - scene_.lights.size());
     // uniform over the triangle (Heitz 2019, low distortion)
     const float half = 0.5f * std::min(along, v[i]);
     lane.b1 = along - half, lane.b2 = v[i] - half;
-    const EmissiveTriangle& light = triangles_[lane.triangle];
+    const NearLights::Triangle& light = near_.triangles()[lane.triangle];
     to_light.set(i, light.corner + lane.b1 * light.first_edge + lane.b2 * light.second_edge - point.at(i));
     normal.set(i, light.normal);
     area[i] = light.area_m2;
@@ -248,7 +220,7 @@ void Lights::sample_near(const int lanes[kPacket], const Vec3Packet& point, cons
     if (chosen[i].triangle < 0) continue;
     LightSample sample;
     if (pdf[i] > 0) {
-      const EmissiveTriangle& light = triangles_[chosen[i].triangle];
+      const NearLights::Triangle& light = near_.triangles()[chosen[i].triangle];
       const Mesh& mesh = scene_.meshes[light.mesh];
       const bool is_there = scene_.materials[mesh.material].alpha_cutoff <= 0 ||
                             !is_cut_out(scene_, mesh, light.triangle, chosen[i].b1, chosen[i].b2);
@@ -269,13 +241,12 @@ float Lights::environment_pdf(glm::vec3 point, glm::vec3 normal, glm::vec3 direc
 
 float Lights::triangle_pdf(glm::vec3 point, glm::vec3 normal, unsigned mesh, unsigned triangle, float distance_m,
                            float abs_cos_at_light, LightKinds kinds) const {
-  const int first = first_triangle_of_mesh_[mesh];
-  if (first < 0 || !(abs_cos_at_light > 1e-6f)) return 0;
-  const std::size_t index = static_cast<std::size_t>(first) + triangle;
-  const std::size_t entry = scene_.lights.size() + index;
-  const float share = near_[entry] - (entry > 0 ? near_[entry - 1] : 0);
-  const float probability = share * near_lux_ / choice_at(point, normal, kinds).all_lux;
-  return probability * distance_m * distance_m / (abs_cos_at_light * triangles_[index].area_m2);
+  const int index = near_.index_of(mesh, triangle);
+  if (index < 0 || !(abs_cos_at_light > 1e-6f)) return 0;
+  const Choice choice = choice_at(point, normal, kinds);
+  if (!(choice.near_lux > 0)) return 0;
+  const float probability = near_.probability(point, normal, kinds, index) * choice.near_lux / choice.all_lux;
+  return probability * distance_m * distance_m / (abs_cos_at_light * near_.triangles()[index].area_m2);
 }
 
 }  // namespace dualpixel::simulator

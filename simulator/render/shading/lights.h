@@ -5,13 +5,14 @@
 
 #include "simulator/render/ray_packet.h"
 #include "simulator/render/shading/environment_light.h"
+#include "simulator/render/shading/near_lights.h"
 #include "simulator/render/shading/visible_sky.h"
 #include "simulator/render/vec3_packet.h"
 #include "simulator/scene/scene.h"
 
 /// Choosing where light may come from: the environment in proportion to the light that a surface here gets of it
-/// (VisibleSky), directional lights to what they throw on it if nothing is in their way, near lights (punctual ones,
-/// emissive triangles) in proportion to what they throw on an average point of the scene.
+/// (VisibleSky), directional lights and those that stand in the scene (NearLights) to what they throw on it if nothing
+/// is in their way.
 namespace dualpixel::simulator {
 
 struct LightSample {
@@ -36,9 +37,6 @@ struct LightPacket {
   }
 };
 
-/// Lights without extent (punctual ones), or all others.
-enum class LightKinds { all, hard, soft };
-
 class Lights {
  public:
   /// Keeps pointers to both.
@@ -54,9 +52,9 @@ class Lights {
   LightSample hard(std::size_t light, glm::vec3 point) const { return sample_punctual(scene_.lights[light], point); }
 
   bool has_soft() const { return !environment_.dark() || has_emissive(); }
-  bool has_emissive() const { return !triangles_.empty(); }
+  bool has_emissive() const { return !near_.triangles().empty(); }
   /// What near lights throw on an average point of the scene, and its share of all light on surfaces of any direction.
-  float near_lux() const { return near_lux_; }
+  float near_lux() const { return near_.average_lux(LightKinds::all); }
   float near_share() const;
 
   /// Densities with which sample() of these kinds (not hard), at this point of a surface, would have found what a ray
@@ -67,12 +65,10 @@ class Lights {
                      float abs_cos_at_light, LightKinds kinds = LightKinds::all) const;
 
  private:
-  void make_near_lights(float radius_squared, glm::vec3 middle);
-
   /// How the samples of a surface are shared out: by illuminance.
   struct Choice {
     EnvironmentLight::Choice environment;
-    float environment_lux = 0, all_lux = 0;
+    float environment_lux = 0, near_lux = 0, all_lux = 0;
   };
   float directional_lux(glm::vec3 normal) const;
   Choice choice_at(glm::vec3 point, glm::vec3 normal, LightKinds kinds) const;
@@ -81,15 +77,13 @@ class Lights {
   void sample_environment(const int lanes[kPacket], const Choice choice[kPacket], const float u[kPacket],
                           const float v[kPacket], const float all_lux[kPacket], LightPacket& out) const;
   LightSample sample_punctual(const PunctualLight& light, glm::vec3 point) const;
-  /// Of punctual lights and emissive triangles; `u`: where among the shares from `first` to `last`, 0..1.
+  /// What counts of the light that near lights would throw on a surface, beside that of `others`.
+  float near_lux_beside(float others, float unhidden_near_lux, LightKinds kinds) const;
+  /// Of punctual lights and emissive triangles, which have `near_lux` of `all_lux`; `u`: where among them, 0..1.
   void sample_near(const int lanes[kPacket], const Vec3Packet& point, const float u[kPacket], const float v[kPacket],
-                   const float all_lux[kPacket], float first, float last, LightPacket& out) const;
+                   const NearLights::Choice& choice, LightKinds kinds, const float near_lux[kPacket],
+                   const float all_lux[kPacket], LightPacket& out) const;
 
-  struct EmissiveTriangle {
-    unsigned mesh = 0, triangle = 0;
-    float area_m2 = 0;
-    glm::vec3 corner{0}, first_edge{0}, second_edge{0}, normal{0};  ///< normal: unit, of either side
-  };
   const Scene& scene_;
   EnvironmentLight environment_;
   VisibleSky sky_;
@@ -98,11 +92,7 @@ class Lights {
     float lux = 0;
   };
   std::vector<Directional> directional_;
-  std::vector<float> near_;  ///< running sums of the shares of punctual lights (directional: 0), then of triangles_
-  float near_lux_ = 0;       ///< ... which throw this in all on an average point
-  float near_hard_ = 0;      ///< ... and of which this share is punctual lights'
-  std::vector<EmissiveTriangle> triangles_;
-  std::vector<int> first_triangle_of_mesh_;  ///< index into triangles_, -1: the mesh does not emit
+  NearLights near_;
 };
 
 }  // namespace dualpixel::simulator
