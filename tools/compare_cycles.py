@@ -3,7 +3,7 @@
     blender --background --python-exit-code 1 --python tools/compare_cycles.py -- PROGRAM build/release/scenes/portrait.json OUT WIDTH
 
 PROGRAM is build/release/tools/dualpixel; OUT, a new folder, gets cycles.json; WIDTH in photosites divides the scene's (96:
-six minutes on two cores). Needs Debian's blender (3.4) and python3-numpy; nothing else does.
+@@ on two cores). Needs Debian's blender (3.4) and python3-numpy; nothing else does.
 
 What is matched: a thin lens (lens_models/phone_thin_4.4mm_f1.8.json) in place of the scene's own, its pupil and focus; one environment picture, read by both; the sun without a width; direct
 light alone; a photosite's own area as the pixel's filter. All materials are made matte (roughness 1, no metal) in a copy
@@ -13,7 +13,8 @@ aperture scale of 1: the undivided picture.
 Time is CPU time of all threads, and marginal: that of N samples minus that of the fewest, so that reading the scene and
 starting up count for neither. Ours includes points of light on surfaces, of as many light samples as the picture has
 samples: the fewest samples that are subtracted are rendered without points. Error is the RMS over the picture and R, G,
-B against a program's own reference; ours has all light sampled by every path, so that what points leave wrong counts.
+B: the standard deviation between pictures of three seeds and, in quadrature, what points of light leave wrong in ours,
+which is found beside as many pictures with all light sampled by every path. No reference's noise is in it.
 """
 
 import json
@@ -28,7 +29,6 @@ import time
 import bpy
 import numpy as np
 
-REFERENCE_SAMPLES = 2048
 SAMPLES = (64, 128, 256, 512)
 SEEDS = (3, 4, 5)
 THIN_LENS = "phone_thin_4.4mm_f1.8.json"  # a prescription's distortion and vignetting are not Cycles's
@@ -193,10 +193,6 @@ def render_cycles(out, samples, seed):
     return read_exr(scene.render.filepath) / NITS, time.process_time() - start
 
 
-def rms(values):
-    return float(np.sqrt(np.mean(values**2)))
-
-
 def time_at(rows, error):
     """Straight between rows on log axes; None outside of them."""
     for a, b in zip(rows, rows[1:]):
@@ -210,21 +206,43 @@ def standard_error(values):
     return float(np.std(values, ddof=1) / math.sqrt(len(values)))
 
 
-def measure(render, fewest, reference):
-    """`fewest`: of CPU seconds, what counts for nothing."""
+def variance(pictures):
+    """Of one picture, mean over pixels."""
+    return float(np.mean(np.var(pictures, axis=0, ddof=1)))
+
+
+def squared_difference_of_means(a, b):
+    """Of two lists of pictures, mean over pixels, the pictures' noise taken off; not below 0, where noise may take it."""
+    noise = variance(a) / len(a) + variance(b) / len(b)
+    return max(float(np.mean((np.mean(a, axis=0) - np.mean(b, axis=0)) ** 2)) - noise, 0)
+
+
+def jackknife(estimate, values):
+    """Standard error of estimate(values), from leaving out each (Tukey 1958)."""
+    without = [estimate(values[:i] + values[i + 1 :]) for i in range(len(values))]
+    return math.sqrt((len(values) - 1) * float(np.var(without)))
+
+
+def measure(render, fewest, without_points=None):
+    """Rows, and the pictures of the last one. `fewest`: of CPU seconds, what counts for nothing. `without_points`:
+    pictures with all light sampled by every path, where `render` has points of light."""
     rows = []
     for samples in SAMPLES:
         runs = [render(samples, seed) for seed in SEEDS]
+        pictures = [picture for picture, _ in runs]
         times = [max(cpu_s - fewest, 1e-3) for _, cpu_s in runs]
-        errors = [rms(picture - reference) for picture, _ in runs]
+        of_points = lambda some: squared_difference_of_means(some, without_points) if without_points else 0
+        rmse = lambda some: math.sqrt(variance(some) + of_points(some))
         rows.append({
             "samples": samples,
             "cpu_s": float(np.mean(times)),
             "cpu_s_standard_error": standard_error(times),
-            "rmse_nits": float(np.mean(errors)),
-            "rmse_standard_error": standard_error(errors),
+            "rmse_nits": rmse(pictures),
+            "rmse_standard_error": jackknife(rmse, pictures),
         })
-    return rows
+        if without_points:
+            rows[-1]["points_error_nits"] = math.sqrt(of_points(pictures))
+    return rows, pictures
 
 
 def main():
@@ -238,32 +256,33 @@ def main():
 
     ours = lambda samples, seed: render_ours(program, out, samples, seed)
     plain = lambda samples, seed: render_ours(program, out, samples, seed, points=False)
-    signal, _ = plain(REFERENCE_SAMPLES, 1)
+    without_points = [plain(SAMPLES[-1], seed + len(SEEDS))[0] for seed in SEEDS]
     with open(os.path.join(out, "capture", "capture.json")) as file:
         capture = json.load(file)
     description = capture["camera"]
     set_up_cycles(os.path.join(out, "matte.glb"), gltf, sky, description, scene["camera"]["focus_distance_m"])
     cycles = lambda samples, seed: render_cycles(out, samples, seed)
-    theirs, _ = cycles(REFERENCE_SAMPLES, 1)
     fewest = lambda render: min(render(1, 7)[1] for _ in range(2))
 
     # our pictures are in the frames' signal: one factor for all of a capture, found from the exposure
     focus_m, focal_m = description["focus_distance_m"], 1e-3 * description["focal_length_mm"]
     rim = 0.5 * focal_m / description["f_number"] * (1 - focal_m / focus_m) / focal_m
     nits_per_unit = capture["exposure"]["lux_s_per_unit"] / (math.pi * rim**2 * scene["exposure"]["time_s"])
-    reference = signal * nits_per_unit
-    mean = float(np.mean(theirs))
+    without_points = [picture * nits_per_unit for picture in without_points]
+    our_rows, _ = measure(
+        lambda n, seed: (lambda p: (p[0] * nits_per_unit, p[1]))(ours(n, seed)), fewest(plain), without_points
+    )
+    rows, theirs = measure(cycles, fewest(cycles))
+    mean, our_mean = float(np.mean(theirs)), float(np.mean(without_points))
     result = {
         "scene": os.path.basename(source),
-        "reference_samples": REFERENCE_SAMPLES,
+        "width_px": int(width),
         "seeds": len(SEEDS),
-        "mean_nits": {"ours": float(np.mean(reference)), "cycles": mean},
-        "difference_of_means": float(np.mean(reference)) / mean - 1,
-        "mean_absolute_difference": float(np.mean(np.abs(reference - theirs))) / mean,
-        "ours": measure(
-            lambda n, seed: (lambda p: (p[0] * nits_per_unit, p[1]))(ours(n, seed)), fewest(plain), reference
-        ),
-        "cycles": measure(cycles, fewest(cycles), theirs),
+        "mean_nits": {"ours": our_mean, "cycles": mean},
+        "difference_of_means": our_mean / mean - 1,
+        "rms_difference": math.sqrt(squared_difference_of_means(without_points, theirs)) / mean,
+        "ours": our_rows,
+        "cycles": rows,
     }
     result["time_of_cycles_over_ours"] = [
         {"rmse_nits": row["rmse_nits"], "ratio": row["cpu_s"] / time_at(result["ours"], row["rmse_nits"])}

@@ -51,7 +51,9 @@ void add_plan(CLI::App& program) {
   command->add_flag("--json", options->json, "Print JSON");
   command->add_option("-o,--output", options->output, "Also write that JSON to a file")->type_name("OUT.json");
   add_threads_option(*command);
-  command->footer("Example:\n  dualpixel plan build/release/scenes/portrait.json --tolerance-px 0.02");
+  command->footer(
+      "It renders parts of the scene: seconds where surfaces shine by themselves, minutes where they are lit.\n\n"
+      "Example:\n  dualpixel plan build/release/scenes/portrait.json --tolerance-px 0.02");
   command->callback([options] { run(*options); });
 }
 

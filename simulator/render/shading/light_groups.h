@@ -5,12 +5,12 @@
 
 namespace dualpixel::simulator {
 
-/// A light that stands in the scene, for the choice among many.
-struct NearLight {
-  std::size_t index = 0;      ///< of Scene::lights, then of emissive triangles
+/// A punctual light or an emissive triangle, as far as a choice among many goes.
+struct LightSource {
+  std::size_t index = 0;      ///< the caller's
   glm::vec3 low{0}, high{0};  ///< bounds
-  float candela = 0;          ///< of its mean side
-  float average_lux = 0;      ///< that it throws on an average point of the scene
+  float candela = 0;          ///< averaged over directions
+  float average_lux = 0;      ///< on a surface somewhere in the scene that faces it
 };
 
 /// Lights that lie close together.
@@ -18,11 +18,11 @@ struct LightGroup {
   std::size_t first = 0, end = 0;  ///< of the lights
   glm::vec3 center{0};             ///< of a sphere that holds them
   float radius_m = 0;
-  float candela = 0, average_lux = 0;
+  float candela = 0, average_lux = 0;  ///< of all
 };
 
-/// At most so many groups, as compact as their light is strong; sorts the lights by them. The same lights give the same
-/// groups.
-std::vector<LightGroup> group_lights(std::vector<NearLight>& lights, std::size_t most);
+/// At most so many groups, halved first where luminous intensity times squared extent is largest. Reorders the lights,
+/// so that those of a group follow each other; the same lights give the same groups.
+std::vector<LightGroup> group_lights(std::vector<LightSource>& lights, std::size_t most);
 
 }  // namespace dualpixel::simulator

@@ -9,19 +9,11 @@
 #include "simulator/render/shading/surface.h"
 
 namespace dualpixel::simulator {
-namespace {
-
-NearLights near_lights(const Scene& scene, const Intersector::Bounds& bounds) {
-  return {scene, 0.5f * (bounds.high + bounds.low), 0.5f * glm::length(bounds.high - bounds.low)};
-}
-
-}  // namespace
-
 Lights::Lights(const Scene& scene, const Intersector& intersector)
     : scene_(scene),
       environment_(scene.environment),
       sky_(environment_, intersector),
-      near_(near_lights(scene, intersector.bounds())) {
+      near_(scene, intersector.bounds()) {
   for (const PunctualLight& light : scene.lights) {
     const bool far = light.kind == PunctualLight::Kind::directional;
     if (far && luminance(light.intensity) > 0) directional_.push_back({light, luminance(light.intensity)});
@@ -47,15 +39,15 @@ float Lights::directional_lux(glm::vec3 normal) const {
 Lights::Choice Lights::choice_at(glm::vec3 point, glm::vec3 normal, LightKinds kinds) const {
   Choice choice = environment_.dark() ? Choice{} : sky_at(point, normal);
   if (kinds != LightKinds::soft) choice.all_lux += directional_lux(normal);
-  choice.near_lux = near_lux_beside(choice.all_lux, near_.lux(point, normal, kinds), kinds);
+  choice.near = near_.weights(point, normal, kinds);
+  choice.near_lux = near_lux_beside(choice.all_lux, choice.near.lux, kinds);
   choice.all_lux += choice.near_lux;
   return choice;
 }
 
-/// Where a lamp is near but hidden, the others keep a quarter of the samples, or what an average point gives them.
-float Lights::near_lux_beside(float others, float unhidden_near_lux, LightKinds kinds) const {
+float Lights::near_lux_beside(float others, float estimate, LightKinds kinds) const {
   constexpr float kMost = 3;
-  return std::min(unhidden_near_lux, std::max(near_.average_lux(kinds), kMost * others));
+  return std::min(estimate, std::max(near_.average_lux(kinds), kMost * others));
 }
 
 float Lights::near_share() const {
@@ -125,7 +117,7 @@ void Lights::sample(const int lanes[kPacket], const Vec3Packet& point, const Vec
   }
   if (!any_waiting) return;
   for (int i = 0; i < kPacket; ++i) within[i] = (u[i] * all_lux[i] - below[i]) / near_lux[i];
-  sample_near(waiting, point, within, v, near, kinds, near_lux, all_lux, out);
+  sample_near(waiting, point, within, v, near, near_lux, all_lux, out);
 }
 
 void Lights::sample_environment(const int lanes[kPacket], const Choice choice[kPacket], const float u[kPacket],
@@ -170,8 +162,8 @@ LightSample Lights::sample_punctual(const PunctualLight& light, glm::vec3 point)
 }
 
 void Lights::sample_near(const int lanes[kPacket], const Vec3Packet& point, const float u[kPacket],
-                         const float v[kPacket], const NearLights::Choice& choice, LightKinds kinds,
-                         const float near_lux[kPacket], const float all_lux[kPacket], LightPacket& out) const {
+                         const float v[kPacket], const NearLights::Choice& choice, const float near_lux[kPacket],
+                         const float all_lux[kPacket], LightPacket& out) const {
   struct Lane {
     int triangle = -1;  // of near_.triangles()
     float b1 = 0, b2 = 0;
@@ -189,7 +181,7 @@ void Lights::sample_near(const int lanes[kPacket], const Vec3Packet& point, cons
       continue;
     }
     float along = u[i];
-    const NearLights::Picked picked = near_.pick(choice, i, kinds, along);
+    const NearLights::Picked picked = near_.pick(choice, i, along);
     probability[i] = picked.probability * near_lux[i] / all_lux[i];
     if (picked.light < scene_.lights.size()) {
       LightSample sample = sample_punctual(scene_.lights[picked.light], point.at(i));
@@ -244,9 +236,10 @@ float Lights::triangle_pdf(glm::vec3 point, glm::vec3 normal, unsigned mesh, uns
   const int index = near_.index_of(mesh, triangle);
   if (index < 0 || !(abs_cos_at_light > 1e-6f)) return 0;
   const Choice choice = choice_at(point, normal, kinds);
-  if (!(choice.near_lux > 0)) return 0;
-  const float probability = near_.probability(point, normal, kinds, index) * choice.near_lux / choice.all_lux;
-  return probability * distance_m * distance_m / (abs_cos_at_light * near_.triangles()[index].area_m2);
+  const float probability = near_.probability(point, normal, choice.near, index);
+  if (!(probability > 0)) return 0;
+  return choice.near_lux / choice.all_lux * probability * distance_m * distance_m /
+         (abs_cos_at_light * near_.triangles()[index].area_m2);
 }
 
 }  // namespace dualpixel::simulator

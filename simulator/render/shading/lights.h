@@ -11,8 +11,8 @@
 #include "simulator/scene/scene.h"
 
 /// Choosing where light may come from: the environment in proportion to the light that a surface here gets of it
-/// (VisibleSky), directional lights and those that stand in the scene (NearLights) to what they throw on it if nothing
-/// is in their way.
+/// (VisibleSky), directional lights to their illuminance and those that stand in the scene (NearLights) to an estimate
+/// of it, with nothing in their way.
 namespace dualpixel::simulator {
 
 struct LightSample {
@@ -53,7 +53,7 @@ class Lights {
 
   bool has_soft() const { return !environment_.dark() || has_emissive(); }
   bool has_emissive() const { return !near_.triangles().empty(); }
-  /// What near lights throw on an average point of the scene, and its share of all light on surfaces of any direction.
+  /// NearLights::average_lux() of all kinds, and its share of all light on surfaces of any direction.
   float near_lux() const { return near_.average_lux(LightKinds::all); }
   float near_share() const;
 
@@ -68,6 +68,7 @@ class Lights {
   /// How the samples of a surface are shared out: by illuminance.
   struct Choice {
     EnvironmentLight::Choice environment;
+    NearLights::Weights near;
     float environment_lux = 0, near_lux = 0, all_lux = 0;
   };
   float directional_lux(glm::vec3 normal) const;
@@ -77,12 +78,13 @@ class Lights {
   void sample_environment(const int lanes[kPacket], const Choice choice[kPacket], const float u[kPacket],
                           const float v[kPacket], const float all_lux[kPacket], LightPacket& out) const;
   LightSample sample_punctual(const PunctualLight& light, glm::vec3 point) const;
-  /// What counts of the light that near lights would throw on a surface, beside that of `others`.
-  float near_lux_beside(float others, float unhidden_near_lux, LightKinds kinds) const;
+  /// The near lights' estimate, capped where a lamp is so near that the others would get no samples: as it may be
+  /// hidden, they keep a quarter, or what average light leaves them.
+  float near_lux_beside(float others, float estimate, LightKinds kinds) const;
   /// Of punctual lights and emissive triangles, which have `near_lux` of `all_lux`; `u`: where among them, 0..1.
   void sample_near(const int lanes[kPacket], const Vec3Packet& point, const float u[kPacket], const float v[kPacket],
-                   const NearLights::Choice& choice, LightKinds kinds, const float near_lux[kPacket],
-                   const float all_lux[kPacket], LightPacket& out) const;
+                   const NearLights::Choice& choice, const float near_lux[kPacket], const float all_lux[kPacket],
+                   LightPacket& out) const;
 
   const Scene& scene_;
   EnvironmentLight environment_;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <limits>
 
 #include "simulator/render/shading/pick.h"
 #include "simulator/render/shading/radiometry.h"
@@ -10,56 +10,63 @@
 namespace dualpixel::simulator {
 namespace {
 
-std::vector<NearLight> punctual_lights(const Scene& scene, glm::vec3 middle, float radius_squared) {
-  std::vector<NearLight> lights;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// Adds it if it gives any light. On surfaces that face it the mean cosine is a half.
+void add_source(std::size_t index, glm::vec3 low, glm::vec3 high, float candela, float distance_squared,
+                std::vector<LightSource>& lights) {
+  const float average_lux = candela / (2 * distance_squared);
+  if (candela > 0 && average_lux > 0) lights.push_back({index, low, high, candela, average_lux});
+}
+
+std::vector<LightSource> punctual_sources(const Scene& scene, glm::vec3 middle, float radius_squared) {
+  std::vector<LightSource> lights;
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
     const PunctualLight& light = scene.lights[i];
-    const float candela = luminance(light.intensity);
-    if (light.kind == PunctualLight::Kind::directional || !(candela > 0)) continue;
+    if (light.kind == PunctualLight::Kind::directional) continue;
     const glm::vec3 off = light.position - middle;
-    const float distance_squared = std::max(radius_squared, glm::dot(off, off));  // a lamp far outside shines on little
-    lights.push_back({i, light.position, light.position, candela, candela / (4 * distance_squared)});
+    const float distance_squared = std::max(radius_squared, glm::dot(off, off));  // a lamp far outside lights little
+    add_source(i, light.position, light.position, luminance(light.intensity), distance_squared, lights);
   }
   return lights;
 }
 
-std::vector<NearLight> emissive_lights(const Scene& scene, const std::vector<NearLights::Triangle>& triangles,
-                                       float radius_squared) {
-  std::vector<NearLight> lights;
+std::vector<LightSource> emissive_sources(const Scene& scene, const std::vector<NearLights::Triangle>& triangles,
+                                          float radius_squared) {
+  std::vector<LightSource> lights;
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const NearLights::Triangle& t = triangles[i];
-    if (!(t.area_m2 > 0)) continue;
     const glm::vec3 second = t.corner + t.first_edge, third = t.corner + t.second_edge;
-    const float candela =
-        luminance(scene.materials[scene.meshes[t.mesh].material].emission_nits) * t.area_m2 / 2;  // of both sides
-    lights.push_back({scene.lights.size() + i, glm::min(glm::min(t.corner, second), third),
-                      glm::max(glm::max(t.corner, second), third), candela, candela / (2 * radius_squared)});
+    const float candela = luminance(scene.materials[scene.meshes[t.mesh].material].emission_nits) * t.area_m2 / 2;
+    add_source(scene.lights.size() + i, glm::min(glm::min(t.corner, second), third),
+               glm::max(glm::max(t.corner, second), third), candela, radius_squared, lights);
   }
   return lights;
 }
 
-double lux_of(const std::vector<NearLight>& lights) {
+double average_lux_of(const std::vector<LightSource>& lights) {
   double sum = 0;  // in float a weak lamp would vanish beside strong ones
-  for (const NearLight& light : lights) sum += light.average_lux;
+  for (const LightSource& light : lights) sum += light.average_lux;
   return sum;
 }
 
-/// A weak lamp is not to be lost beside a strong one, which may not shine where the weak one does.
-void raise_weak(std::vector<NearLight>& hard, std::vector<NearLight>& soft) {
+/// A weak lamp is not to be lost beside a strong one, which may be hidden where the weak one is not.
+void raise_weak(std::vector<LightSource>& hard, std::vector<LightSource>& soft) {
   constexpr double kLeast = 1e-2;
-  const double glowing = lux_of(soft), all = lux_of(hard) + glowing;
+  const double of_soft = average_lux_of(soft), all = average_lux_of(hard) + of_soft;
   const auto least = static_cast<float>(kLeast * all / static_cast<double>(std::max<std::size_t>(hard.size(), 1)));
-  for (NearLight& light : hard) light.average_lux = std::max(light.average_lux, least);
-  if (!(glowing < kLeast * all)) return;
-  for (NearLight& light : soft) light.average_lux *= static_cast<float>(kLeast * all / glowing);
+  for (LightSource& light : hard) light.average_lux = std::max(light.average_lux, least);
+  if (soft.empty() || of_soft >= kLeast * all) return;
+  const double factor = kLeast * all / of_soft;
+  for (LightSource& light : soft) light.average_lux = static_cast<float>(light.average_lux * factor);
 }
 
-/// Lux that a group would throw on a surface if nothing were in the way: of its mean side from its center, or from
-/// its sphere's radius within it. The cosine is raised by the sphere's angular radius, so that this is 0 exactly where
-/// all of the sphere is behind the surface.
+/// Estimate of a group's illuminance on a surface: from its center, or from its sphere's radius within it. The cosine
+/// is raised by the sine of the sphere's angular radius, so that the estimate is 0 only where all of it is behind the
+/// surface.
 inline float lux_on(const LightGroup& group, float x, float y, float z, float normal_x, float normal_y,
                     float normal_z) {
-  constexpr float kLeast_m = 1e-6f;  // so that a light without extent has a weight where it stands
+  constexpr float kLeast_m = 1e-6f;  // nothing is divided by 0
   const float to_x = group.center.x - x, to_y = group.center.y - y, to_z = group.center.z - z;
   const float distance = std::max(std::sqrt(to_x * to_x + to_y * to_y + to_z * to_z), kLeast_m);
   const float raised = (normal_x * to_x + normal_y * to_y + normal_z * to_z + group.radius_m) / distance;
@@ -67,15 +74,15 @@ inline float lux_on(const LightGroup& group, float x, float y, float z, float no
   return group.candela * std::min(std::max(raised, 0.0f), 1.0f) / (nearest * nearest);
 }
 
-/// The share of samples that a group has: half by what it throws on the point, half by average light.
-inline float share_of(float lux, float all_lux, float average_lux, float all_average_lux) {
+/// The share of samples that a group has: half by its estimate, half by average light.
+inline float mixed_share(float lux, float all_lux, float average_lux, float all_average_lux) {
   constexpr float kByAverage = 0.5f;
   return lux > 0 ? (1 - kByAverage) * lux / all_lux + kByAverage * average_lux / all_average_lux : 0.0f;
 }
 
 }  // namespace
 
-NearLights::NearLights(const Scene& scene, glm::vec3 middle, float radius_m) {
+NearLights::NearLights(const Scene& scene, const Intersector::Bounds& bounds) {
   first_triangle_of_mesh_.assign(scene.meshes.size(), -1);
   for (unsigned m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
@@ -90,18 +97,20 @@ NearLights::NearLights(const Scene& scene, glm::vec3 middle, float radius_m) {
       triangles_.push_back({m, t, 0.5f * glm::length(normal), p, first_edge, second_edge, glm::normalize(normal)});
     }
   }
-  const float radius_squared = std::max(radius_m * radius_m, 1e-12f);
-  std::vector<NearLight> hard = punctual_lights(scene, middle, radius_squared);
-  std::vector<NearLight> soft = emissive_lights(scene, triangles_, radius_squared);
+  const glm::vec3 size = bounds.high - bounds.low, middle = 0.5f * (bounds.high + bounds.low);
+  const float quarter = 0.25f * glm::dot(size, size);
+  const float radius_squared = quarter < kInfinity ? std::max(quarter, 1e-12f) : 1;  // infinite: nothing is there
+  std::vector<LightSource> hard = punctual_sources(scene, middle, radius_squared);
+  std::vector<LightSource> soft = emissive_sources(scene, triangles_, radius_squared);
   raise_weak(hard, soft);
-  hard_lux_ = static_cast<float>(lux_of(hard)), soft_lux_ = static_cast<float>(lux_of(soft));
+  hard_lux_ = static_cast<float>(average_lux_of(hard)), soft_lux_ = static_cast<float>(average_lux_of(soft));
   places_.resize(triangles_.size());
   add_groups(hard, scene.lights.size());
   hard_groups_ = groups_.size();
   add_groups(soft, scene.lights.size());
 }
 
-void NearLights::add_groups(std::vector<NearLight>& lights, std::size_t first_triangle) {
+void NearLights::add_groups(std::vector<LightSource>& lights, std::size_t first_triangle) {
   const std::size_t before = lights_.size();
   const std::vector<LightGroup> groups = group_lights(lights, kMostGroups);
   lights_.resize(before + lights.size());
@@ -124,19 +133,20 @@ void NearLights::add_groups(std::vector<NearLight>& lights, std::size_t first_tr
   }
 }
 
-NearLights::Sums NearLights::sums_at(glm::vec3 point, glm::vec3 normal, LightKinds kinds) const {
-  Sums sums;
+NearLights::Weights NearLights::weights(glm::vec3 point, glm::vec3 normal, LightKinds kinds) const {
+  Weights all;
   for (std::size_t k = first_group(kinds); k < end_group(kinds); ++k) {
     const float lux = lux_on(groups_[k], point.x, point.y, point.z, normal.x, normal.y, normal.z);
-    sums.lux += lux;
-    sums.average_lux += lux > 0 ? groups_[k].average_lux : 0;
+    all.lux += lux;
+    all.average_lux += lux > 0 ? groups_[k].average_lux : 0;
   }
-  return sums;
+  return all;
 }
 
 void NearLights::choose(const Vec3Packet& point, const Vec3Packet& normal, LightKinds kinds, Choice& out) const {
+  out.first_group = first_group(kinds), out.end_group = end_group(kinds);
   alignas(64) float all_lux[kPacket] = {}, all_average[kPacket] = {};
-  for (std::size_t k = first_group(kinds); k < end_group(kinds); ++k) {
+  for (std::size_t k = out.first_group; k < out.end_group; ++k) {
     const LightGroup group = groups_[k];
     float(&lux)[kPacket] = out.shares[k];
 #pragma GCC ivdep
@@ -146,19 +156,19 @@ void NearLights::choose(const Vec3Packet& point, const Vec3Packet& normal, Light
       all_average[i] += lux[i] > 0 ? group.average_lux : 0.0f;
     }
   }
-  for (std::size_t k = first_group(kinds); k < end_group(kinds); ++k) {
+  for (std::size_t k = out.first_group; k < out.end_group; ++k) {
     const float average_lux = groups_[k].average_lux;
     float(&shares)[kPacket] = out.shares[k];
 #pragma GCC ivdep
-    for (int i = 0; i < kPacket; ++i) shares[i] = share_of(shares[i], all_lux[i], average_lux, all_average[i]);
+    for (int i = 0; i < kPacket; ++i) shares[i] = mixed_share(shares[i], all_lux[i], average_lux, all_average[i]);
   }
   std::copy_n(all_lux, kPacket, out.lux);
 }
 
-NearLights::Picked NearLights::pick(const Choice& choice, int lane, LightKinds kinds, float& u) const {
-  std::size_t chosen = first_group(kinds);
+NearLights::Picked NearLights::pick(const Choice& choice, int lane, float& u) const {
+  std::size_t chosen = choice.first_group;
   float below = 0, with = 0;
-  for (std::size_t k = chosen; k < end_group(kinds); ++k) {
+  for (std::size_t k = choice.first_group; k < choice.end_group; ++k) {
     if (!(choice.shares[k][lane] > 0)) continue;
     chosen = k;
     below = with, with += choice.shares[k][lane];
@@ -172,13 +182,12 @@ NearLights::Picked NearLights::pick(const Choice& choice, int lane, LightKinds k
   return {lights_[group.first + entry], share_of_group * share};
 }
 
-float NearLights::probability(glm::vec3 point, glm::vec3 normal, LightKinds kinds, int triangle) const {
+float NearLights::probability(glm::vec3 point, glm::vec3 normal, const Weights& weights, int triangle) const {
   const Place& place = places_[triangle];
+  if (!(place.share > 0)) return 0;
   const LightGroup& group = groups_[place.group];
   const float lux = lux_on(group, point.x, point.y, point.z, normal.x, normal.y, normal.z);
-  if (!(lux > 0)) return 0;
-  const Sums all = sums_at(point, normal, kinds);
-  return place.share * share_of(lux, all.lux, group.average_lux, all.average_lux);
+  return place.share * mixed_share(lux, weights.lux, group.average_lux, weights.average_lux);
 }
 
 }  // namespace dualpixel::simulator

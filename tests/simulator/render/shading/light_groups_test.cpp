@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -11,8 +10,8 @@ namespace {
 
 /// `count` lamps, 5 m apart, of twenty pieces each in a ball of 10 cm; the lamp is index / 20. One is a hundred times
 /// as strong.
-std::vector<NearLight> lamps(int count) {
-  std::vector<NearLight> lights;
+std::vector<LightSource> lamps(int count) {
+  std::vector<LightSource> lights;
   for (int piece = 0; piece < 20; ++piece) {
     for (int lamp = 0; lamp < count; ++lamp) {
       const float angle = 0.9f * static_cast<float>(piece);
@@ -25,7 +24,7 @@ std::vector<NearLight> lamps(int count) {
 }
 
 TEST(LightGroups, HoldEachLightOnce) {
-  std::vector<NearLight> lights = lamps(13);
+  std::vector<LightSource> lights = lamps(13);
   const std::vector<LightGroup> groups = group_lights(lights, 32);
   EXPECT_EQ(groups.size(), 32u);
   std::set<std::size_t> seen;
@@ -45,7 +44,7 @@ TEST(LightGroups, HoldEachLightOnce) {
 }
 
 TEST(LightGroups, AreOneLampEachWhereThereAreEnough) {
-  std::vector<NearLight> lights = lamps(16);
+  std::vector<LightSource> lights = lamps(16);
   const std::vector<LightGroup> groups = group_lights(lights, 16);
   EXPECT_EQ(groups.size(), 16u);
   for (const LightGroup& group : groups) {
@@ -59,14 +58,15 @@ TEST(LightGroups, AreOneLampEachWhereThereAreEnough) {
 // Halfway between two neighboring numbers is one of them.
 TEST(LightGroups, EndWhereNumbersDo) {
   const float next = std::nextafter(1.0f, 2.0f);
-  std::vector<NearLight> lights = {{0, glm::vec3(1), glm::vec3(1), 3, 1}, {1, glm::vec3(next), glm::vec3(next), 3, 1}};
+  std::vector<LightSource> lights = {{0, glm::vec3(1), glm::vec3(1), 3, 1},
+                                     {1, glm::vec3(next), glm::vec3(next), 3, 1}};
   const std::vector<LightGroup> groups = group_lights(lights, 32);
   ASSERT_EQ(groups.size(), 1u);
   EXPECT_EQ(groups[0].end, 2u);
 }
 
 TEST(LightGroups, StayTogetherInOnePlace) {
-  std::vector<NearLight> lights(5, NearLight{0, glm::vec3(1), glm::vec3(1), 3, 1});
+  std::vector<LightSource> lights(5, LightSource{0, glm::vec3(1), glm::vec3(1), 3, 1});
   ASSERT_EQ(group_lights(lights, 32).size(), 1u);
   EXPECT_EQ(group_lights(lights, 32)[0].candela, 15);
   // and others are split nevertheless
