@@ -14,7 +14,8 @@ Time is CPU time of all threads, and marginal: that of N samples minus that of t
 starting up count for neither. Ours includes points of light on surfaces, of as many light samples as the picture has
 samples: the fewest samples that are subtracted are rendered without points. Error is the RMS over the picture and R, G,
 B: the standard deviation between pictures of three seeds and, in quadrature, what points of light leave wrong in ours,
-which is found beside as many pictures with all light sampled by every path. No reference's noise is in it.
+which is found beside as many pictures with all light sampled by every path. On average no reference's noise is in it.
+Light at points is the same for all seeds, so that the standard error does not know its scatter.
 """
 
 import json

@@ -52,7 +52,7 @@ void add_plan(CLI::App& program) {
   command->add_option("-o,--output", options->output, "Also write that JSON to a file")->type_name("OUT.json");
   add_threads_option(*command);
   command->footer(
-      "It renders parts of the scene: seconds where surfaces shine by themselves, minutes where they are lit.\n\n"
+      "Renders parts of the scene. This takes seconds if its surfaces are unlit, minutes if light falls on them.\n\n"
       "Example:\n  dualpixel plan build/release/scenes/portrait.json --tolerance-px 0.02");
   command->callback([options] { run(*options); });
 }

@@ -65,7 +65,7 @@ float lux_of(const Lamp& lamp, const Intersector& intersector, glm::vec3 point, 
 
 BrightSurfaces::BrightSurfaces(const Scene& scene, const Lights& lights, const Intersector& intersector)
     : index_(scene.meshes.size()) {
-  constexpr float kBright = 10;         // times the light on an average point
+  constexpr float kBright = 10;         // times the light on the average surface that faces lamps
   constexpr float kLeastShare = 0.01f;  // less is found by chance as well
   const std::vector<Lamp> lamps = lamps_of(scene);
   const auto lux_at = [&](const Triangle& triangle, unsigned mesh) {

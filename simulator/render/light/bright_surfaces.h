@@ -17,7 +17,7 @@ class BrightSurfaces {
  public:
   /// None.
   BrightSurfaces() = default;
-  /// Finds them: triangles that a lamp throws far more light on than on an average point of the scene.
+  /// Finds them: triangles that a lamp throws far more light on than on the average surface that faces it.
   BrightSurfaces(const Scene& scene, const Lights& lights, const Intersector& intersector);
 
   /// Of the rays of diffuse reflection, those that are to be sent towards bright surfaces; 0 .. 0.5, 0: there are none.

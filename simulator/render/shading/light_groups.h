@@ -10,7 +10,7 @@ struct LightSource {
   std::size_t index = 0;      ///< the caller's
   glm::vec3 low{0}, high{0};  ///< bounds
   float candela = 0;          ///< averaged over directions
-  float average_lux = 0;      ///< on a surface somewhere in the scene that faces it
+  float average_lux = 0;      ///< its weight: illuminance of a surface somewhere in the scene that faces it, or more
 };
 
 /// Lights that lie close together.

@@ -53,7 +53,8 @@ class Lights {
 
   bool has_soft() const { return !environment_.dark() || has_emissive(); }
   bool has_emissive() const { return !near_.triangles().empty(); }
-  /// NearLights::average_lux() of all kinds, and its share of all light on surfaces of any direction.
+  /// NearLights::average_lux() of all kinds, and its share of all light on surfaces of any direction, as if
+  /// each faced them.
   float near_lux() const { return near_.average_lux(LightKinds::all); }
   float near_share() const;
 

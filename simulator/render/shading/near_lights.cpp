@@ -12,11 +12,12 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// Adds it if it gives any light. On surfaces that face it the mean cosine is a half.
+/// Adds it if it gives any light; renders take numbers below the normal ones for 0. On surfaces that face it the mean
+/// cosine is a half.
 void add_source(std::size_t index, glm::vec3 low, glm::vec3 high, float candela, float distance_squared,
                 std::vector<LightSource>& lights) {
   const float average_lux = candela / (2 * distance_squared);
-  if (candela > 0 && average_lux > 0) lights.push_back({index, low, high, candela, average_lux});
+  if (average_lux >= std::numeric_limits<float>::min()) lights.push_back({index, low, high, candela, average_lux});
 }
 
 std::vector<LightSource> punctual_sources(const Scene& scene, glm::vec3 middle, float radius_squared) {
@@ -97,9 +98,10 @@ NearLights::NearLights(const Scene& scene, const Intersector::Bounds& bounds) {
       triangles_.push_back({m, t, 0.5f * glm::length(normal), p, first_edge, second_edge, glm::normalize(normal)});
     }
   }
-  const glm::vec3 size = bounds.high - bounds.low, middle = 0.5f * (bounds.high + bounds.low);
-  const float quarter = 0.25f * glm::dot(size, size);
-  const float radius_squared = quarter < kInfinity ? std::max(quarter, 1e-12f) : 1;  // infinite: nothing is there
+  const glm::vec3 size = bounds.high - bounds.low;
+  glm::vec3 middle = 0.5f * (bounds.high + bounds.low);
+  float radius_squared = std::max(0.25f * glm::dot(size, size), 1e-12f);
+  if (!(radius_squared < kInfinity)) middle = glm::vec3(0), radius_squared = 1;  // nothing is there to be lit
   std::vector<LightSource> hard = punctual_sources(scene, middle, radius_squared);
   std::vector<LightSource> soft = emissive_sources(scene, triangles_, radius_squared);
   raise_weak(hard, soft);

@@ -34,7 +34,8 @@ class NearLights {
     return first < 0 ? -1 : first + static_cast<int>(triangle);
   }
 
-  /// Illuminance by these kinds on a surface somewhere in the scene that faces them.
+  /// Illuminance by these kinds on a surface somewhere in the scene that faces them; more, where a weak one counts for
+  /// more than it gives.
   float average_lux(LightKinds kinds) const {
     return (kinds == LightKinds::soft ? 0 : hard_lux_) + (kinds == LightKinds::hard ? 0 : soft_lux_);
   }

@@ -80,9 +80,9 @@ TEST(DirectLight, PointLightFollowsInverseSquare) {
   EXPECT_NEAR(mean(image), 80.0 / 4 / M_PI, 1e-3);
 }
 
-// A lamp that shines on a wall has its share of the samples, however strong another is that a board hides. Two of them
-// make a weak one's least half of a hundredth, and half of the samples go by that: of 1 048 576, 2600 find it, an error
-// of 2 %; four of these.
+// A lamp that shines on a wall has its share of the samples, however strong another is that a board hides. With two
+// lamps, a weak one counts for at least 1 / 200 of the average light, and half of the samples go by that: of 1 048 576,
+// 2600 find it, an error of 2 %; four of these.
 TEST(DirectLight, AWeakLampIsNotLostBesideAStrongOne) {
   Scene scene;
   scene.materials = {diffuse(1)};
