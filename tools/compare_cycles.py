@@ -2,8 +2,8 @@
 
     blender --background --python-exit-code 1 --python tools/compare_cycles.py -- PROGRAM build/release/scenes/portrait.json OUT WIDTH
 
-PROGRAM is build/release/tools/dualpixel; OUT, a new folder, gets cycles.json; WIDTH in photosites divides the scene's (96:
-@@ on two cores). Needs Debian's blender (3.4) and python3-numpy; nothing else does.
+PROGRAM is build/release/tools/dualpixel; OUT, a new folder, gets cycles.json; WIDTH in photosites divides the scene's (192:
+four minutes on two cores, 384: eleven). Needs Debian's blender (3.4) and python3-numpy; nothing else does.
 
 What is matched: a thin lens (lens_models/phone_thin_4.4mm_f1.8.json) in place of the scene's own, its pupil and focus; one environment picture, read by both; the sun without a width; direct
 light alone; a photosite's own area as the pixel's filter. All materials are made matte (roughness 1, no metal) in a copy

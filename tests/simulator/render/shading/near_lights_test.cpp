@@ -230,7 +230,8 @@ TEST(Lights, SamplesOfAStreetsLampsAddUpToTheirLight) {
     double expected = 0;
     for (int lamp = 0; lamp < 14; ++lamp) {
       for (int piece = 0; piece < 400; ++piece) {
-        const glm::dvec3 at(10.0 * lamp - 0.1 + 0.01 * (piece % 20 + 0.5), -3, -0.1 + 0.01 * (piece / 20 + 0.5));
+        const glm::dvec3 at(10.0 * lamp - 0.1 + 0.01 * (piece % 20 + 0.5), -3,
+                            -0.1 + 0.01 * (std::floor(piece / 20.0) + 0.5));
         const glm::dvec3 to = at - glm::dvec3(point);
         const double squared = glm::dot(to, to), length = std::sqrt(squared);
         const double cosine = std::max(glm::dot(glm::dvec3(normal), to) / length, 0.0);
