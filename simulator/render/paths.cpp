@@ -545,6 +545,7 @@ class LightLookup {
 /// What of each lane's light was taken from points on the surface.
 struct KnownLight {
   int soft[kPacket], hard[kPacket];  ///< -1: all of this kind that is reflected diffusely
+  Vec3Packet hard_irradiance;        ///< of lanes whose `hard` is set
   float nits[kPacket];               ///< luminance of the light reflected so
   int diffuse_by_lights[kPacket];    ///< -1: light samples alone find what is missing of it
 };
@@ -590,6 +591,7 @@ void add_known_light(const RenderScene& world, const PathOptions& options, unsig
     glm::vec3 irradiance(0);
     if (found.soft_agrees) known.soft[i] = -1, irradiance += found.light.soft;
     if (found.hard_agrees) known.hard[i] = -1, irradiance += found.light.hard;
+    known.hard_irradiance.set(i, found.light.hard);
     if (bounces_left > 0 && (known.soft[i] || known.diffuse_by_lights[i])) {
       irradiance += indirect.at(hit, direction, kIndirectSpacing * spacing_m).light.soft;
     }
@@ -609,12 +611,15 @@ class ScatterSamples {
   const Padded& roulette() { return drawn(2); }
   const Padded& strand() { return drawn(3); }
   const Padded& side() { return drawn(4); }
+  const Padded& check() { return drawn(5); }
 
  private:
   const Padded& drawn(int which) {
-    constexpr std::uint32_t kStrandStreams = 0x20000;  // beyond all others
-    const std::uint32_t stream =
-        which < 3 ? 3 * reflections_before_ + which : kStrandStreams + 2 * reflections_before_ + which - 3;
+    // What was added later has streams beyond all others, which stay as they were.
+    constexpr std::uint32_t kStrandStreams = 0x20000, kCheckStreams = 0x40000;
+    const std::uint32_t stream = which < 3   ? 3 * reflections_before_ + which
+                                 : which < 5 ? kStrandStreams + 2 * reflections_before_ + which - 3
+                                             : kCheckStreams + reflections_before_;
     if (!drawn_[which]) {
       path_samples(sampling_, indices_, stream, numbers_[which].u, numbers_[which].v);
     }
@@ -625,8 +630,8 @@ class ScatterSamples {
   Sampling sampling_;
   const SampleIndices& indices_;
   int reflections_before_;
-  bool drawn_[5] = {};
-  Padded numbers_[5];
+  bool drawn_[6] = {};
+  Padded numbers_[6];
 };
 
 /// Whether to follow something of this size, for which 1 is always followed; what is followed counts 1 / keep.
@@ -725,6 +730,27 @@ void sample_missing_lights(const RenderScene& world, const int lanes[kPacket], c
   }
 }
 
+/// A shadow may lie between points that agree on light without extent. So a share of the paths that took it from points
+/// look for it themselves, and the difference counts for all of them (a control variate): such a shadow is noisy, not
+/// missing. Of several lights each would have to be asked, or noise of the choice would come in: then points are
+/// trusted.
+void check_hard_light(const RenderScene& world, const int lanes[kPacket], const Hits& hits, ScatterSamples& samples,
+                      const KnownLight& known, Paths& paths, ShadowRays& shadow) {
+  constexpr float kShare = 0.25f;
+  if (world.lights.hard_count() != 1) return;
+  for (int i = 0; i < kPacket; ++i) {
+    if (!lanes[i] || !known.hard[i] || samples.check().u[i] >= kShare) continue;
+    const glm::vec3 diffuse = diffuse_bsdf(hits.surface.at(i)) / kShare;
+    add_light(paths, i, -diffuse * known.hard_irradiance.at(i));
+    const LightSample light = world.lights.hard(0, hits.start.at(i));
+    const float cosine = glm::dot(hits.surface.normal.at(i), light.direction);
+    if (!(cosine > 0) || !(glm::dot(hits.surface.geometric_normal.at(i), light.direction) > 0)) continue;
+    shadow.arriving.set(i, paths.throughput.at(i) * diffuse * light.radiance * cosine);
+    set_ray(shadow.rays, i, hits.start.at(i), light.direction, light.distance_m * (1 - 1e-4f));
+    shadow.active[i] = -1;
+  }
+}
+
 /// The next ray of each path.
 void sample_reflections(const RenderScene& world, const int lanes[kPacket], const Hits& hits, ScatterSamples& samples,
                         const KnownLight& known, RayPacket& rays, Paths& paths) {
@@ -766,7 +792,8 @@ void sample_reflections(const RenderScene& world, const int lanes[kPacket], cons
 
 /// The paths of `lanes`, all at one mesh: emission at the hit, light known there, light samples, and the next ray.
 void scatter(const RenderScene& world, const PathOptions& options, unsigned mesh_id, const int lanes[kPacket],
-             int bounces_left, ScatterSamples& samples, RayPacket& rays, Paths& paths, ShadowRays& shadow) {
+             int bounces_left, ScatterSamples& samples, RayPacket& rays, Paths& paths, ShadowRays& shadow,
+             ShadowRays& checks) {
   Hits hits;
   hits_at(world, mesh_id, lanes, rays, hits);
   for (int i = 0; i < kPacket; ++i) hits.distance[i] += paths.before_m[i];
@@ -776,6 +803,7 @@ void scatter(const RenderScene& world, const PathOptions& options, unsigned mesh
   KnownLight known = nothing_known(world, bounces_left);
   add_known_light(world, options, mesh_id, lanes, rays, hits, bounces_left, paths, known);
   sample_missing_lights(world, lanes, hits, samples, known, paths, shadow);
+  check_hard_light(world, lanes, hits, samples, known, paths, checks);
   sample_reflections(world, lanes, hits, samples, known, rays, paths);
 }
 
@@ -819,8 +847,8 @@ void shade_met(const RenderScene& world, const PathOptions& options, RayPacket& 
   for (int i = 0; any_missed && i < kPacket; ++i) {
     if (paths.active[i] && !waiting[i]) see_environment(world, rays, paths, i);
   }
-  alignas(64) ShadowRays shadow;
-  for (int i = 0; i < kPacket; ++i) paths.active[i] = shadow.active[i] = 0;
+  alignas(64) ShadowRays shadow, checks;
+  for (int i = 0; i < kPacket; ++i) paths.active[i] = shadow.active[i] = checks.active[i] = 0;
   ScatterSamples samples(options.sampling, indices, indices.reflections_before(bounce));
   for (int first; (first = first_set(waiting)) < kPacket;) {  // mesh by mesh: most packets hit only one
     const unsigned mesh_id = rays.mesh[first];
@@ -840,9 +868,10 @@ void shade_met(const RenderScene& world, const PathOptions& options, RayPacket& 
       see_lights(world, mesh_id, lanes, rays, paths);
       continue;
     }
-    scatter(world, options, mesh_id, lanes, options.max_bounces - bounce, samples, rays, paths, shadow);
+    scatter(world, options, mesh_id, lanes, options.max_bounces - bounce, samples, rays, paths, shadow, checks);
   }
   add_unhidden(world, options, shadow, paths);
+  add_unhidden(world, options, checks, paths);
   paths.kinds = LightKinds::all;
   paths.follow_all = false;
 }

@@ -152,6 +152,54 @@ TEST(LightCache, SamplesReflectedLightOnSmallTriangles) {
   }
 }
 
+/// A white wall, 24 photosites of 1 mm in the picture, on which a sun from the left gives 800 lux.
+Scene wall_in_the_sun() {
+  Scene scene;
+  scene.materials = {diffuse(1)};
+  scene.meshes = {make_quad({-1, 1, 1}, {2, 0, 0}, {0, -2, 0}, 0)};
+  PunctualLight sun;
+  sun.kind = PunctualLight::Kind::directional;
+  sun.direction = {0.6f, 0, 0.8f};
+  sun.intensity = glm::vec3(1000);
+  scene.lights = {sun};
+  return scene;
+}
+
+/// Light that is missing on the wall, over that on one column of photosites.
+double missing_light(const Scene& scene, const LightCacheOptions& cache) {
+  constexpr int kSide = 24, kSamples = 256;
+  const CameraView camera = phone_camera(1, kSide, kSide, {}, 4.442e-6);
+  const Image image = undivided(render_views(RenderScene(scene, cache), camera, {kSamples, 0, 5}));
+  double sum = 0;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) sum += 1 - image.at(x, y) / (800 / M_PI);
+  }
+  return sum / kSide;
+}
+
+// A wire, out of the picture, throws a shadow a quarter of a photosite wide between points 16 photosites apart, all of
+// which are lit. Of 256 samples in a photosite 64 meet it, and 16 of these check, for 4 each: a standard error of
+// sqrt(12) * 4 / 256 (binomial) in each of 24 rows, .011 in all.
+TEST(LightCache, KeepsShadowsThatLieBetweenPoints) {
+  constexpr float kWidth = 0.25e-3f;
+  Scene scene = wall_in_the_sun();
+  EXPECT_NEAR(missing_light(scene, {.light_spacing_px = 16}), 0, 1e-3);
+  for (const float at : {-0.0031f, 0.0032f, 0.0043f}) {
+    Scene behind_wire = scene;
+    behind_wire.meshes.push_back(make_quad({at - 0.375f, 1, 0.5f}, {kWidth, 0, 0}, {0, -2, 0}, 0));
+    EXPECT_NEAR(missing_light(behind_wire, kNone), 0.25, 0.02) << at;
+    EXPECT_NEAR(missing_light(behind_wire, {.light_spacing_px = 16}), 0.25, 0.044) << at;
+  }
+}
+
+// One of several lamps is not all of them: where there are more, points are trusted.
+TEST(LightCache, DoesNotTakeOneLampForAll) {
+  Scene scene = wall_in_the_sun();
+  scene.lights.push_back(scene.lights[0]);
+  for (PunctualLight& light : scene.lights) light.intensity *= 0.5f;
+  EXPECT_NEAR(missing_light(scene, {.light_spacing_px = 16}), 0, 1e-3);
+}
+
 // What is set aside comes back with its points, and takes no more memory than one cache may.
 TEST(LightCache, IsSetAsideWithinItsMemory) {
   const Scene scene = room();
