@@ -25,7 +25,7 @@ struct ErrorTarget {
   std::array<double, 3> constant{};
 
   /// At a photosite of this color and light. Light of few samples may be negative: what a surface reflects in this
-  /// direction is sampled as its difference from the diffuse light that is known.
+  /// direction, and thin shadows, are sampled as differences from the diffuse light that is known.
   double at(int color, double nits) const { return per_nit[color] * std::max(nits, 0.0) + constant[color]; }
 };
 

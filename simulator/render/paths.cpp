@@ -730,10 +730,9 @@ void sample_missing_lights(const RenderScene& world, const int lanes[kPacket], c
   }
 }
 
-/// A shadow may lie between points that agree on light without extent. So a share of the paths that took it from points
+/// A shadow may lie between points that agree on light without extent. So some of the paths that took it from points
 /// look for it themselves, and the difference counts for all of them (a control variate): such a shadow is noisy, not
-/// missing. Of several lights each would have to be asked, or noise of the choice would come in: then points are
-/// trusted.
+/// missing. With several lights each would need a ray, or noise of the choice would come in: then points are trusted.
 void check_hard_light(const RenderScene& world, const int lanes[kPacket], const Hits& hits, ScatterSamples& samples,
                       const KnownLight& known, Paths& paths, ShadowRays& shadow) {
   constexpr float kShare = 0.25f;
@@ -741,10 +740,14 @@ void check_hard_light(const RenderScene& world, const int lanes[kPacket], const 
   for (int i = 0; i < kPacket; ++i) {
     if (!lanes[i] || !known.hard[i] || samples.check().u[i] >= kShare) continue;
     const glm::vec3 diffuse = diffuse_bsdf(hits.surface.at(i)) / kShare;
+    if (diffuse == glm::vec3(0)) continue;
     add_light(paths, i, -diffuse * known.hard_irradiance.at(i));
     const LightSample light = world.lights.hard(0, hits.start.at(i));
     const float cosine = glm::dot(hits.surface.normal.at(i), light.direction);
-    if (!(cosine > 0) || !(glm::dot(hits.surface.geometric_normal.at(i), light.direction) > 0)) continue;
+    if (light.radiance == glm::vec3(0) || !(cosine > 0) ||
+        !(glm::dot(hits.surface.geometric_normal.at(i), light.direction) > 0)) {
+      continue;
+    }
     shadow.arriving.set(i, paths.throughput.at(i) * diffuse * light.radiance * cosine);
     set_ray(shadow.rays, i, hits.start.at(i), light.direction, light.distance_m * (1 - 1e-4f));
     shadow.active[i] = -1;

@@ -165,31 +165,82 @@ Scene wall_in_the_sun() {
   return scene;
 }
 
-/// Light that is missing on the wall, over that on one column of photosites.
-double missing_light(const Scene& scene, const LightCacheOptions& cache) {
-  constexpr int kSide = 24, kSamples = 256;
-  const CameraView camera = phone_camera(1, kSide, kSide, {}, 4.442e-6);
-  const Image image = undivided(render_views(RenderScene(scene, cache), camera, {kSamples, 0, 5}));
+constexpr LightCacheOptions kFarApart{.light_spacing_px = 16};
+constexpr int kWallSide = 24;
+
+/// Over that of the wall in the sun, summed over a row of photosites: 24 where all of it is lit.
+double light_of_a_row(const Scene& scene, const LightCacheOptions& cache, int bounces = 0) {
+  constexpr int kSamples = 256;
+  const CameraView camera = phone_camera(1, kWallSide, kWallSide, {}, 4.442e-6);
+  const Image image = undivided(render_views(RenderScene(scene, cache), camera, {kSamples, bounces, 5}));
   double sum = 0;
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) sum += 1 - image.at(x, y) / (800 / M_PI);
+  for (int y = 0; y < kWallSide; ++y) {
+    for (int x = 0; x < kWallSide; ++x) sum += image.at(x, y) / (800 / M_PI);
   }
-  return sum / kSide;
+  return sum / kWallSide;
 }
 
-// A wire, out of the picture, throws a shadow a quarter of a photosite wide between points 16 photosites apart, all of
-// which are lit. Of 256 samples in a photosite 64 meet it, and 16 of these check, for 4 each: a standard error of
-// sqrt(12) * 4 / 256 (binomial) in each of 24 rows, .011 in all.
+/// What casts a shadow on the wall from `left` to `right`, meters, and is out of the picture.
+Mesh blocker(float left, float right) {
+  const float shift = 0.5f * 0.6f / 0.8f;
+  return make_quad({left - shift, 1, 0.5f}, {right - left, 0, 0}, {0, -2, 0}, 0);
+}
+
+constexpr float kThin = 0.25e-3f;  // a quarter of a photosite
+// Of 256 samples in a photosite 64 meet a thin shadow, and 16 of these check, for 4 each: a standard error of sqrt(12)
+// * 4 / 256 (binomial) in each of 24 rows, .011 in all. Four of them:
+constexpr double kNoiseOfChecks = 0.044;
+
+// A shadow a quarter of a photosite wide, between points 16 photosites apart, all of which are lit.
 TEST(LightCache, KeepsShadowsThatLieBetweenPoints) {
-  constexpr float kWidth = 0.25e-3f;
-  Scene scene = wall_in_the_sun();
-  EXPECT_NEAR(missing_light(scene, {.light_spacing_px = 16}), 0, 1e-3);
+  const Scene scene = wall_in_the_sun();
+  EXPECT_NEAR(light_of_a_row(scene, kFarApart), kWallSide, 1e-3);
   for (const float at : {-0.0031f, 0.0032f, 0.0043f}) {
     Scene behind_wire = scene;
-    behind_wire.meshes.push_back(make_quad({at - 0.375f, 1, 0.5f}, {kWidth, 0, 0}, {0, -2, 0}, 0));
-    EXPECT_NEAR(missing_light(behind_wire, kNone), 0.25, 0.02) << at;
-    EXPECT_NEAR(missing_light(behind_wire, {.light_spacing_px = 16}), 0.25, 0.044) << at;
+    behind_wire.meshes.push_back(blocker(at, at + kThin));
+    EXPECT_NEAR(light_of_a_row(behind_wire, kNone), kWallSide - 0.25, 0.02) << at;
+    EXPECT_NEAR(light_of_a_row(behind_wire, kFarApart), kWallSide - 0.25, kNoiseOfChecks) << at;
   }
+}
+
+TEST(LightCache, FindsSunThatFallsBetweenPoints) {
+  Scene behind_slit = wall_in_the_sun();
+  behind_slit.meshes.push_back(blocker(-0.1f, 0.0032f));
+  behind_slit.meshes.push_back(blocker(0.0032f + kThin, 0.1f));
+  EXPECT_NEAR(light_of_a_row(behind_slit, kNone), 0.25, 0.02);
+  EXPECT_NEAR(light_of_a_row(behind_slit, kFarApart), 0.25, kNoiseOfChecks);
+}
+
+// The check counts for diffuse light alone; what a gloss adds is sampled by each path.
+TEST(LightCache, KeepsThinShadowsOnGlossyWalls) {
+  Scene scene = wall_in_the_sun();
+  scene.materials[0].roughness = 0.4f;
+  scene.meshes.push_back(blocker(0.0032f, 0.0032f + kThin));
+  EXPECT_NEAR(light_of_a_row(scene, kFarApart), light_of_a_row(scene, kNone), kNoiseOfChecks + 0.02);
+}
+
+// Seen in a mirror that reflects half of the light: a wall behind the camera, 3 m away along the ray, where the shadow
+// is three times as wide.
+TEST(LightCache, KeepsThinShadowsInMirrors) {
+  Scene scene = wall_in_the_sun();
+  scene.materials.push_back(diffuse(0.5f));
+  scene.materials[1].metallic = 1;
+  scene.materials[1].roughness = 0;
+  scene.meshes = {make_quad({-1, -1, 1}, {2, 0, 0}, {0, 2, 0}, 1), make_quad({-1, -1, -1}, {2, 0, 0}, {0, 2, 0}, 0),
+                  make_quad({0.0062f - 0.375f, 1, -0.5f}, {3 * kThin, 0, 0}, {0, -2, 0}, 0)};
+  scene.lights[0].direction.z *= -1;
+  const double lit = 0.5 * kWallSide, missing = 0.5 * 0.25;
+  EXPECT_NEAR(light_of_a_row(scene, kNone, 1), lit - missing, 0.01);
+  EXPECT_NEAR(light_of_a_row(scene, kFarApart, 1), lit - missing, 0.5 * kNoiseOfChecks);
+}
+
+// Light of a lamp 8 cm away is no straight line between points: without checks it is off by .39 of a column.
+TEST(LightCache, KnowsANearLampBetweenPoints) {
+  Scene scene = wall_in_the_sun();
+  scene.lights[0].kind = PunctualLight::Kind::point;
+  scene.lights[0].position = {0.005f, 0.003f, 0.92f};
+  scene.lights[0].intensity = glm::vec3(800 * 0.08f * 0.08f);
+  EXPECT_NEAR(light_of_a_row(scene, kFarApart), light_of_a_row(scene, kNone), 0.01);
 }
 
 // One of several lamps is not all of them: where there are more, points are trusted.
@@ -197,7 +248,7 @@ TEST(LightCache, DoesNotTakeOneLampForAll) {
   Scene scene = wall_in_the_sun();
   scene.lights.push_back(scene.lights[0]);
   for (PunctualLight& light : scene.lights) light.intensity *= 0.5f;
-  EXPECT_NEAR(missing_light(scene, {.light_spacing_px = 16}), 0, 1e-3);
+  EXPECT_NEAR(light_of_a_row(scene, kFarApart), kWallSide, 1e-3);
 }
 
 // What is set aside comes back with its points, and takes no more memory than one cache may.
