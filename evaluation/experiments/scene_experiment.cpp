@@ -68,8 +68,12 @@ Image thumbnail_of(const std::vector<Image>& parts, double signal_per_nit) {
 void look_at(const std::string& path, const SceneExperimentOptions& options, DrawnSceneResult& result) {
   const json scene_file = read_json_file(path);
   json small = scenes::small_picture(scene_file, options.width_px);
-  small["render"].erase("light_spacing_px");  // light that is kept has far less noise than light that is sampled,
-  small["render"].erase("light_samples");     // and the default is enough of it for a small picture
+  json& render_file = small["render"];
+  render_file.erase("light_spacing_px");  // light that is kept has far less noise than light that is sampled
+  constexpr int kDefault = simulator::LightCacheOptions{}.light_samples;
+  // What the scene asks for is kept where the picture is to have as many samples; else seeds would take too long.
+  render_file["light_samples"] =
+      std::min(render_file.value("light_samples", kDefault), std::max(kDefault, options.samples_per_pixel));
   const simulator::Simulation simulation = simulator::read_simulation(small, path);
   const simulator::Scene scene = simulator::load_scene(simulation);
   result.faults.insert(result.faults.end(), scene.warnings.begin(), scene.warnings.end());
