@@ -131,10 +131,12 @@ DisparityBias bias_of(const Renders& cached, const Renders& sampled, const Error
   for (const Views& views : sampled.windows[0]) {
     for (const float value : dp_view(views.left, 1).data) nits += value;
   }
-  nits /= static_cast<double>(kWindows) * (kWindowWidth / kAcross) * (kWindowHeight / kDown);
-  const double per_nit = 0.18 / nits, greens = kAcross * kDown / 2;
-  const pipeline::ViewSensor noise{{{static_cast<float>(per_nit * sensor.per_nit[1] / greens),
-                                     static_cast<float>(per_nit * per_nit * sensor.constant[1] / greens)}}};
+  constexpr int kDpPixels = kWindows * (kWindowWidth / kAcross) * (kWindowHeight / kDown);
+  constexpr int kGreens = kAcross * kDown / 2;
+  nits /= kDpPixels;
+  const double per_nit = 0.18 / nits;
+  const pipeline::ViewSensor noise{{{static_cast<float>(per_nit * sensor.per_nit[1] / kGreens),
+                                     static_cast<float>(per_nit * per_nit * sensor.constant[1] / kGreens)}}};
   std::vector<double> products, means;
   for (int w = 0; w < kWindows; ++w) {
     const auto found = [&](const Renders& renders, int half) {
