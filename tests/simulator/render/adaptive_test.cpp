@@ -178,7 +178,7 @@ TEST(Adaptive, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-// Few samples of a coat may take more light away than there is: no variance is negative for that.
+// Few samples of a coat or of a thin shadow may take more light away than there is: no variance is negative for that.
 TEST(Adaptive, NegativeLightAllowsWhatDarknessDoes) {
   const ErrorTarget target{{3, 4, 5}, {0.1, 0.2, 0.3}};
   EXPECT_EQ(target.at(1, 2), 8.2);

@@ -59,7 +59,9 @@ void add_experiment_scenes(CLI::App& experiment) {
         return text.size() < 6 && std::atoi(text.c_str()) % 16 == 0 ? "" : "must be a multiple of 16";
       })
       ->capture_default_str();
-  command->add_option("--samples", options->samples_per_pixel, "Of each photosite: a multiple of 4")
+  command
+      ->add_option("--samples", options->samples_per_pixel,
+                   "Of each photosite: a multiple of 4; of each point of light no more than this or 64")
       ->check(CLI::Range(4, 4096))
       ->check([](const std::string& text) {
         return text.size() < 6 && std::atoi(text.c_str()) % 4 == 0 ? "" : "must be a multiple of 4";
