@@ -11,6 +11,8 @@
 namespace dualpixel::scenes {
 namespace {
 
+constexpr float kEyeHalfWidth_m = 0.0152f;
+
 /// A ridge or groove at a distance `x`, 1 in its middle.
 float ridge(float x, float width_m) { return std::exp(-x * x / (width_m * width_m)); }
 
@@ -21,14 +23,14 @@ struct Lips {
 };
 
 Lips lips_at(vec3 p) {
-  constexpr float kMiddle_m = -0.0525f, kHalfWidth_m = 0.0235f, kUpper_m = 0.0078f, kLower_m = 0.0092f;
+  constexpr float kMiddle_m = -0.0525f, kHalfWidth_m = 0.0235f, kUpper_m = 0.0080f, kLower_m = 0.0088f;
   const float t = p.x / kHalfWidth_m, taper = 1 - t * t;  // to 0 at the corners
   const float y = p.y - kMiddle_m - 9.0f * p.x * p.x;     // the corners are higher
   if (taper <= 0 || p.z < 0.05f) return {};               // beside them, or at the back of the head
-  const float bow = 1 - 0.16f * ridge(p.x, 0.0038f);      // the dip in the middle of the upper lip
+  const float bow = 1 - 0.2f * ridge(p.x, 0.0042f);       // the dip in the middle of the upper lip
   const float height = y > 0 ? kUpper_m * taper * bow : kLower_m * std::pow(taper, 0.75f);
-  const float share = std::min(std::abs(y) / height, 1.0f), gap = ridge(y, 0.0009f);
-  const float bulge = (y > 0 ? 0.0026f : 0.0040f) * std::sin(kPi * std::pow(share, 0.75f)) - 0.0012f * gap;
+  const float share = std::min(std::abs(y) / height, 1.0f), gap = ridge(y, 0.0012f);
+  const float bulge = (y > 0 ? 0.0028f : 0.0036f) * std::sin(kPi * std::pow(share, 0.75f)) - 0.0010f * gap;
   return {height - std::abs(y), std::sqrt(taper) * bulge, gap};
 }
 
@@ -37,6 +39,7 @@ float with_jaw_and_cheeks(float d, vec3 p, vec3 s) {
   d = sdf_union(d, sdf_capsule(s, {0.0415f, -0.040f, 0.0f}, {0.009f, -0.0835f, 0.0600f}, 0.010f, 0.011f),
                 0.03f);                                                                            // its edge
   d = sdf_union(d, sdf_ellipsoid(s, {0.041f, -0.008f, 0.050f}, {0.019f, 0.015f, 0.019f}), 0.03f);  // cheekbones
+  d = sdf_union(d, sdf_ellipsoid(s, {0.037f, -0.034f, 0.046f}, {0.011f, 0.020f, 0.013f}), 0.02f);  // under them
   d = sdf_union(d, sdf_ellipsoid(p, {0, -0.050f, 0.064f}, {0.0265f, 0.025f, 0.021f}), 0.022f);     // around the mouth
   return sdf_union(d, sdf_ellipsoid(p, {0, -0.0800f, 0.0640f}, {0.0130f, 0.0120f, 0.0140f}), 0.02f);  // chin
 }
@@ -49,13 +52,13 @@ float with_eyes(float d, vec3 p, vec3 s) {
   d = sdf_union(d, std::min(upper, lower), 0.003f);
   if (p.z < 0.05f) return d;  // the back of the head
   const float fold = ridge(y - upper_lid_m(x) - 0.0040f, 0.0011f), bag = ridge(y - lower_lid_m(x) + 0.0052f, 0.0018f);
-  return d + ridge(x, 0.0129f) * (0.0011f * fold + 0.0006f * bag);
+  return d + ridge(x, 0.0135f) * (0.0013f * fold + 0.0005f * bag);
 }
 
 float with_nose(float d, vec3 p, vec3 s) {
   d = sdf_union(d, sdf_capsule(p, {0, 0.024f, 0.0790f}, {0, -0.015f, 0.0995f}, 0.0044f, 0.0070f), 0.010f);  // bridge
-  d = sdf_union(d, glm::length(p - vec3(0, -0.0172f, 0.1000f)) - 0.0074f, 0.009f);                          // tip
-  d = sdf_union(d, sdf_ellipsoid(s, {0.0118f, -0.0225f, 0.0888f}, {0.0058f, 0.0062f, 0.0092f}), 0.009f);    // wings
+  d = sdf_union(d, glm::length(p - vec3(0, -0.0172f, 0.1000f)) - 0.0068f, 0.009f);                          // tip
+  d = sdf_union(d, sdf_ellipsoid(s, {0.0110f, -0.0225f, 0.0888f}, {0.0052f, 0.0058f, 0.0090f}), 0.009f);    // wings
   return sdf_subtract(d, sdf_ellipsoid(s, {0.0066f, -0.0292f, 0.0925f}, {0.0034f, 0.003f, 0.006f}),
                       0.003f);  // nostrils
 }
@@ -70,8 +73,8 @@ float with_mouth(float d, vec3 p, vec3 s) {
 }
 
 float with_ears_and_neck(float d, vec3 p, vec3 s) {
-  const float ear = sdf_subtract(sdf_ellipsoid(s, {0.0795f, 0.002f, -0.012f}, {0.009f, 0.030f, 0.018f}),
-                                 sdf_ellipsoid(s, {0.0895f, 0.004f, -0.006f}, {0.007f, 0.020f, 0.010f}), 0.005f);
+  const float ear = sdf_subtract(sdf_ellipsoid(s, {0.0770f, 0.005f, -0.012f}, {0.009f, 0.0275f, 0.0165f}),
+                                 sdf_ellipsoid(s, {0.0870f, 0.008f, -0.006f}, {0.007f, 0.018f, 0.0095f}), 0.005f);
   d = sdf_union(d, ear, 0.008f);
   d = sdf_union(d, sdf_capsule(p, {0, -0.05f, -0.025f}, {0, -0.2f, -0.035f}, 0.044f, 0.054f), 0.022f);
   return sdf_union(d, sdf_capsule(s, {0.046f, -0.06f, -0.035f}, {0.012f, -0.185f, 0.018f}, 0.008f, 0.009f), 0.02f);
@@ -85,13 +88,13 @@ float bell(vec3 p, vec3 center, float sigma_m) {
 }  // namespace
 
 float upper_lid_m(float x) {
-  const float t = x / 0.0166f;
-  return 0.0042f * (1 - t * t) - 0.0004f + 0.02f * x;  // the outer corner is the higher one
+  const float t = x / kEyeHalfWidth_m;
+  return 0.0046f * (1 - t * t) * (1 - 0.2f * t) - 0.0014f + 0.03f * x;  // the outer corner is the higher one
 }
 
 float lower_lid_m(float x) {
-  const float t = x / 0.0166f;
-  return -0.0043f * (1 - t * t) - 0.0004f + 0.02f * x;
+  const float t = x / kEyeHalfWidth_m;
+  return -0.0048f * (1 - t * t) * (1 + 0.2f * t) - 0.0014f + 0.03f * x;
 }
 
 float portrait_head(vec3 p) {
@@ -119,10 +122,10 @@ vec3 skin_tint(vec3 p) {
   tint(color, bell(p, {0, -0.019f, 0.105f}, 0.011f), {1.0f, 0.88f, 0.85f});             // tip of the nose
   tint(color, bell(s, {0.085f, 0, -0.01f}, 0.02f), {1.0f, 0.80f, 0.76f});               // ears
   tint(color, bell(s, kEye + vec3(0, 0.002f, 0.012f), 0.010f), {0.89f, 0.80f, 0.79f});  // lids
-  tint(color, bell(p, {0, -0.095f, 0.08f}, 0.014f), {1.0f, 0.92f, 0.90f});              // chin
+  tint(color, bell(p, {0, -0.088f, 0.08f}, 0.014f), {1.0f, 0.92f, 0.90f});              // chin
   const Lips lips = lips_at(p);
-  tint(color, std::clamp(0.5f + lips.inside_m / 0.0012f, 0.0f, 1.0f), {0.80f, 0.55f, 0.54f});
-  tint(color, lips.gap, {0.35f, 0.25f, 0.25f});
+  tint(color, std::clamp(0.5f + lips.inside_m / 0.0012f, 0.0f, 1.0f), {0.84f, 0.62f, 0.60f});
+  tint(color, lips.gap, {0.62f, 0.47f, 0.45f});
   return color;
 }
 
