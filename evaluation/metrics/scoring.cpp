@@ -160,14 +160,15 @@ std::optional<PictureScore> score_picture(const Image& linear, const Image& phot
 
 /// A picture's mean square error against truth is its own and the truth's noise together.
 std::optional<double> truth_noise_db(const Truth& truth, const Score& score) {
-  constexpr double kMostShare = 0.99;  // the noise is an estimate, and may come out above what it is part of
   if (!truth.noise) return {};
   std::optional<double> worst;
   for (const std::optional<PictureScore>* picture : {&score.portrait, &score.input}) {
     if (!*picture || !(*picture)->psnr_linear_db) continue;
     const double square_error = std::pow(10, -*(*picture)->psnr_linear_db / 10);
-    const double share = std::min(truth.noise->photograph * truth.noise->photograph / square_error, kMostShare);
-    worst = std::max(worst.value_or(0), -10 * std::log10(1 - share));
+    const double share = truth.noise->photograph * truth.noise->photograph / square_error;
+    // the noise is an estimate, and may come out above what it is part of
+    const double db = share < 1 ? std::min(-10 * std::log10(1 - share), kTruthNoiseLimitDb) : kTruthNoiseLimitDb;
+    worst = std::max(worst.value_or(0), db);
   }
   return worst;
 }

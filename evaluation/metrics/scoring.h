@@ -22,6 +22,8 @@ inline constexpr float kPersonThreshold = 0.5f;
 
 /// Noise of the truth that changes a score by more is worth a warning.
 inline constexpr double kMostTruthNoiseDb = 0.1;
+/// Where a picture errs by hardly more than that noise, or by less, it is said to take so much.
+inline constexpr double kTruthNoiseLimitDb = 20;
 
 /// Thresholds of the bad-pixel rates, DP px.
 inline constexpr double kBadPixelDpPx[] = {0.1, 0.25, 0.5};

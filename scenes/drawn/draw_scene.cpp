@@ -151,6 +151,7 @@ SceneOrder read_scene_order(const std::string& path) {
   Fields fields(document, path);
   SceneOrder order;
   std::string title;
+  if (fields.has("gltf")) fields.fail("gltf", "is of a scene that is drawn already: `dualpixel simulate` takes it");
   fields.required("kind").text("kind", order.kind);
   fields.text("title", title);
   fields.integer("seed", order.seed, 0, ~std::uint64_t{0});

@@ -20,9 +20,7 @@ std::uint64_t hash_of_name(const std::string& name) {
   return h;
 }
 
-bool whole(const Parameter& p) {
-  return p.type == Parameter::Type::integer || p.type == Parameter::Type::multiple_of_16;
-}
+bool whole(const Parameter& p) { return step_of(p) > 0; }
 
 double draw_number(const Parameter& p, RandomStream rng) {
   const double t = rng.uniform();
@@ -89,10 +87,16 @@ Parameters draw_parameters(const std::string& kind, std::span<const Parameter> t
   return values;
 }
 
+int step_of(const Parameter& p) {
+  if (p.type == Parameter::Type::multiple_of_16) return 16;
+  return p.type == Parameter::Type::integer ? 1 : 0;
+}
+
 std::string allowed_text(const Parameter& p) {
   if (p.type == Parameter::Type::folder) return "a folder";
   if (!p.choices.empty()) return fmt::format("{}", fmt::join(p.choices, ", "));
-  return fmt::format("{:g} .. {:g}", p.low, p.high);
+  const char* const steps = step_of(p) == 16 ? ", by 16" : step_of(p) == 1 ? ", whole" : "";
+  return fmt::format("{:g} .. {:g}{}", p.low, p.high, steps);
 }
 
 std::string drawn_text(const Parameter& p) {

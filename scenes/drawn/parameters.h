@@ -52,7 +52,9 @@ class Parameters {
 Parameters draw_parameters(const std::string& kind, std::span<const Parameter> table,
                            const std::vector<std::string>& assignments, std::uint64_t seed);
 
-/// "3 .. 40", "window, lamp, sun"
+/// Of numbers that must be whole 1, or 16 for multiples of that; 0: all between the limits are allowed.
+int step_of(const Parameter& parameter);
+/// "0.1 .. 4", "3 .. 40, whole", "128 .. 8192, by 16", "window, lamp, sun"
 std::string allowed_text(const Parameter& parameter);
 /// "8 .. 20", "drawn", "1"
 std::string drawn_text(const Parameter& parameter);

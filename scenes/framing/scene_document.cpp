@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "capture/error.h"
 #include "capture/files.h"
 #include "capture/json_fields.h"
 
@@ -17,8 +18,13 @@ bool is_gltf(const std::string& path) {
 }
 
 json read_scene_document(const std::string& path) {
-  if (!is_gltf(path)) return read_json_file(path);
-  return {{"version", 1}, {"gltf", std::filesystem::path(path).filename().string()}};
+  if (is_gltf(path)) return {{"version", 1}, {"gltf", std::filesystem::path(path).filename().string()}};
+  json document = read_json_file(path);
+  if (document.is_object() && document.contains("kind") && !document.contains("gltf")) {
+    throw InputError(
+        fmt::format("{}: is a definition: draw its scene first, by `dualpixel scene FILE -o DIR`", printable(path)));
+  }
+  return document;
 }
 
 void set_pose(json& scene_file, const std::array<double, 3>& position_m, const std::array<double, 3>& look_at_m) {

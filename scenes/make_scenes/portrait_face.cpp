@@ -11,8 +11,6 @@
 namespace dualpixel::scenes {
 namespace {
 
-constexpr float kEyeHalfWidth_m = 0.0152f;
-
 /// A ridge or groove at a distance `x`, 1 in its middle.
 float ridge(float x, float width_m) { return std::exp(-x * x / (width_m * width_m)); }
 
@@ -85,16 +83,19 @@ float bell(vec3 p, vec3 center, float sigma_m) {
   return std::exp(-0.5f * glm::dot(q, q));
 }
 
+/// The line through the corners of an eye: under its middle, as it looks down to the camera; the outer one is higher.
+float corners_m(float x) { return 0.03f * x - 0.0014f; }
+
 }  // namespace
 
 float upper_lid_m(float x) {
   const float t = x / kEyeHalfWidth_m;
-  return 0.0046f * (1 - t * t) * (1 - 0.2f * t) - 0.0014f + 0.03f * x;  // the outer corner is the higher one
+  return 0.0046f * (1 - t * t) * (1 - 0.2f * t) + corners_m(x);  // highest towards the nose
 }
 
 float lower_lid_m(float x) {
   const float t = x / kEyeHalfWidth_m;
-  return -0.0048f * (1 - t * t) * (1 + 0.2f * t) - 0.0014f + 0.03f * x;
+  return -0.0048f * (1 - t * t) * (1 + 0.2f * t) + corners_m(x);  // lowest away from it
 }
 
 float portrait_head(vec3 p) {

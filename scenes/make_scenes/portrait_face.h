@@ -9,7 +9,10 @@ inline constexpr glm::vec3 kEye{0.0310f, 0.0148f, 0.0698f};
 /// Of the ball without its cornea, which stands out by 1.2 mm and must stay behind the lids, and of the lids.
 inline constexpr float kEyeRadius_m = 0.0138f, kLidRadius_m = 0.0151f;
 
-/// Heights over the eye's middle between which it is open, `x` from its middle: an almond.
+/// Half of the width of the almond between the lids.
+inline constexpr float kEyeHalfWidth_m = 0.0152f;
+
+/// Heights over the eye's middle between which it is open, `x` from its middle, away from the nose: an almond.
 float upper_lid_m(float x);
 float lower_lid_m(float x);
 

@@ -104,8 +104,9 @@ Mesh brow_hairs() {
   for (int i = 0; i < kHairs; ++i) {
     const float side = i % 2 ? 1.0f : -1.0f, t = scene_hash01(211, i), across = scene_hash01(212, i) - 0.5f;
     const float x = 0.0135f + 0.036f * t - 0.008f * (1 - t) * scene_hash01(217, i);  // no straight inner end
-    const float y = 0.0335f + 0.0062f * std::sin(2.1f * t) - 0.0045f * t * t +
-                    0.0046f * across * (1 - 0.65f * t) * std::min(0.5f + 2 * t, 1.0f);
+    const float arch = 0.0335f + 0.0062f * std::sin(2.1f * t) - 0.0045f * t * t;
+    const float height = 0.0046f * (1 - 0.65f * t) * std::min(0.5f + 2 * t, 1.0f);  // half of it at the inner end
+    const float y = arch + height * across;
     vec3 p = on_face(side * x, y);
     vec3 direction = glm::normalize(vec3(side * (0.55f + 0.5f * t), 0.75f - 1.15f * t - 0.5f * across, 0.15f) +
                                     0.25f * vec3(scene_hash01(214, i) - 0.5f, scene_hash01(215, i) - 0.5f, 0));
@@ -125,7 +126,7 @@ Mesh lashes() {
   for (int i = 0; i < 2 * kLashes; ++i) {
     const int along = i / 2;
     const float side = i % 2 ? 1.0f : -1.0f;
-    const float x = 0.0134f * (2 * (static_cast<float>(along) + scene_hash01(221, i)) / kLashes - 1);
+    const float x = 0.88f * kEyeHalfWidth_m * (2 * (static_cast<float>(along) + scene_hash01(221, i)) / kLashes - 1);
     const float y = upper_lid_m(x);
     const float z = std::sqrt(std::max(kLidRadius_m * kLidRadius_m - x * x - y * y, 0.0f));
     vec3 p = vec3(side * (kEye.x + x), kEye.y + y, kEye.z + z);

@@ -121,8 +121,8 @@ void add_eyes(Glb& glb, const glm::mat4& to_head) {
     if (r < 0.058f) return vec3(0.006f);
     const vec3 color = glm::mix(vec3(0.045f, 0.026f, 0.013f), vec3(0.2f, 0.12f, 0.055f), 0.4f * n + 0.6f * rays);
     if (r < 0.143f) return color * std::clamp((0.145f - r) / 0.02f, 0.3f, 1.0f);
-    return glm::mix(vec3(0.44f, 0.37f, 0.34f), vec3(0.53f, 0.47f, 0.44f), n) *
-           std::clamp((r - 0.113f) / 0.05f, 0.5f, 1.0f) * std::clamp(1.25f - 1.4f * r, 0.6f, 1.0f);
+    const float rim = std::clamp((r - 0.113f) / 0.05f, 0.5f, 1.0f), corner = std::clamp(1.25f - 1.4f * r, 0.6f, 1.0f);
+    return rim * corner * glm::mix(vec3(0.44f, 0.37f, 0.34f), vec3(0.53f, 0.47f, 0.44f), n);
   });
   const int material = glb.add_material(glb.add_texture(iris), vec3(1), false, 0.12f);
   for (const float side : {-1.0f, 1.0f}) {

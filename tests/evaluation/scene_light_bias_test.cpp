@@ -177,14 +177,16 @@ void expect_little_bias(const std::string& scene_file, Asked asked) {
              scene_file, s.render.max_bounces, bias.views.root(), bias.views.value, bias.views.standard_error,
              bias.difference.root(), bias.difference.value, bias.difference.standard_error);
   const auto is_little = [](const MeanSquare& square) { return square.value - 2 * square.standard_error < 0.1 * 0.1; };
-  EXPECT_TRUE(is_little(bias.difference)) << scene_file;
-  EXPECT_TRUE(is_little(bias.views)) << scene_file;
+  for (const MeanSquare& square : {bias.views, bias.difference}) {
+    EXPECT_TRUE(is_little(square)) << scene_file;
+    EXPECT_LT(2 * square.standard_error, 0.1 * 0.1) << scene_file;
+  }
   for (const pipeline::Matcher& matcher : pipeline::matchers()) {
     const DisparityBias off = bias_of(cached, sampled, sensor, matcher);
-    ASSERT_GT(off.tiles, 0u) << matcher.name;
     fmt::print("  {}: {} tiles, mean {:.5f} ± {:.5f}, RMS {:.4f} DP px\n", matcher.name, off.tiles, off.mean.value,
                off.mean.standard_error, off.square.root());
     if (asked == Asked::disparity_too) {
+      ASSERT_GT(off.tiles, 0u) << matcher.name;
       EXPECT_LT(std::abs(off.mean.value) - 2 * off.mean.standard_error, 0.002) << scene_file << ' ' << matcher.name;
       EXPECT_LT(off.mean.standard_error, 0.003) << scene_file << ' ' << matcher.name;
     }
@@ -208,6 +210,7 @@ TEST(SweepSceneLightBias, OfTwoPeople) { expect_little_bias_when_drawn("two_peop
 // Noise of its lamps still pulls disparity (docs/rendering.md, "What is not met").
 TEST(SweepSceneLightBias, OfARoom) { expect_little_bias_when_drawn("text_and_repetition", Asked::views); }
 
+// The rest of the gallery. What light at points does to its disparity has not been measured.
 class SceneLightBias : public ::testing::TestWithParam<const char*> {};
 TEST_P(SceneLightBias, IsLittleInTheViews) { expect_little_bias_when_drawn(GetParam(), Asked::views); }
 INSTANTIATE_TEST_SUITE_P(Sweep, SceneLightBias,

@@ -38,6 +38,7 @@ nlohmann::ordered_json options_json(const scenes::SceneKind& kind) {
       row["folder"] = true;
     } else if (p.choices.empty()) {
       row["range"] = {p.low, p.high};
+      if (scenes::step_of(p) > 0) row["step"] = scenes::step_of(p);
       row["drawn"] = {p.drawn_low, p.drawn_high};
     } else {
       row["choices"] = p.choices;

@@ -31,10 +31,11 @@ struct ScoreOptions {
 /// A score against noisy truth is lower than the picture deserves.
 void warn_of_truth_noise(const std::string& capture, const evaluation::Score& score) {
   if (score.truth_noise_db.value_or(0) <= evaluation::kMostTruthNoiseDb) return;
+  const bool limited = *score.truth_noise_db >= evaluation::kTruthNoiseLimitDb;
   std::cerr << fmt::format(
-      "{}: rendering noise of the true photograph takes {:.2f} dB off the linear PSNR, more than {}: simulate with "
+      "{}: rendering noise of the true photograph takes {:.2f} dB{} off the linear PSNR, more than {}: simulate with "
       "more samples, or with --noise-fraction 0.25\n",
-      printable(capture), *score.truth_noise_db, evaluation::kMostTruthNoiseDb);
+      printable(capture), *score.truth_noise_db, limited ? " or more" : "", evaluation::kMostTruthNoiseDb);
 }
 
 void print(const ScoreOptions& options, const evaluation::Score& score, const std::string& json) {

@@ -145,6 +145,8 @@ TEST(Score, StatesWhatTheNoiseOfTheTruthTakes) {
   EXPECT_NEAR(clean["psnr_linear_db"].get<double>() - noisy["psnr_linear_db"].get<double>(),
               noisy["truth_noise_db"].get<double>(), 1e-3);
   EXPECT_NEAR(noisy["truth_noise_db"].get<double>(), 10 * std::log10(1 + 0.09), 1e-3);
+  capture.truth->noise = {.photograph = 1};  // more than the error that it is part of
+  EXPECT_EQ(score(capture, stored)["image"]["truth_noise_db"], kTruthNoiseLimitDb);
 }
 
 TEST(Score, OfTheMaskAloneHasNoDisparity) {

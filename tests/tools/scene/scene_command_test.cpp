@@ -45,6 +45,8 @@ TEST(SceneCommand, ListsItsTableAsTextAndJson) {
   const nlohmann::json all = nlohmann::json::parse(run_command("scene --options --json").out);
   EXPECT_EQ(all.size(), 5U);
   EXPECT_EQ(all[0]["parameters"][0]["name"], "width_px");
+  EXPECT_EQ(all[0]["parameters"][0]["step"], 16);
+  EXPECT_NE(text.out.find("8192, by 16"), std::string::npos);
 }
 
 TEST(SlowSceneCommand, PeopleOfMakeHumansAssetsAreAnotherPortrait) {
@@ -77,6 +79,13 @@ TEST(SceneCommand, ReadsDefinitions) {
   const nlohmann::json scene = nlohmann::json::parse(read_bytes(folder / "out" + "/scene.json"));
   EXPECT_EQ(scene["lens"]["f_number"], 2.2);
   EXPECT_EQ(scene["render"]["seed"], 4);
+  for (const std::string& wrong :
+       {"simulate '" + (folder / "star.json"), "scene '" + (folder / "out" + "/scene.json")}) {
+    const Outcome refused = run_command(wrong + "' -o '" + (folder / "out2") + "'");
+    expect_one_line_refusal(refused);
+    const std::string rather = wrong.starts_with("scene") ? "dualpixel simulate" : "dualpixel scene";
+    EXPECT_NE(refused.err.find(rather), std::string::npos) << refused.err;
+  }
   for (const char* bad : {R"({"kind": "chart", "sed": 4})", R"({"kind": "chat"})",
                           R"({"kind": "chart", "set": {"foo": 1}})", R"({"kind": "chart", "set": {"width_px": 3}})"}) {
     SCOPED_TRACE(bad);

@@ -48,7 +48,9 @@ void add_experiment_scenes(CLI::App& experiment) {
   auto folder = std::make_shared<std::string>();
   CLI::App* command = experiment.add_subcommand(
       "scenes", "Draw, load and render many seeds of a kind of scene: a contact sheet, failures, cost, statistics");
-  command->add_option("kind", options->kind, "As for `dualpixel scene`")->required()->type_name("KIND");
+  command->add_option("kind", options->kind, "A kind of scene, as `dualpixel scene --options` lists them")
+      ->required()
+      ->type_name("KIND");
   command->add_option("--count", options->count, "Seeds; the sheet shows the first 36")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
