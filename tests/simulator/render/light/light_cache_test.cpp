@@ -213,6 +213,17 @@ TEST(LightCache, FindsSunThatFallsBetweenPoints) {
   EXPECT_NEAR(light_of_a_row(behind_slit, kFarApart), 0.25, kNoiseOfChecks);
 }
 
+// A board behind the lamp, seen from the wall, hides nothing: the same paths find the same light.
+TEST(LightCache, ChecksEndAtTheirLamp) {
+  Scene scene = wall_in_the_sun();
+  scene.lights[0].kind = PunctualLight::Kind::point;
+  scene.lights[0].position = {-0.3f, 0, 0.6f};
+  const double alone = light_of_a_row(scene, kFarApart);
+  EXPECT_GT(alone, kWallSide);
+  scene.meshes.push_back(make_quad({-1, 1, 0.2f}, {0.6f, 0, 0}, {0, -2, 0}, 0));
+  EXPECT_DOUBLE_EQ(light_of_a_row(scene, kFarApart), alone);
+}
+
 // The check counts for diffuse light alone; what a gloss adds is sampled by each path.
 TEST(LightCache, KeepsThinShadowsOnGlossyWalls) {
   Scene scene = wall_in_the_sun();
