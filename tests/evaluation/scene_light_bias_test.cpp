@@ -210,13 +210,5 @@ TEST(SweepSceneLightBias, OfTwoPeople) { expect_little_bias_when_drawn("two_peop
 // Noise of its lamps still pulls disparity (docs/rendering.md, "What is not met").
 TEST(SweepSceneLightBias, OfARoom) { expect_little_bias_when_drawn("text_and_repetition", Asked::views); }
 
-// The rest of the gallery. What light at points does to its disparity has not been measured.
-class SceneLightBias : public ::testing::TestWithParam<const char*> {};
-TEST_P(SceneLightBias, IsLittleInTheViews) { expect_little_bias_when_drawn(GetParam(), Asked::views); }
-INSTANTIATE_TEST_SUITE_P(Sweep, SceneLightBias,
-                         ::testing::Values("aberrated_rim", "low_light", "macro", "mirror", "moving_subject",
-                                           "night_lights", "prescription", "split_offset", "vignetting"),
-                         [](const auto& scene) { return std::string(scene.param); });
-
 }  // namespace
 }  // namespace dualpixel::evaluation
