@@ -130,7 +130,7 @@ void check_animation(const Simulation& s, const Scene& first) {
   }
   for (const double time_s : times_s) {
     if (time_s == 0) continue;  // `first`
-    if (const auto mesh = mesh_that_differs(first, load_scene(s, time_s))) {
+    if (const auto mesh = mesh_that_differs(first, load_scene(s, time_s, false))) {
       throw InputError(
           fmt::format("{}: /animations: at t = {:.6g} s triangles of mesh {} appear or vanish: must be the "
                       "same in all frames",
@@ -446,7 +446,7 @@ void describe_sampling(const Job& job, const PictureSampling& sampling, Truth& t
 
 }  // namespace
 
-Scene load_scene(const Simulation& s, double time_s) {
+Scene load_scene(const Simulation& s, double time_s, bool decode_textures) {
   Scene scene = read_gltf(s.gltf_path, s.animation ? std::optional(time_s) : std::nullopt);
   if (s.model_size_m) scale_to(scene, *s.model_size_m);
   scene.unlit_white_nits = static_cast<float>(s.unlit_white_nits);
@@ -462,6 +462,7 @@ Scene load_scene(const Simulation& s, double time_s) {
     throw InputError(printable(s.gltf_path) +
                      ": no light: give the scene file an environment, or the glTF file lights or emissive materials");
   }
+  if (decode_textures) keep_decoded(scene.textures);
   return scene;
 }
 

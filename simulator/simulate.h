@@ -15,8 +15,9 @@ namespace dualpixel::simulator {
 struct RenderScene;
 
 /// Reads glTF and environment that `simulation` names, animated objects where they are at `time_s` if
-/// Simulation::animation is set. Throws InputError, also where nothing in them gives light.
-Scene load_scene(const Simulation& simulation, double time_s = 0);
+/// Simulation::animation is set. `decode_textures`: faster rays for more memory, see keep_decoded(). Throws InputError,
+/// also where nothing in them gives light.
+Scene load_scene(const Simulation& simulation, double time_s = 0, bool decode_textures = true);
 
 /// The camera as its captures describe it.
 Camera describe_camera(const Simulation& simulation);

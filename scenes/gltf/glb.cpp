@@ -4,9 +4,11 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
-#include <cstring>
+#include <exception>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <stdexcept>
+#include <utility>
 
 #include "capture/files.h"
 
@@ -24,7 +26,7 @@ std::string word(std::size_t value) {
 
 void pad(std::string& bytes, char with) { bytes.resize((bytes.size() + 3) / 4 * 4, with); }
 
-std::vector<unsigned char> png(int width, int height, int channels, const unsigned char* pixels, int level) {
+std::string png(int width, int height, int channels, const unsigned char* pixels, int level) {
   std::vector<unsigned char> bytes;
   OIIO::Filesystem::IOVecOutput memory(bytes);
   const auto output = OIIO::ImageOutput::create("png");
@@ -35,10 +37,19 @@ std::vector<unsigned char> png(int width, int height, int channels, const unsign
   if (!output->open("texture.png", spec) || !output->write_image(OIIO::TypeDesc::UINT8, pixels) || !output->close()) {
     throw std::runtime_error("a texture could not be encoded: " + output->geterror());
   }
-  return bytes;
+  return {bytes.begin(), bytes.end()};
 }
 
 }  // namespace
+
+Glb::Encoding::~Encoding() {
+  tasks.cancel();
+  try {
+    tasks.wait();
+  } catch (const std::exception&) {
+    // of a file that nobody asked for
+  }
+}
 
 void Glb::set_generator(const std::string& name, int png_level) {
   root_["asset"]["generator"] = name;
@@ -50,23 +61,23 @@ void Glb::use(const std::string& extension) {
   if (std::find(used.begin(), used.end(), extension) == used.end()) used.push_back(extension);
 }
 
-int Glb::add_view(const void* data, std::size_t bytes) {
-  pad(bin_, '\0');
-  root_["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", bin_.size()}, {"byteLength", bytes}});
-  bin_.append(static_cast<const char*>(data), bytes);
-  return static_cast<int>(root_["bufferViews"].size()) - 1;
+int Glb::add_view(std::string bytes) {
+  views_.push_back(std::move(bytes));
+  return static_cast<int>(views_.size()) - 1;
 }
 
-int Glb::add_texture(const Texture& texture) {
-  return add_picture(png(texture.size, texture.size, 3, texture.rgb.data(), png_level_));
-}
+int Glb::add_texture(const Texture& texture) { return add_picture(texture.size, texture.size, 3, texture.rgb); }
 
 int Glb::add_texture(int width, int height, const std::vector<unsigned char>& rgba) {
-  return add_picture(png(width, height, 4, rgba.data(), png_level_));
+  return add_picture(width, height, 4, rgba);
 }
 
-int Glb::add_picture(const std::vector<unsigned char>& bytes) {
-  root_["images"].push_back({{"bufferView", add_view(bytes.data(), bytes.size())}, {"mimeType", "image/png"}});
+int Glb::add_picture(int width, int height, int channels, std::vector<unsigned char> pixels) {
+  const int view = add_view("");
+  encoding_->tasks.run([=, &bytes = views_.back(), level = png_level_, pixels = std::move(pixels)] {
+    bytes = png(width, height, channels, pixels.data(), level);
+  });
+  root_["images"].push_back({{"bufferView", view}, {"mimeType", "image/png"}});
   root_["textures"].push_back({{"source", root_["images"].size() - 1}});
   return static_cast<int>(root_["textures"].size()) - 1;
 }
@@ -109,7 +120,7 @@ int Glb::add_material(int texture, glm::vec3 color, bool unlit, float roughness)
 
 std::size_t Glb::add_accessor(const void* data, std::size_t count, int components, int type) {
   static const char* const kTypes[] = {"", "SCALAR", "VEC2", "VEC3"};
-  const int view = add_view(data, count * components * 4);
+  const int view = add_view({static_cast<const char*>(data), count * components * 4});
   root_["accessors"].push_back(
       {{"bufferView", view}, {"componentType", type}, {"count", count}, {"type", kTypes[components]}});
   return root_["accessors"].size() - 1;
@@ -214,14 +225,20 @@ void Glb::move_last_node(float from_s, glm::vec3 from, float to_s, glm::vec3 to)
 }
 
 void Glb::write(const std::string& path) const {
+  encoding_->tasks.wait();
   json root = root_;
+  std::string bin;
+  for (const std::string& view : views_) {
+    pad(bin, '\0');
+    root["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", bin.size()}, {"byteLength", view.size()}});
+    bin += view;
+  }
   json indices = json::array();
   for (std::size_t i = 0; i < root["nodes"].size(); ++i) indices.push_back(i);
   root["scene"] = 0;
   root["scenes"] = {{{"nodes", indices}}};
-  root["buffers"] = {{{"byteLength", bin_.size()}}};
+  root["buffers"] = {{{"byteLength", bin.size()}}};
   std::string text = root.dump();
-  std::string bin = bin_;
   pad(text, ' ');
   pad(bin, '\0');
   std::string bytes = "glTF" + word(2) + word(28 + text.size() + bin.size());

@@ -1,5 +1,9 @@
 #pragma once
+#include <tbb/task_group.h>
+
+#include <deque>
 #include <glm/glm.hpp>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -24,6 +28,8 @@ struct GlbMaterial {
 
 class Glb {
  public:
+  Glb() = default;
+  Glb(Glb&&) = default;
   /// What the file says that made it, and how hard pictures are compressed, 1 to 9; before anything else.
   void set_generator(const std::string& name, int png_level);
   int add_texture(const Texture& texture);
@@ -50,8 +56,8 @@ class Glb {
   void write(const std::string& path) const;
 
  private:
-  int add_picture(const std::vector<unsigned char>& png);
-  int add_view(const void* data, std::size_t bytes);
+  int add_picture(int width, int height, int channels, std::vector<unsigned char> pixels);
+  int add_view(std::string bytes);
   std::size_t add_accessor(const void* data, std::size_t count, int components, int type);
   std::size_t add_positions(const std::vector<glm::vec3>& positions);
   nlohmann::json primitive(const Mesh& mesh, int material);
@@ -61,7 +67,13 @@ class Glb {
   // here and not in a .cpp: code that makes the shipped scenes is inlined by its size, and rounds accordingly
   nlohmann::json root_ = {{"asset", {{"version", "2.0"}, {"generator", "dualpixel_make_scenes"}}}};
   int png_level_ = 6;
-  std::string bin_;
+  std::deque<std::string> views_;  ///< what each buffer view holds; its elements stay where they are
+  /// Of pictures, into their views, while the scene grows.
+  struct Encoding {
+    tbb::task_group tasks;
+    ~Encoding();
+  };
+  std::unique_ptr<Encoding> encoding_ = std::make_unique<Encoding>();
 };
 
 }  // namespace dualpixel::scenes

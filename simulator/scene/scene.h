@@ -36,6 +36,9 @@ struct Texture {
 /// Fills `decoded` of a texture of up to 2048 x 2048 texels: four times the memory, a sixth off an unlit sample.
 void keep_decoded(Texture& texture);
 
+/// The same of each, as long as half a gigabyte holds them.
+void keep_decoded(std::vector<Texture>& textures);
+
 /// Linear values of bytes: sRGB ones (IEC 61966-2-1), and linear ones.
 struct DecodeTables {
   std::array<float, 256> srgb, linear;

@@ -1,4 +1,5 @@
 #include <sys/mman.h>
+#include <tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -41,6 +42,16 @@ void keep_decoded(Texture& texture) {
   ask_for_large_pages(texture.decoded.data(), texels * sizeof(texture.decoded[0]));
   texture.decoded.resize(texels);
   for (std::size_t i = 0; i < texels; ++i) texture.decoded[i] = decode_texel(texture, i);
+}
+
+void keep_decoded(std::vector<Texture>& textures) {
+  constexpr std::size_t kMostInAll = 1 << 25;  // texels
+  std::size_t in_all = 0, count = 0;
+  for (; count < textures.size(); ++count) {
+    in_all += textures[count].bytes().size() / 4;
+    if (in_all >= kMostInAll) break;
+  }
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { keep_decoded(textures[i]); });
 }
 
 }  // namespace dualpixel::simulator

@@ -1,118 +1,19 @@
 #include "simulator/scene/gltf/material.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <istream>
 #include <limits>
 #include <map>
-#include <memory>
 #include <optional>
-#include <streambuf>
-#include <string_view>
 #include <tuple>
 
 #include "capture/error.h"
-#include "capture/image/faults/png_fault.h"
-#include "simulator/scene/gltf/check.h"
-#include "simulator/scene/paged_bytes.h"
+#include "simulator/scene/gltf/image.h"
 
 namespace dualpixel::simulator {
 namespace {
-
-constexpr int kLongestSide = 16384;
-constexpr std::int64_t kMostTexels = std::int64_t{1} << 32;
-constexpr int kStripRows = 64;                        // that are decoded at a time
-constexpr std::int64_t kMostDecodedTexels = 1 << 25;  // half a gigabyte of them
-
-/// OpenImageIO's name of an image's format by its magic bytes; "" for what glTF does not allow.
-std::string format_of(const std::vector<unsigned char>& bytes) {
-  using namespace std::string_view_literals;
-  const std::string_view head(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (head.starts_with("\x89PNG\r\n\x1a\n"sv)) return "png";
-  if (head.starts_with("\xff\xd8\xff"sv)) return "jpeg";
-  return "";
-}
-
-struct TexelsLeft {
-  std::int64_t in_memory, in_all;
-};
-
-/// Room for the texture's texels, in memory or paged.
-std::uint8_t* make_room(Texture& texture, std::int64_t texels, TexelsLeft& left) {
-  const std::size_t bytes = static_cast<std::size_t>(texels) * 4;
-  left.in_all -= texels;
-  if (texels <= left.in_memory) {
-    left.in_memory -= texels;
-    texture.rgba.resize(bytes);
-    return texture.rgba.data();
-  }
-  const std::shared_ptr<std::uint8_t[]> paged = paged_bytes(bytes);
-  texture.paged = paged;
-  return paged.get();
-}
-
-/// Bytes in memory, to be read as a stream.
-struct MemoryBuffer : std::streambuf {
-  explicit MemoryBuffer(const std::vector<unsigned char>& bytes) {
-    char* first = const_cast<char*>(reinterpret_cast<const char*>(bytes.data()));  // only read
-    setg(first, first, first + bytes.size());
-  }
-};
-
-/// Decodes an image of 1 to 4 channels (gray, gray and alpha, RGB, RGBA) into `texture`.
-void decode_image(const GltfFile& file, int index, TexelsLeft& left, Texture& texture) {
-  const auto fail = [&](const std::string& message) {
-    fail_gltf(file.name, fmt::format("/images/{}", index), message);
-  };
-  const std::vector<unsigned char>& bytes = file.model.images[index].image;
-  const std::string format = format_of(bytes);
-  if (format.empty()) fail("must be a PNG or JPEG image");
-  if (format == "png") {
-    MemoryBuffer buffer(bytes);
-    std::istream png(&buffer);
-    if (const auto fault = fault_of_png(png)) fail("cannot be decoded: " + *fault);
-  }
-  // The size is checked from the header, before a small file can unpack to gigabytes.
-  OIIO::Filesystem::IOMemReader memory(const_cast<unsigned char*>(bytes.data()), bytes.size());
-  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format);
-  OIIO::ImageSpec spec, as_stored;
-  as_stored["oiio:UnassociatedAlpha"] = 1;
-  const auto library_error = [&] { return printable(input->geterror().substr(0, 200)); };
-  if (!input || !input->set_ioproxy(&memory)) fail("this build of OpenImageIO cannot read " + format);
-  if (!input->open("image." + format, spec, as_stored)) fail("cannot be decoded: " + library_error());
-  const std::int64_t texels = std::int64_t{spec.width} * spec.height;
-  if (spec.width < 1 || spec.height < 1 || spec.width > kLongestSide || spec.height > kLongestSide ||
-      spec.nchannels < 1 || spec.nchannels > 4) {
-    fail(fmt::format("{} x {} texels of {} channels: must be 1 to {} a side, of 1 to 4 channels", spec.width,
-                     spec.height, spec.nchannels, kLongestSide));
-  }
-  if (texels > left.in_all) {
-    fail(fmt::format("{} x {} texels: all textures together must have at most {}", spec.width, spec.height,
-                     kMostTexels));
-  }
-  texture.width = spec.width;
-  texture.height = spec.height;
-  std::uint8_t* to = nullptr;
-  const bool color = spec.nchannels >= 3;
-  const bool alpha = spec.nchannels % 2 == 0;
-  std::vector<std::uint8_t> strip(static_cast<std::size_t>(spec.width) * spec.nchannels * kStripRows);
-  for (int y = 0; y < spec.height; y += kStripRows) {
-    const int end = std::min(y + kStripRows, spec.height);
-    if (!input->read_scanlines(0, 0, y, end, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, strip.data())) {
-      fail("cannot be decoded: " + library_error());
-    }
-    if (y == 0) to = make_room(texture, texels, left);  // a header alone is not believed
-    const std::uint8_t* from = strip.data();
-    for (std::int64_t i = 0; i < std::int64_t{end - y} * spec.width; ++i, from += spec.nchannels, to += 4) {
-      for (int c = 0; c < 3; ++c) to[c] = from[color ? c : 0];
-      to[3] = alpha ? from[spec.nchannels - 1] : 255;
-    }
-  }
-}
 
 Wrap wrap_of(int gl_name) {
   switch (gl_name) {
@@ -143,8 +44,7 @@ std::array<float, 6> affine_map(const tinygltf::Value& transform) {
 /// The textures in use, each once for linear and once for sRGB values.
 class TextureTable {
  public:
-  TextureTable(const GltfFile& file, std::vector<Texture>& textures, std::int64_t texels_in_memory)
-      : file_(file), textures_(textures), left_{texels_in_memory, kMostTexels} {}
+  TextureTable(const GltfFile& file, std::vector<Texture>& textures) : file_(file), textures_(textures) {}
 
   /// `info` is any of tinygltf's kinds of texture reference.
   template <typename Info>
@@ -161,6 +61,9 @@ class TextureTable {
     return slot;
   }
 
+  /// The image of each texture.
+  const std::vector<int>& images() const { return images_; }
+
  private:
   int texture(int index, bool srgb) {
     const auto [known, is_new] = indices_.try_emplace({index, srgb}, static_cast<int>(textures_.size()));
@@ -174,15 +77,14 @@ class TextureTable {
       texture.wrap_u = wrap_of(sampler.wrapS);
       texture.wrap_v = wrap_of(sampler.wrapT);
     }
-    decode_image(file_, source.source, left_, texture);
-    if (kMostTexels - left_.in_all < kMostDecodedTexels) keep_decoded(texture);
+    images_.push_back(source.source);
     return known->second;
   }
 
   const GltfFile& file_;
   std::vector<Texture>& textures_;
   std::map<std::pair<int, bool>, int> indices_;
-  TexelsLeft left_;
+  std::vector<int> images_;
 };
 
 /// One of a material's extensions, and its numbers where it has them.
@@ -282,7 +184,7 @@ Material read_material(const tinygltf::Material& source, TextureTable& textures)
 }  // namespace
 
 void read_materials(const GltfFile& file, Scene& scene, std::int64_t texels_in_memory) {
-  TextureTable textures(file, scene.textures, texels_in_memory);
+  TextureTable textures(file, scene.textures);
   for (std::size_t i = 0; i < file.model.materials.size(); ++i) {
     scene.materials.push_back(read_material(file.model.materials[i], textures));
     if (file.model.materials[i].alphaMode == "BLEND") {
@@ -302,6 +204,7 @@ void read_materials(const GltfFile& file, Scene& scene, std::int64_t texels_in_m
     }
   }
   scene.materials.emplace_back();
+  decode_images(file, textures.images(), scene.textures, texels_in_memory);
 }
 
 }  // namespace dualpixel::simulator

@@ -7,6 +7,7 @@
 #include <complex>
 #include <numbers>
 
+#include "capture/image/image_io.h"
 #include "scenes/textures/lettering.h"
 
 namespace dualpixel::scenes {
@@ -85,6 +86,25 @@ TEST(PinkNoise, HasMeanZeroAndDeviationOne) {
   // the lowest octave has 64 cells a picture, each of deviation .289 / .2145: 1.35 / sqrt(64 * 16) = .042, three times
   EXPECT_NEAR(mean, 0, 0.13);
   EXPECT_NEAR(std::sqrt(squares / count - mean * mean), 1, 0.04);
+}
+
+// Of three million values, a hundred or more between any two bytes; below 0, above 1 and NaN as the curve has them.
+TEST(Paint, HasTheBytesOfTheSrgbCurve) {
+  constexpr int kSize = 1024;  // so that texels' middles are exact
+  std::vector<float> values(3 * kSize * kSize);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = 1.02f * static_cast<float>(i) / static_cast<float>(values.size()) - 0.01f;
+  }
+  values[0] = NAN, values[1] = -INFINITY, values[2] = INFINITY;
+  const Texture texture = paint(kSize, [&](float u, float v) {
+    const auto x = static_cast<std::size_t>(u * kSize), y = static_cast<std::size_t>(v * kSize);
+    const float* rgb = &values[3 * (y * kSize + x)];
+    return glm::vec3(rgb[0], rgb[1], rgb[2]);
+  });
+  int wrong = 0;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    wrong += texture.rgb[i] != std::lround(255 * srgb_from_linear(values[i]));
+  EXPECT_EQ(wrong, 0);
 }
 
 TEST(PinkNoise, RepeatsSeamlessly) {

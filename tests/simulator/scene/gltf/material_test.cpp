@@ -220,6 +220,7 @@ TEST(GltfMaterial, TexturesThatOutgrowMemoryArePaged) {
   for (const std::int64_t room : {2 * 750, 750, 749}) {
     Scene scene;
     read_materials(file, scene, room);
+    keep_decoded(scene.textures);
     ASSERT_EQ(scene.textures.size(), 2u);
     for (int i = 0; i < 2; ++i) {
       Texture& texture = scene.textures[i];
