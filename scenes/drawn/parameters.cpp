@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 
 #include "capture/error.h"
 #include "capture/names.h"
@@ -75,10 +76,14 @@ Parameters draw_parameters(const std::string& kind, std::span<const Parameter> t
       throw InputError(fmt::format("{}: {}: unknown parameter{}; there are {}", kind, printable(name),
                                    did_you_mean(name, names), fmt::join(names, ", ")));
     }
-    const bool is_folder = row->type == Parameter::Type::folder;
-    if (row->choices.empty() && !is_folder) {
+    if (row->type == Parameter::Type::folder) {
+      if (!std::filesystem::is_directory(text)) {
+        throw InputError(fmt::format("{}: {}: {}: must be a folder", kind, name, printable(text)));
+      }
+      values.choices_[name] = text;
+    } else if (row->choices.empty()) {
       values.numbers_[name] = read_number(kind, *row, text);
-    } else if (is_folder || std::find(row->choices.begin(), row->choices.end(), text) != row->choices.end()) {
+    } else if (std::find(row->choices.begin(), row->choices.end(), text) != row->choices.end()) {
       values.choices_[name] = text;
     } else {
       refuse_name(fmt::format("{}: {}", kind, name), text, as_strings(row->choices));

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -21,11 +23,18 @@ struct SceneArguments {
 
 /// The table of a kind's parameters.
 std::string options_text(const scenes::SceneKind& kind) {
-  std::string text = fmt::format("{}: {}\n{:<20} {:<34} {:<22} {:<11} {}\n", kind.name, kind.description, "parameter",
-                                 "allowed", "default", "unit", "meaning");
+  std::vector<std::array<std::string, 5>> rows = {{"parameter", "allowed", "default", "unit", "meaning"}};
   for (const scenes::Parameter& p : scenes::parameters_of(kind)) {
-    text +=
-        fmt::format("{:<20} {:<34} {:<22} {:<11} {}\n", p.name, allowed_text(p), drawn_text(p), p.unit, p.description);
+    rows.push_back({p.name, allowed_text(p), drawn_text(p), p.unit, p.description});
+  }
+  std::array<std::size_t, 4> widths{};
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < widths.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  std::string text = fmt::format("{}: {}\n", kind.name, kind.description);
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < widths.size(); ++i) text += fmt::format("{:<{}}  ", row[i], widths[i]);
+    text += row.back() + "\n";
   }
   return text;
 }

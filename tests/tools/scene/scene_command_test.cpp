@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/scenes/people/makehuman_assets.h"
 #include "tests/tools/run_command.h"
@@ -49,6 +50,22 @@ TEST(SceneCommand, ListsItsTableAsTextAndJson) {
   EXPECT_NE(text.out.find("8192, by 16"), std::string::npos);
 }
 
+TEST(SceneCommand, KeepsTheColumnsOfItsTableApart) {
+  std::istringstream lines(run_command("scene chart --options").out);  // whose patterns make a long list
+  std::string title, header;
+  std::getline(lines, title);
+  std::getline(lines, header);
+  for (const char* column : {"allowed", "default", "unit", "meaning"}) {
+    const std::size_t start = header.find(column);
+    ASSERT_NE(start, std::string::npos);
+    std::istringstream rows(lines.str());
+    for (std::string row; std::getline(rows, row);) {
+      if (row == title) continue;
+      EXPECT_EQ(row.substr(start - 2, 2), "  ") << row;
+    }
+  }
+}
+
 TEST(SlowSceneCommand, PeopleOfMakeHumansAssetsAreAnotherPortrait) {
   const TemporaryFolder folder;
   const TemporaryFolder assets;
@@ -64,7 +81,8 @@ TEST(SlowSceneCommand, PeopleOfMakeHumansAssetsAreAnotherPortrait) {
   EXPECT_NE(read_bytes(folder / "assets" + "/scene.glb"), read_bytes(folder / "drawn" + "/scene.glb"));
   const Outcome missing = draw("missing", "--set makehuman=/no/such/folder");
   expect_one_line_refusal(missing);
-  EXPECT_NE(missing.err.find("/no/such/folder"), std::string::npos) << missing.err;
+  EXPECT_NE(missing.err.find("portrait: makehuman: /no/such/folder: must be a folder"), std::string::npos)
+      << missing.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "missing"));
   EXPECT_NE(run_command("scene portrait --options").out.find("makehuman"), std::string::npos);
 }
