@@ -130,7 +130,7 @@ void check_animation(const Simulation& s, const Scene& first) {
   }
   for (const double time_s : times_s) {
     if (time_s == 0) continue;  // `first`
-    if (const auto mesh = mesh_that_differs(first, load_scene(s, time_s, false))) {
+    if (const auto mesh = mesh_that_differs(first, load_scene(s, time_s, /*decode_textures=*/false))) {
       throw InputError(
           fmt::format("{}: /animations: at t = {:.6g} s triangles of mesh {} appear or vanish: must be the "
                       "same in all frames",

@@ -119,6 +119,7 @@ std::string fixed_model_of(const SceneKind& kind, const SceneOrder& order) {
 std::vector<std::string> draw_scene(const SceneKind& kind, const SceneOrder& order, const std::string& folder) {
   const Parameters parameters = parameters_for(kind, order);
   const std::string path = folder + "/scene.json";
+  read_drawn(scene_file_start(kind, order), path, kind);  // wrong fields are refused before anything is drawn
   std::vector<std::string> faults;
   for (int i = 0; i < kArrangements; ++i) {
     SceneBuilder builder;

@@ -117,7 +117,7 @@ std::vector<std::string> meter(json& scene, const std::string& scene_path, const
                                double stops) {
   scene["camera"]["focus_distance_m"] = 1.0;
   const simulator::Simulation simulation = simulator::read_simulation(small_picture(scene, 128), scene_path);
-  const simulator::Scene loaded = simulator::load_scene(simulation, 0, false);
+  const simulator::Scene loaded = simulator::load_scene(simulation, 0, /*decode_textures=*/false);
   const simulator::RenderScene world(loaded, simulation.light);
   const simulator::CameraView camera = simulator::place_camera(simulation, loaded);
   simulator::RenderOptions options = simulation.render;

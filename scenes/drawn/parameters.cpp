@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <system_error>
 
 #include "capture/error.h"
 #include "capture/names.h"
@@ -77,7 +78,7 @@ Parameters draw_parameters(const std::string& kind, std::span<const Parameter> t
                                    did_you_mean(name, names), fmt::join(names, ", ")));
     }
     if (row->type == Parameter::Type::folder) {
-      if (!std::filesystem::is_directory(text)) {
+      if (std::error_code ignored; !text.empty() && !std::filesystem::is_directory(text, ignored)) {
         throw InputError(fmt::format("{}: {}: {}: must be a folder", kind, name, printable(text)));
       }
       values.choices_[name] = text;

@@ -42,11 +42,11 @@ std::string png(int width, int height, int channels, const unsigned char* pixels
 
 }  // namespace
 
-Glb::Encoding::~Encoding() {
-  tasks.cancel();
+Glb::Views::~Views() {
+  encoding.cancel();
   try {
-    tasks.wait();
-  } catch (const std::exception&) {
+    encoding.wait();
+  } catch (...) {
     // of a file that nobody asked for
   }
 }
@@ -62,8 +62,8 @@ void Glb::use(const std::string& extension) {
 }
 
 int Glb::add_view(std::string bytes) {
-  views_.push_back(std::move(bytes));
-  return static_cast<int>(views_.size()) - 1;
+  views_->bytes.push_back(std::move(bytes));
+  return static_cast<int>(views_->bytes.size()) - 1;
 }
 
 int Glb::add_texture(const Texture& texture) { return add_picture(texture.size, texture.size, 3, texture.rgb); }
@@ -72,10 +72,14 @@ int Glb::add_texture(int width, int height, const std::vector<unsigned char>& rg
   return add_picture(width, height, 4, rgba);
 }
 
-int Glb::add_picture(int width, int height, int channels, std::vector<unsigned char> pixels) {
+int Glb::add_picture(int width, int height, int channels, const std::vector<unsigned char>& pixels) {
+  constexpr std::size_t kMostWaiting = 1 << 26;  // bytes, where other threads do not keep up or there are none
+  if (views_->waiting > kMostWaiting) views_->encoding.wait();
   const int view = add_view("");
-  encoding_->tasks.run([=, &bytes = views_.back(), level = png_level_, pixels = std::move(pixels)] {
+  views_->waiting += pixels.size();
+  views_->encoding.run([=, &waiting = views_->waiting, &bytes = views_->bytes.back(), level = png_level_] {
     bytes = png(width, height, channels, pixels.data(), level);
+    waiting -= pixels.size();
   });
   root_["images"].push_back({{"bufferView", view}, {"mimeType", "image/png"}});
   root_["textures"].push_back({{"source", root_["images"].size() - 1}});
@@ -225,10 +229,10 @@ void Glb::move_last_node(float from_s, glm::vec3 from, float to_s, glm::vec3 to)
 }
 
 void Glb::write(const std::string& path) const {
-  encoding_->tasks.wait();
+  if (views_->encoding.wait() != tbb::task_group_status::complete) throw std::runtime_error("textures were given up");
   json root = root_;
   std::string bin;
-  for (const std::string& view : views_) {
+  for (const std::string& view : views_->bytes) {
     pad(bin, '\0');
     root["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", bin.size()}, {"byteLength", view.size()}});
     bin += view;

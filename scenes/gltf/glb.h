@@ -1,11 +1,13 @@
 #pragma once
 #include <tbb/task_group.h>
 
+#include <atomic>
 #include <deque>
 #include <glm/glm.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "scenes/gltf/mesh.h"
 
@@ -56,7 +58,7 @@ class Glb {
   void write(const std::string& path) const;
 
  private:
-  int add_picture(int width, int height, int channels, std::vector<unsigned char> pixels);
+  int add_picture(int width, int height, int channels, const std::vector<unsigned char>& pixels);
   int add_view(std::string bytes);
   std::size_t add_accessor(const void* data, std::size_t count, int components, int type);
   std::size_t add_positions(const std::vector<glm::vec3>& positions);
@@ -67,13 +69,14 @@ class Glb {
   // here and not in a .cpp: code that makes the shipped scenes is inlined by its size, and rounds accordingly
   nlohmann::json root_ = {{"asset", {{"version", "2.0"}, {"generator", "dualpixel_make_scenes"}}}};
   int png_level_ = 6;
-  std::deque<std::string> views_;  ///< what each buffer view holds; its elements stay where they are
-  /// Of pictures, into their views, while the scene grows.
-  struct Encoding {
-    tbb::task_group tasks;
-    ~Encoding();
+  /// What each buffer view holds. Pictures are encoded into theirs on other threads while the scene grows.
+  struct Views {
+    std::deque<std::string> bytes;         // whose elements stay where they are
+    std::atomic<std::size_t> waiting = 0;  // bytes of pictures that are not encoded yet
+    tbb::task_group encoding;
+    ~Views();
   };
-  std::unique_ptr<Encoding> encoding_ = std::make_unique<Encoding>();
+  std::unique_ptr<Views> views_ = std::make_unique<Views>();
 };
 
 }  // namespace dualpixel::scenes

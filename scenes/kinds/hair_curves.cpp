@@ -84,6 +84,7 @@ std::vector<Root> draw_roots(const SceneObject& mass, const Material& material, 
     const vec3 a = mass.positions[t.y] - mass.positions[t.x], b = mass.positions[t.z] - mass.positions[t.x];
     area.push_back(area.back() + 0.5f * glm::length(glm::cross(a, b)));
   }
+  if (!(area.back() > 0)) return {};
   std::vector<Root> roots(static_cast<std::size_t>(std::min(kStrandsPerM2 * area.back(), kMostStrands)));
   for (Root& root : roots) {
     const auto above = std::upper_bound(area.begin() + 1, area.end(), area.back() * rng.uniform());
@@ -109,10 +110,11 @@ std::vector<Root> draw_roots(const SceneObject& mass, const Material& material, 
 
 HairCurves grow_hair(const SceneObject& mass, const Material& material, const Figure& figure, RandomStream rng) {
   constexpr unsigned kSegments = 6, kPoints = kSegments + 1;
-  const NearestVertex nearest(mass.positions);
   const std::uint32_t seed = rng.seed();
   const std::vector<Root> roots = draw_roots(mass, material, rng);
   HairCurves hair;
+  if (roots.empty()) return hair;
+  const NearestVertex nearest(mass.positions);
   hair.points.resize(kPoints * roots.size());
   hair.colors.resize(hair.points.size());
   hair.widths_m.resize(hair.points.size());

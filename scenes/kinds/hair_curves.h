@@ -14,7 +14,8 @@ struct HairCurves {
 };
 
 /// Grows hair on `mass`, the smooth mesh that stands for all of it: combed away from the crown and downwards, in locks,
-/// with a few strands that stand off. `mass.hair_m`: about the length of what shows of one.
+/// with a few strands that stand off. The mass is of a head's size. `mass.hair_m`: about the length of what shows of
+/// one.
 HairCurves grow_hair(const SceneObject& mass, const Material& material, const Figure& figure, RandomStream rng);
 
 }  // namespace dualpixel::scenes

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <memory>
+#include <string>
 
+#include "capture/error.h"
 #include "scenes/kinds/kinds.h"
 #include "scenes/kinds/portrait_people.h"
 #include "scenes/people/makehuman/assets.h"
@@ -45,15 +47,24 @@ void lay_place(SceneBuilder& build, RandomStream rng, const Parameters& p) {
   }
 }
 
+/// None where no folder is given.
+std::unique_ptr<const MakeHumanAssets> read_makehuman(const std::string& folder) {
+  if (folder.empty()) return nullptr;
+  try {
+    return std::make_unique<const MakeHumanAssets>(folder);
+  } catch (const InputError& error) {
+    throw InputError(std::string("portrait: makehuman: ") + error.what());
+  }
+}
+
 void build_portrait(SceneBuilder& build, const Parameters& p, RandomStream rng) {
+  const std::unique_ptr<const MakeHumanAssets> makehuman = read_makehuman(p.folder("makehuman"));
   lay_place(build, rng.substream(1), p);
   const float center = build.eye.x, distance = p.real("distance_m");
   const int people = p.integer("people");
   RandomStream at = rng.substream(2);
   // shoulder to shoulder as far as the picture is wide enough, else behind one another's shoulders
   const float spacing = std::clamp(0.42f * distance, 0.32f, 0.5f);
-  std::optional<MakeHumanAssets> makehuman;
-  if (!p.folder("makehuman").empty()) makehuman.emplace(p.folder("makehuman"));
   StandingFace nearest;
   for (int i = 0; i < people; ++i) {
     const float beside =
@@ -64,7 +75,7 @@ void build_portrait(SceneBuilder& build, const Parameters& p, RandomStream rng) 
     spot.yaw = 0.35f * at.normal() - 0.4f * beside;
     spot.lowest_m = i == 0 ? 0.4f : 0.1f;
     if (i > 0) spot.eyes_m = nearest.middle.y + std::clamp(0.08f * at.normal(), -0.15f, 0.15f);
-    const StandingFace face = add_person(build, rng.substream(10 + i), spot, makehuman ? &*makehuman : nullptr);
+    const StandingFace face = add_person(build, rng.substream(10 + i), spot, makehuman.get());
     if (i == 0) nearest = face;
   }
   const vec3 middle = nearest.middle;

@@ -7,7 +7,7 @@
 
 /// Writes the shipped scenes' glTF files into a folder: the same bytes every time.
 int main(int argc, char** argv) {
-  if (argc != 2) {
+  if (argc != 2 || argv[1][0] == '-') {
     std::fputs("usage: dualpixel_make_scenes FOLDER\n", stderr);
     return 2;
   }

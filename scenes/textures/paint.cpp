@@ -18,7 +18,8 @@ namespace {
 /// weights, (26/35)^2 for the fade 3t^2 - 2t^3.
 constexpr float kDeviation = 0.2145f;
 
-/// lround(255 srgb_from_linear(x)) for x of 0 to 1, in a tenth of the time.
+/// lround(255 srgb_from_linear(x)) by a table, since textures have millions of texels; x below 0 counts as 0, above 1
+/// as 1.
 class SrgbBytes {
  public:
   SrgbBytes() {

@@ -6,11 +6,13 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <exception>
 #include <functional>
 #include <istream>
 #include <memory>
 #include <streambuf>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -124,26 +126,45 @@ void decode(const GltfFile& file, int image, bool paged, Texture& texture) {
   }
 }
 
-/// Does `work(i)` for all i on all threads, and throws what the first of those that failed threw.
-void for_each_image(std::size_t count, const std::function<void(std::size_t)>& work) {
-  std::vector<std::exception_ptr> faults(count);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+/// Whether decoding takes little memory, by the header: others buffer whole pictures, whatever their bytes hold.
+bool is_small_png(const std::vector<unsigned char>& bytes) {
+  constexpr std::uint64_t kMostTexels = 1 << 22;
+  constexpr std::size_t kSizeAt = 16;  // of width and height, big-endian
+  if (format_of(bytes) != "png" || bytes.size() < kSizeAt + 8) return false;
+  std::uint64_t side[2] = {0, 0};
+  for (std::size_t i = 0; i < 8; ++i) side[i / 4] = side[i / 4] << 8 | bytes[kSizeAt + i];
+  return side[0] * side[1] <= kMostTexels;
+}
+
+/// Does `work(i)` for each of `images`, on all threads for small ones and one by one for the others. Throws what the
+/// first of those that failed threw; later ones need not be done.
+void for_each_image(const GltfFile& file, std::span<const int> images, const std::function<void(std::size_t)>& work) {
+  std::vector<std::exception_ptr> faults(images.size());
+  std::atomic<std::size_t> first_fault = images.size();
+  const auto try_one = [&](std::size_t i) {
+    if (i > first_fault) return;
     try {
       work(i);
     } catch (...) {
       faults[i] = std::current_exception();
+      for (std::size_t known = first_fault; i < known && !first_fault.compare_exchange_weak(known, i);) continue;
     }
+  };
+  const auto is_small = [&](std::size_t i) { return is_small_png(bytes_of(file, images[i])); };
+  tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
+    if (is_small(i)) try_one(i);
   });
-  for (const std::exception_ptr& fault : faults) {
-    if (fault) std::rethrow_exception(fault);
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (!is_small(i)) try_one(i);
   }
+  if (first_fault < images.size()) std::rethrow_exception(faults[first_fault]);
 }
 
 }  // namespace
 
 void decode_images(const GltfFile& file, std::span<const int> images, std::span<Texture> textures,
                    std::int64_t texels_in_memory) {
-  for_each_image(images.size(), [&](std::size_t i) {
+  for_each_image(file, images, [&](std::size_t i) {
     check_bytes(file, images[i]);
     read_size(file, images[i], textures[i]);
   });
@@ -161,7 +182,7 @@ void decode_images(const GltfFile& file, std::span<const int> images, std::span<
     paged.push_back(texels > texels_in_memory);
     if (!paged.back()) texels_in_memory -= texels;
   }
-  for_each_image(images.size(), [&](std::size_t i) { decode(file, images[i], paged[i] != 0, textures[i]); });
+  for_each_image(file, images, [&](std::size_t i) { decode(file, images[i], paged[i] != 0, textures[i]); });
 }
 
 }  // namespace dualpixel::simulator

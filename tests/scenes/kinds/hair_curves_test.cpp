@@ -2,6 +2,7 @@
 #include "scenes/kinds/hair_curves.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
@@ -42,6 +43,12 @@ SceneObject ball_of_hair(vec3 middle) {
   return ball;
 }
 
+HairCurves hair_on(vec3 middle, const Figure& figure) {
+  Material brown;
+  brown.kind = Material::Kind::hair;
+  return grow_hair(ball_of_hair(middle), brown, figure, RandomStream(2, false));
+}
+
 struct HairyBall {
   vec3 middle;
   HairCurves hair;
@@ -50,9 +57,7 @@ struct HairyBall {
   HairyBall() {
     const Figure figure = pose_figure(RandomStream(1, false), {});
     middle = figure.skeleton.head.origin + vec3(0, 0.05f, 0);
-    Material brown;
-    brown.kind = Material::Kind::hair;
-    hair = grow_hair(ball_of_hair(middle), brown, figure, RandomStream(2, false));
+    hair = hair_on(middle, figure);
     strands = hair.points.size() / kPoints;
   }
   const vec3* strand(std::size_t i) const { return &hair.points[kPoints * i]; }
@@ -62,6 +67,17 @@ struct HairyBall {
 const HairyBall& hairy_ball() {
   static const HairyBall ball;
   return ball;
+}
+
+TEST(HairCurves, AreTheSameForAnyThreads) {
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const HairCurves hair = hair_on(hairy_ball().middle, pose_figure(RandomStream(1, false), {}));
+  EXPECT_EQ(hair.points, hairy_ball().hair.points);
+  EXPECT_EQ(hair.segments, hairy_ball().hair.segments);
+}
+
+TEST(HairCurves, GrowOnNothing) {
+  EXPECT_TRUE(grow_hair({}, {}, pose_figure(RandomStream(1, false), {}), RandomStream(2, false)).points.empty());
 }
 
 TEST(HairCurves, AreAsManyAsTheAreaSaysEvenlySpread) {

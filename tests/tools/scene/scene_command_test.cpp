@@ -66,6 +66,17 @@ TEST(SceneCommand, KeepsTheColumnsOfItsTableApart) {
   }
 }
 
+TEST(SceneCommand, RefusesWrongFoldersAndFields) {
+  for (const char* wrong :
+       {"makehuman=/no/such/folder: must be a folder", "lens.f_number=-1: must be", "lens.f_numbr=2: unknown field"}) {
+    const std::string text = wrong;
+    const Outcome refused =
+        run_command("scene portrait --seed 1 --set " + text.substr(0, text.find(':')) + " -o never");
+    expect_one_line_refusal(refused);
+    EXPECT_NE(refused.err.find(text.substr(text.find(": "))), std::string::npos) << refused.err;
+  }
+}
+
 TEST(SlowSceneCommand, PeopleOfMakeHumansAssetsAreAnotherPortrait) {
   const TemporaryFolder folder;
   const TemporaryFolder assets;
@@ -83,6 +94,10 @@ TEST(SlowSceneCommand, PeopleOfMakeHumansAssetsAreAnotherPortrait) {
   expect_one_line_refusal(missing);
   EXPECT_NE(missing.err.find("portrait: makehuman: /no/such/folder: must be a folder"), std::string::npos)
       << missing.err;
+  const TemporaryFolder empty;
+  const Outcome bare = draw("missing", "--set 'makehuman=" + empty.path.string() + "'");
+  expect_one_line_refusal(bare);
+  EXPECT_NE(bare.err.find("portrait: makehuman: " + empty.path.string()), std::string::npos) << bare.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "missing"));
   EXPECT_NE(run_command("scene portrait --options").out.find("makehuman"), std::string::npos);
 }

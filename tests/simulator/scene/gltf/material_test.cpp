@@ -248,6 +248,21 @@ TEST(GltfMaterial, NoRoomToPageToIsOneClearLine) {
   before.empty() ? unsetenv("TMPDIR") : setenv("TMPDIR", before.c_str(), 1);
 }
 
+TEST(GltfMaterial, FirstOfSeveralFaultyPicturesIsNamed) {
+  const std::string broken = small_png().substr(0, 45), other = "GIF89a...";
+  for (const bool broken_first : {true, false}) {
+    GltfBuilder gltf = textured(broken_first ? broken : other);
+    const std::string second = "data:image/png;base64," + base64(broken_first ? other : broken);
+    gltf.root["images"].push_back({{"uri", second}});
+    gltf.root["textures"].push_back({{"source", 1}});
+    gltf.material()["normalTexture"]["index"] = 1;
+    const std::string message = refusal([&] { gltf.read(); });
+    EXPECT_TRUE(
+        message.starts_with(broken_first ? "test.glb: /images/0: cannot" : "test.glb: /images/0: must be a PNG"))
+        << message;
+  }
+}
+
 TEST(GltfMaterial, DataUriTexture) {
   GltfBuilder gltf = textured(small_png());
   gltf.root["images"][0] = {{"uri", "data:image/png;base64," + base64(small_png())}};
