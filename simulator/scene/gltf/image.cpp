@@ -128,12 +128,12 @@ void decode(const GltfFile& file, int image, bool paged, Texture& texture) {
 
 /// Whether decoding takes little memory, by the header: others buffer whole pictures, whatever their bytes hold.
 bool is_small_png(const std::vector<unsigned char>& bytes) {
-  constexpr std::uint64_t kMostTexels = 1 << 22;
+  constexpr std::uint64_t kFewTexels = 1 << 22;
   constexpr std::size_t kSizeAt = 16;  // of width and height, big-endian
   if (format_of(bytes) != "png" || bytes.size() < kSizeAt + 8) return false;
   std::uint64_t side[2] = {0, 0};
   for (std::size_t i = 0; i < 8; ++i) side[i / 4] = side[i / 4] << 8 | bytes[kSizeAt + i];
-  return side[0] * side[1] <= kMostTexels;
+  return side[0] * side[1] <= kFewTexels;
 }
 
 /// Does `work(i)` for each of `images`, on all threads for small ones and one by one for the others. Throws what the

@@ -33,7 +33,7 @@ std::vector<double> ring_power(const std::vector<double>& picture, int n) {
   for (int m = 0; m < n; ++m) {
     for (int k = 0; k < n; ++k) {
       const double f = std::hypot(m > n / 2 ? m - n : m, k > n / 2 ? k - n : k);
-      const auto ring = static_cast<std::size_t>(f + 0.5);
+      const auto ring = static_cast<std::size_t>(std::lround(f));
       if (ring >= power.size()) continue;
       power[ring] += std::norm(both[m * n + k]);
       ++count[ring];
@@ -131,8 +131,9 @@ TEST(Lettering, LettersAndDigitsDiffer) {
     std::vector<bool> shape;
     int inked = 0;
     for (int i = 0; i < 400; ++i) {
-      shape.push_back(ink_at(std::string(1, letter), 0.8f * static_cast<float>(i % 20) / 20,
-                             static_cast<float>(i / 20) / 20) > 0.5f);
+      const int column = i % 20, row = i / 20;
+      shape.push_back(
+          ink_at(std::string(1, letter), 0.8f * static_cast<float>(column) / 20, static_cast<float>(row) / 20) > 0.5f);
       inked += shape.back() ? 1 : 0;
     }
     EXPECT_GT(inked, 30) << letter;
