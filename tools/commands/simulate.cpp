@@ -51,8 +51,7 @@ void warn_of_render_noise(const std::string& scene, const std::string& job, std:
   const double times = std::pow(*noise_fraction / kHardToSee, 1 / kFall);
   std::cerr << fmt::format(
       "dualpixel: warning: {}: {}rendering noise is {:.2f} times the sensor's; --noise-fraction {} would take about "
-      "{:.{}f} times as "
-      "long\n",
+      "{:.{}f} times as long\n",
       printable(scene), job.empty() ? "" : job + ": ", *noise_fraction, kHardToSee, times, times < 10 ? 1 : 0);
 }
 
