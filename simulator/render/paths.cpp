@@ -367,7 +367,7 @@ SurfaceLight soft_irradiance(const RenderScene& world, const PathOptions& option
 /// Which light is looked up: direct (`bounces` 0), or what arrives after 1 to `bounces` reflections.
 struct WantedLight {
   int bounces = 0;
-  bool refined = false;  ///< at points closer than `spacing_m` of the paths
+  bool refined = false;  ///< at points closer than those that are looked up first
   bool surer = false;    ///< direct light from four times as many samples of its own; compared, never used as light
 
   /// Names it among the kinds of light at one point.
@@ -426,16 +426,17 @@ class LightLookup {
   }
 
   InterpolatedLight at(const Hit& hit, glm::vec3 direction, float spacing_m) {
-    for (int level = 0;; ++level, spacing_m /= 2) {
+    for (int level = 0;; ++level) {
       const TriangleLattice& lattice = lattice_of(lattices_[level], hit, direction, spacing_m);
       const LatticeCell cell = lattice.cell(hit.u, hit.v);
       const CellLight& around = around_cell(lattice, cell, level);
-      if (!is_coarse(lattice, around, level)) return interpolated(cell, around);
+      if (level + 1 == kLevels || !is_coarse(lattice, around, level)) return interpolated(cell, around);
+      spacing_m = lattice.reach_m() / 2;
     }
   }
 
  private:
-  static constexpr int kLevels = 5;
+  static constexpr int kLevels = 3;
 
   /// `last`: the one that was made last.
   const TriangleLattice& lattice_of(TriangleLattice& last, const Hit& hit, glm::vec3 direction, float spacing_m) {
@@ -443,14 +444,19 @@ class LightLookup {
     return last;
   }
 
-  /// Whether light varies so much between these points that it takes points half as far apart. Reflected light may
-  /// vary as fast as its distance is short (Ward 1988): then its points come as close as those of direct light, and
-  /// closer only where they differ. So it is kept in corners and beside contacts.
+  /// Whether light may vary so much between these points that it takes points half as far apart, at most. Direct light
+  /// varies where it was found to, and as the surface turns; reflected light, too, and as the distance that it comes
+  /// from is short (Ward 1988). What is interpolated is off by an eighth of the sum below, at most; the light itself
+  /// does not count, as bright noise must not decide what is kept. Small triangles near others, as leaves are, would
+  /// take too many points of reflected light.
   bool is_coarse(const TriangleLattice& lattice, const CellLight& around, int level) const {
-    constexpr float kDirect = 0.3f, kReflected = 0.7f;
-    if (lattice.at_vertices() || level + 1 == kLevels) return false;
-    if (bounces_ == 0) return level == 0 && around.soft_difference > kDirect;
-    return around.from_m < lattice.spacing_m() && (level < 2 || around.soft_difference > kReflected);
+    constexpr float kDirect = 0.3f, kDirectTurn = 0.1f, kReflected = 0.2f;
+    const float turn = lattice.turn() * lattice.turn();
+    if (bounces_ == 0) {
+      return level == 0 && !lattice.is_small() && (around.soft_difference > kDirect || turn > kDirectTurn);
+    }
+    const float nearness = lattice.is_small() ? 0 : lattice.spacing_m() / around.from_m;
+    return nearness * nearness + turn > kReflected;
   }
 
   // Where neighbors differ by more than this share of the larger, an edge of a shadow or of a surface in contact lies
@@ -538,7 +544,7 @@ class LightLookup {
   const PathOptions& options_;
   const int bounces_;
   RecentCells& recent_;
-  TriangleLattice lattices_[kLevels];  ///< each of half the spacing of the one before
+  TriangleLattice lattices_[kLevels];  ///< each of points half as far apart as the one before
   TriangleLattice small_;
 };
 

@@ -213,7 +213,8 @@ struct SweepGalleryLightBias : ::testing::TestWithParam<const char*> {};
 
 // Views settle with a quarter of the samples that disparity needs.
 TEST_P(SweepGalleryLightBias, OfViews) { expect_little_bias_when_drawn(GetParam(), Asked::views, 512); }
-INSTANTIATE_TEST_SUITE_P(Sweep, SweepGalleryLightBias, ::testing::Values("macro", "prescription", "split_offset"),
+INSTANTIATE_TEST_SUITE_P(Sweep, SweepGalleryLightBias,
+                         ::testing::Values("macro", "prescription", "split_offset", "vignetting"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace

@@ -13,6 +13,12 @@ constexpr std::uint64_t kRow = 0x9e3779b97f4a7c15, kPiece = 0xd1b54a32d192ed03; 
 
 std::uint32_t step_of(float spacing_m) { return std::bit_cast<std::uint32_t>(spacing_m) >> 22; }
 
+/// Difference of the normals of two vertices, or of points a spacing apart on the edge between them.
+float turn_along(const glm::vec3& normal, const glm::vec3& other, float edge_m, float spacing_m) {
+  if (!(edge_m > spacing_m / 4)) return 0;
+  return glm::distance(normal, other) * std::min(spacing_m / edge_m, 1.0f);
+}
+
 /// Rows and pieces of one triangle that are told apart: points of a millionth of its edge.
 constexpr float kMost = 1 << 20;
 
@@ -39,10 +45,15 @@ TriangleLattice::TriangleLattice(const Scene& scene, const Hit& hit, glm::vec3 d
   for (int i = 0; i < 3; ++i) squared[i] = glm::dot(edge[i], edge[i]);
   const int apex = static_cast<int>(std::min_element(squared.begin(), squared.end()) - squared.begin());
   corner_ = {apex, (apex + 1) % 3, (apex + 2) % 3};
-  const float per_m = 1 / this->spacing_m();
-  const float rows = std::sqrt(std::max(squared[corner_[1]], squared[corner_[2]])) * per_m;
+  const float spacing = this->spacing_m(), per_m = 1 / spacing;
+  const float longest = std::sqrt(std::max(squared[corner_[1]], squared[corner_[2]])), rows = longest * per_m;
   rows_ = static_cast<int>(std::clamp(std::ceil(rows), 1.0f, kMost));
   fewer_ = rows > 0.5f ? 0 : rows > 0.25f ? 1 : 2;
+  reach_m_ = std::min(longest, spacing);
+  for (int i = 0; i < 3 && !mesh.normals.empty(); ++i) {
+    const glm::vec3 &normal = mesh.normals[t[(i + 1) % 3]], &other = mesh.normals[t[(i + 2) % 3]];
+    turn_ = std::max(turn_, turn_along(normal, other, std::sqrt(squared[i]), spacing));
+  }
   if (rows_ == 1 && !mesh.normals.empty() && mesh.placements.empty()) shared_ = &mesh;
   last_row_ = std::min(std::sqrt(squared[apex]) * per_m, kMost);
   const bool behind = glm::dot(normal_, direction) > 0;

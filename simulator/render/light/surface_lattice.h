@@ -47,12 +47,15 @@ class TriangleLattice {
   const Hit& hit() const { return hit_; }
   glm::vec3 view() const { return glm::dot(normal_, direction_) > 0 ? normal_ : -normal_; }
   float spacing_m() const;
+  /// spacing_m(), or the length of a triangle that is no longer than that.
+  float reach_m() const { return reach_m_; }
+  /// Difference of the normals of neighboring points, at most: nearly the angle between them in radians. Of vertices
+  /// less than a quarter of the spacing apart 0: closer points would hardly tell them apart.
+  float turn() const { return turn_; }
   /// Of the light samples that points get, the power of 4 by which these get fewer, as they lie closer: 0 to 2.
   int fewer() const { return fewer_; }
   /// Whether the triangle is no longer than the spacing, as rounded.
   bool is_small() const { return rows_ == 1; }
-  /// Whether points are vertices of the mesh.
-  bool at_vertices() const { return shared_; }
 
  private:
   int pieces_of(int row) const;
@@ -66,6 +69,7 @@ class TriangleLattice {
   int rows_ = 0;                 ///< the first corner not counted
   float last_row_ = 0;           ///< spacings along the shortest edge
   int fewer_ = 0;
+  float reach_m_ = 0, turn_ = 0;
   const Mesh* shared_ = nullptr;  ///< set: points are vertices of it
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 
+#include "simulator/render/shading/radiometry.h"
 #include "simulator/render/views.h"
 #include "simulator/sampling/mosaic.h"
 #include "tests/simulator/test_scenes.h"
@@ -113,6 +114,54 @@ TEST(SlowLightCache, BytesDependOnTheSceneAlone) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     EXPECT_EQ(render(RenderScene(scene)), once) << threads << " threads";
   }
+}
+
+/// Eight sides around an upright axis, whose normals make it look round.
+Mesh make_post(glm::vec3 foot, float radius_m, float height_m, int material) {
+  Mesh mesh = make_quad(foot, {1, 0, 0}, {0, 1, 0}, material);
+  mesh.positions.clear(), mesh.uv0.clear(), mesh.normals.clear(), mesh.triangles.clear();
+  for (unsigned side = 0; side <= 8; ++side) {
+    const float angle = static_cast<float>(side) * kPi / 4;
+    for (const float y : {0.0f, height_m}) {
+      mesh.normals.emplace_back(std::cos(angle), 0, std::sin(angle));
+      mesh.positions.push_back(foot + radius_m * mesh.normals.back() + glm::vec3(0, y, 0));
+      mesh.uv0.emplace_back(0, 0);
+    }
+    if (side == 8) break;
+    const unsigned a = 2 * side;
+    mesh.triangles.push_back({a, a + 1, a + 2});
+    mesh.triangles.push_back({a + 2, a + 1, a + 3});
+  }
+  return mesh;
+}
+
+// Points of reflected light, 5 mm apart, are too far apart for normals that turn by a quarter circle within 11 mm, even
+// where light comes from afar, as from this sunlit wall. Without closer points the error is .056 and not .013.
+TEST(LightCache, FollowsSurfacesThatTurn) {
+  Scene scene;
+  scene.materials = {diffuse(0.8f)};
+  scene.meshes = {make_quad({-1, -2, -1}, {0, 0, 4}, {0, 4, 0}, 0), make_post({0, -0.1f, 1.2f}, 0.007f, 0.2f, 0)};
+  PunctualLight sun;
+  sun.kind = PunctualLight::Kind::directional;
+  sun.direction = {-1, 0, 0};
+  sun.intensity = glm::vec3(900);
+  scene.lights = {sun};
+  const Image cached = picture(scene, {.light_samples = 1024}, 256, 1, 32);
+  const Image sampled = picture(scene, kNone, 1024, 1, 32);
+  EXPECT_LT(difference(cached, sampled).rms, 0.02);
+}
+
+// The same for light of the sky, from points that are asked for as far apart: .073, and .015 with closer ones.
+TEST(LightCache, FollowsSurfacesThatTurnInDirectLight) {
+  Scene scene;
+  scene.materials = {diffuse(0.8f)};
+  scene.meshes = {make_post({0, -0.1f, 1.2f}, 0.007f, 0.2f, 0)};
+  scene.environment = {8, 4, std::vector<glm::vec3>(32, glm::vec3(0))};
+  for (int x = 0; x < 4; ++x)
+    scene.environment.radiance_nits[8 + x] = scene.environment.radiance_nits[16 + x] = glm::vec3(1000);
+  const Image cached = picture(scene, {.light_spacing_px = 16, .light_samples = 1024}, 256, 0, 32);
+  const Image sampled = picture(scene, kNone, 1024, 0, 32);
+  EXPECT_LT(difference(cached, sampled).rms, 0.02);
 }
 
 /// A square cut into n x n smaller ones.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -119,6 +120,20 @@ TEST(SurfaceLattice, SmallTrianglesShareVertices) {
   EXPECT_EQ(front.size(), 4u);
   EXPECT_EQ(back.size(), 4u);
   for (std::uint64_t key : back) EXPECT_EQ(front.count(key), 0u);
+}
+
+// Normals that turn by a right angle along edges of 1 and 1.4 m: by a quarter of their difference between points .25 m
+// apart, by all of it in a triangle that is smaller than the spacing. In one far smaller it does not count.
+TEST(SurfaceLattice, KnowsHowFarTheSurfaceTurnsBetweenPoints) {
+  Scene scene = one_triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  const auto lattice = [&](float spacing_m) { return TriangleLattice(scene, {0, 0, 0, 0, 0, 0}, kView, spacing_m); };
+  EXPECT_EQ(lattice(0.25f).turn(), 0);
+  scene.meshes[0].normals = {{0, 0, 1}, {1, 0, 0}, {0, 0, 1}};
+  EXPECT_FLOAT_EQ(lattice(0.25f).turn(), std::sqrt(2.0f) / 4);
+  EXPECT_FLOAT_EQ(lattice(0.25f).reach_m(), 0.25f);
+  EXPECT_FLOAT_EQ(lattice(4).turn(), std::sqrt(2.0f));
+  EXPECT_FLOAT_EQ(lattice(4).reach_m(), std::sqrt(2.0f));
+  EXPECT_EQ(lattice(8).turn(), 0);
 }
 
 // Keys tell apart sides, spacings, triangles, placements and points.
