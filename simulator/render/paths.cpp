@@ -436,7 +436,7 @@ class LightLookup {
   }
 
  private:
-  static constexpr int kLevels = 3;
+  static constexpr int kLevels = 5;
 
   /// `last`: the one that was made last.
   const TriangleLattice& lattice_of(TriangleLattice& last, const Hit& hit, glm::vec3 direction, float spacing_m) {
@@ -446,17 +446,18 @@ class LightLookup {
 
   /// Whether light may vary so much between these points that it takes points half as far apart, at most. Direct light
   /// varies where it was found to, and as the surface turns; reflected light, too, and as the distance that it comes
-  /// from is short (Ward 1988). What is interpolated is off by an eighth of the sum below, at most; the light itself
-  /// does not count, as bright noise must not decide what is kept. Small triangles near others, as leaves are, would
-  /// take too many points of reflected light.
+  /// from is short (Ward 1988). What is interpolated is off by an eighth of the sum below, at most. Closer than points
+  /// of direct light it takes them only beside contacts where they differ. Small triangles near others, as leaves are,
+  /// would take too many points of reflected light.
   bool is_coarse(const TriangleLattice& lattice, const CellLight& around, int level) const {
-    constexpr float kDirect = 0.3f, kDirectTurn = 0.1f, kReflected = 0.2f;
+    constexpr float kDirect = 0.3f, kDirectTurn = 0.1f, kReflected = 0.2f, kContact = 0.7f;
     const float turn = lattice.turn() * lattice.turn();
     if (bounces_ == 0) {
       return level == 0 && !lattice.is_small() && (around.soft_difference > kDirect || turn > kDirectTurn);
     }
     const float nearness = lattice.is_small() ? 0 : lattice.spacing_m() / around.from_m;
-    return nearness * nearness + turn > kReflected;
+    if (level < 2) return nearness * nearness + turn > kReflected;
+    return nearness > 1 && around.soft_difference > kContact;
   }
 
   // Where neighbors differ by more than this share of the larger, an edge of a shadow or of a surface in contact lies
