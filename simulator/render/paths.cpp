@@ -446,9 +446,9 @@ class LightLookup {
 
   /// Whether light may vary so much between these points that it takes points half as far apart, at most. Direct light
   /// varies where it was found to, and as the surface turns; reflected light, too, and as the distance that it comes
-  /// from is short (Ward 1988). What is interpolated is off by an eighth of the sum below, at most. Closer than points
-  /// of direct light it takes them only beside contacts where they differ. Small triangles near others, as leaves are,
-  /// would take too many points of reflected light.
+  /// from is short (Ward 1988). What is interpolated is off by about an eighth of the sum below. Beyond two steps, as
+  /// close as points of direct light, it takes closer ones only beside contacts where they differ. Small triangles near
+  /// others, as leaves are, would take too many points of reflected light.
   bool is_coarse(const TriangleLattice& lattice, const CellLight& around, int level) const {
     constexpr float kDirect = 0.3f, kDirectTurn = 0.1f, kReflected = 0.2f, kContact = 0.7f;
     const float turn = lattice.turn() * lattice.turn();
